@@ -15,10 +15,10 @@ using test::ticks_of;
 using test::verdict_row;
 
 results::FalseAlarms alarms_in(std::string_view letters, std::vector<TouchInterval> intervals, microseconds guard = 4ms,
-                               std::vector<TouchInterval> unlabelled = {}) {
+                               std::vector<TouchInterval> unlabelled = {}, std::vector<TouchInterval> releases = {}) {
   const auto verdicts = verdict_row(letters);
   const auto detections = detections_of(ticks_of(verdicts), verdicts, intervals);
-  return false_alarms_of(ticks_of(verdicts), verdicts, intervals, unlabelled, detections, guard);
+  return false_alarms_of(ticks_of(verdicts), verdicts, {intervals, releases, unlabelled, guard}, detections);
 }
 
 // Ticks lie at 0, 2, 4, ... ms, so tick i at 2 i ms.
@@ -62,6 +62,15 @@ TEST(FalseAlarms, InUnlabelledMotionAreCountedApart) {
   EXPECT_EQ(found.none_time, 16ms);
 }
 
+TEST(FalseAlarms, InAReleaseAndWithinTheGuardAfterItAreCountedApart) {
+  const results::FalseAlarms found =
+      alarms_in("..s..s.s.s", {}, 4ms, {}, {{Touch::none, camera_time(3'000), camera_time(6'000)}});
+  EXPECT_EQ(found.alarms, 2U) << "at 14 and 18 ms";
+  EXPECT_EQ(found.releases, 2U);
+  EXPECT_EQ(found.releases_time, 8ms) << "ticks at 4, 6, 8 and 10 ms";
+  EXPECT_EQ(found.none_time, 12ms);
+}
+
 TEST(FalseAlarms, TheEpisodeThatDetectsAnOnsetTenMillisecondsAheadIsNone) {
   // Onset at 21 ms, k0 is tick 11.
   EXPECT_EQ(alarms_in("......pppppppp", {interval_ms(Touch::press, 21, 26)}).alarms, 0U);
@@ -89,7 +98,7 @@ TEST(FalseAlarms, AreCountedAtBothEndsOfTheClock) {
     // The slip lies where it is said; the guard behind the last press ends with the clock.
     const std::vector<TouchInterval> intervals{{Touch::slip, camera_time(first + 5'000), camera_time(first + 9'000)}};
     const results::FalseAlarms found =
-        false_alarms_of(ticks, verdicts, intervals, {}, detections_of(ticks, verdicts, intervals), microseconds::max());
+        false_alarms_of(ticks, verdicts, {intervals, {}, {}, microseconds::max()}, detections_of(ticks, verdicts, intervals));
     EXPECT_EQ(found.alarms, 1U) << first;
     EXPECT_EQ(found.after_intervals, 1U) << first;
     EXPECT_EQ(found.none_time, 6ms) << first;
@@ -101,7 +110,7 @@ TEST(FalseAlarms, NeedOneVerdictForEachTick) {
   const auto verdicts = verdict_row("...");
   TickRange ticks = ticks_of(verdicts);
   ticks.count = 2;
-  EXPECT_THROW(false_alarms_of(ticks, verdicts, {}, {}, {}, 4ms), Error);
+  EXPECT_THROW(false_alarms_of(ticks, verdicts, {{}, {}, {}, 4ms}, {}), Error);
 }
 
 /// Of each object `runs` runs of `none_time` with `alarms` each.

@@ -38,6 +38,7 @@ TEST(Labels, SurviveTheirFile) {
   labels.intervals[1].confirmed = true;
   labels.robot_clocks = {clock_of(5)};
   labels.rejected = {{Touch::press, camera_time(7'000), camera_time(8'000)}};
+  labels.releases = {{Touch::none, camera_time(9'000), camera_time(9'500)}};
   labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false},
                   {.interval_index = {}, .reason = "whole", .confirmed = true}};
   labels.provenance = {{"made_by", "a test"}};
@@ -56,6 +57,10 @@ TEST(Labels, SurviveTheirFile) {
   EXPECT_EQ(read.robot_clocks[0].offset_low_us, 2);
   EXPECT_EQ(read.robot_clocks[0].offset_high_us, 9);
   EXPECT_FALSE(read.video_clock.has_value());
+  ASSERT_EQ(read.releases.size(), 1U);
+  EXPECT_EQ(read.releases[0].touch, Touch::none);
+  EXPECT_EQ(read.releases[0].start, camera_time(9'000));
+  EXPECT_EQ(read.releases[0].end, camera_time(9'500));
   ASSERT_EQ(read.rejected.size(), 1U);
   EXPECT_EQ(read.rejected[0].touch, Touch::press);
   EXPECT_EQ(read.rejected[0].end, camera_time(8'000));

@@ -72,6 +72,20 @@ TEST(TicksOnOffer, AreAtMost250OfAnIntervalByDefault) {
   EXPECT_EQ(offered[1], 250U);
 }
 
+TEST(BalancedSamples, KeepNoneAwayFromAReleaseThatMayReachIntoAnInterval) {
+  const SamplingOptions options{.guard = 10ms};
+  const std::vector<SampledInterval> intervals{interval(Touch::press, 200'000, 300'000), interval(Touch::slip, 800'000, 900'000)};
+  const std::vector<TouchInterval> releases{{Touch::none, camera_time(500'000), camera_time(600'000)},
+                                            {Touch::none, camera_time(700'000), camera_time(820'000)}};
+  const auto offered = ticks_on_offer(intervals, camera_time(0), camera_time(1'200'000), options, releases);
+  EXPECT_EQ(offered[1], 50U);
+  EXPECT_EQ(offered[2], 50U) << "a release takes nothing from a slip";
+  // Of 576 ticks from 50 ms on, 60 lie near the press, 60 near the first release, 110 near the second or the slip.
+  EXPECT_EQ(offered[0], 576U - 60U - 60U - 110U);
+  for (const Sample& sample : balanced_samples(0, intervals, camera_time(0), camera_time(1'200'000), 1, options, releases))
+    EXPECT_FALSE(sample.t > camera_time(490'000) && sample.t <= camera_time(610'000)) << us_of(sample.t);
+}
+
 TEST(BalancedSamples, LeaveAFlaggedIntervalOutButStillKeepNoneAwayFromIt) {
   const SamplingOptions options{.guard = 10ms};
   const std::vector<SampledInterval> intervals{interval(Touch::press, 200'000, 300'000),

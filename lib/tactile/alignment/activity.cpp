@@ -53,7 +53,7 @@ std::vector<Burst> bursts_in(const EventRate& rate, const QuietRate& quiet, cons
       ++i;
       continue;
     }
-    Burst burst{.begin = i, .end = i, .events = 0};
+    Burst burst{.begin = i, .end = i};
     double peak = 0;
     for (; i < means.size() && means[i] >= leave; ++i) {
       peak = std::max(peak, means[i]);

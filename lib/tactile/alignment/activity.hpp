@@ -22,6 +22,7 @@ struct Burst {
   std::size_t begin = 0;
   std::size_t end = 0;
   double events = 0;  ///< above the quiet rate
+  bool slow = false;  ///< stands out in a few places only, not in the rate of the whole image
 };
 
 struct ActivityOptions {

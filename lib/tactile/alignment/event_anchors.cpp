@@ -186,6 +186,9 @@ std::optional<double> EventAnchors::match() {
                        .ratio = second != all.end() && second->worth > 0 ? best.worth / second->worth : infinite};
   search_.found.events = match;
   if (match.ratio >= search_.options.ambiguous_below) return best.shift_s;
+  for (const Candidate& candidate : all) {
+    if (candidate.worth * search_.options.ambiguous_below > best.worth) possible_s_.push_back(candidate.shift_s);
+  }
   search_.found.doubts.push_back(
       fmt::format("the match of the arm's motion and the events is ambiguous: the best is only {:.2f} times as good as the "
                   "second, {:.2f} s away; expected {:.2f}",

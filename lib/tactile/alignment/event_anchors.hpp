@@ -25,7 +25,7 @@ class EventAnchors {
   /// Adds first shears, ring-downs and taps, each to the millisecond, and the stage's commands.
   void add_anchors(double shift_s);
   /// Adds the stage's commands where no motion places them.
-  void add_stage_anchors_alone() { match_stage(search_, commands_, starts_); }
+  void add_stage_anchors_alone() { match_stage(search_, commands_, starts_, possible_s_); }
 
  private:
   struct Candidate;
@@ -45,6 +45,7 @@ class EventAnchors {
   std::vector<StageCommand> commands_;
   std::vector<ActivityStart> starts_;
   double length_s_ = 0;
+  std::vector<double> possible_s_;  ///< shifts of an ambiguous match
 };
 
 }  // namespace tactile::alignment

@@ -87,10 +87,9 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
     return between(a.begin, a.end) < between(b.begin, b.end);
   });
   if (longest != signals.gaps.end()) {
-    signals.problems.push_back(
-        fmt::format("the recording has a gap: no pixel fires for {} ms, from {} after its first event on ({} us)",
-                    between(longest->begin, longest->end).count() / 1000,
-                    in_seconds(between(signals.rate.begin, longest->begin).count()), us_of(longest->begin)));
+    signals.problems.push_back(fmt::format("the recording has a gap: no pixel fires for {} ms, from {} after its first event on",
+                                           between(longest->begin, longest->end).count() / 1000,
+                                           in_seconds(between(signals.rate.begin, longest->begin).count())));
   }
 }
 

@@ -93,10 +93,16 @@ void add_stage_anchors(AnchorSearch& search, const std::vector<StageCommand>& co
   }
 }
 
-void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts) {
+void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts,
+                 const std::vector<double>& possible_s) {
   double all_events = 0;
   for (const ActivityStart& start : starts) all_events += std::max(0.0, start.events);
-  const std::vector<StageMatch> matches = matches_of(commands, starts, search.options, all_events);
+  std::vector<StageMatch> matches = matches_of(commands, starts, search.options, all_events);
+  std::erase_if(matches, [&](const StageMatch& match) {
+    return !possible_s.empty() && std::none_of(possible_s.begin(), possible_s.end(), [&](double shift_s) {
+      return std::abs(match.shift_s - shift_s) < 0.5 * longest_travel_s;
+    });
+  });
   if (matches.empty() || !(all_events > 0)) {
     search.found.doubts.emplace_back("the skin does nothing that a command to the stage could have caused");
     return;

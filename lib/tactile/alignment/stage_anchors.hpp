@@ -32,7 +32,10 @@ constexpr double longest_travel_s = 1.0;  ///< of a stage, from its command to i
 void add_stage_anchors(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts,
                        double shift_s);
 
-/// The stage's commands alone against what the skin began to do: for runs whose arm rests. An ambiguous match is refused.
-void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts);
+/// The stage's commands alone against what the skin began to do: for runs whose arm rests, or whose motion leaves a choice. An
+/// ambiguous match is refused.
+/// @param possible_s  shifts that the arm's motion allows, within half of the longest travel; empty: any
+void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands, const std::vector<ActivityStart>& starts,
+                 const std::vector<double>& possible_s = {});
 
 }  // namespace tactile::alignment

@@ -64,6 +64,8 @@ class Table {
     number(group, "all", "", "none_min", results::in_minutes(table.total.none_time));
     count(group, "all", "", "after_intervals", table.total.after_intervals);
     number(group, "all", "", "after_intervals_min", results::in_minutes(table.total.after_intervals_time));
+    count(group, "all", "", "releases", table.total.releases);
+    number(group, "all", "", "releases_min", results::in_minutes(table.total.releases_time));
     count(group, "all", "", "unlabelled", table.total.unlabelled);
     number(group, "all", "", "unlabelled_min", results::in_minutes(table.total.unlabelled_time));
   }

@@ -10,34 +10,35 @@
 namespace tactile::evaluation {
 namespace {
 
-enum class Zone : std::uint8_t { in_interval, after_interval, unlabelled, none };
+enum class Zone : std::uint8_t { in_interval, after_interval, release, unlabelled, none };
 
-Zone zone_of(CameraTime tick, std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
-             microseconds guard) {
+Zone zone_of(CameraTime tick, const MotionZones& zones) {
   const auto holds = [tick](const TouchInterval& interval) { return interval.contains(tick); };
-  if (std::any_of(intervals.begin(), intervals.end(), holds)) return Zone::in_interval;
-  const auto just_ended = [tick, guard](const TouchInterval& interval) {
-    return interval.end < tick && tick <= after(interval.end, guard);
+  const auto just_ended = [tick, &zones](const TouchInterval& interval) {
+    return interval.end < tick && tick <= after(interval.end, zones.guard);
   };
-  if (std::any_of(intervals.begin(), intervals.end(), just_ended)) return Zone::after_interval;
-  return std::any_of(unlabelled.begin(), unlabelled.end(), holds) ? Zone::unlabelled : Zone::none;
+  const auto any = [](std::span<const TouchInterval> of, const auto& is_so) { return std::any_of(of.begin(), of.end(), is_so); };
+  if (any(zones.intervals, holds)) return Zone::in_interval;
+  if (any(zones.intervals, just_ended)) return Zone::after_interval;
+  if (any(zones.releases, holds) || any(zones.releases, just_ended)) return Zone::release;
+  return any(zones.unlabelled, holds) ? Zone::unlabelled : Zone::none;
 }
 
 }  // namespace
 
-results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts,
-                                     std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
-                                     std::span<const results::Detection> detections, microseconds guard) {
+results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, const MotionZones& zones,
+                                     std::span<const results::Detection> detections) {
   if (static_cast<std::int64_t>(verdicts.size()) != ticks.count) {
     throw Error("false alarms: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
   }
-  const auto zone_at = [&](std::int64_t index) { return zone_of(ticks.at(index), intervals, unlabelled, guard); };
+  const auto zone_at = [&](std::int64_t index) { return zone_of(ticks.at(index), zones); };
   results::FalseAlarms found;
   for (std::int64_t i = 0; i < ticks.count; ++i) {
     const Zone zone = zone_at(i);
     if (zone == Zone::none) found.none_time += ticks.tick;
     if (zone == Zone::after_interval) found.after_intervals_time += ticks.tick;
+    if (zone == Zone::release) found.releases_time += ticks.tick;
     if (zone == Zone::unlabelled) found.unlabelled_time += ticks.tick;
   }
   for (const Episode& episode : episodes_in(verdicts)) {
@@ -54,6 +55,9 @@ results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Tou
         break;
       case Zone::after_interval:
         ++found.after_intervals;
+        break;
+      case Zone::release:
+        ++found.releases;
         break;
       case Zone::unlabelled:
         ++found.unlabelled;

@@ -11,19 +11,24 @@
 
 namespace tactile::evaluation {
 
+/// The stretches of a run that are not `none`.
+struct MotionZones {
+  std::span<const TouchInterval> intervals;   ///< every labelled one, including those whose labels are in doubt
+  std::span<const TouchInterval> releases;    ///< that `label` found
+  std::span<const TouchInterval> unlabelled;  ///< true motion without labels; empty for a real run
+  microseconds guard{0};                      ///< after an interval or a release, >= 0
+};
+
 /// Counts the episodes whose first tick is in no interval. One that ran into an onset at most the head start before it is that
 /// onset's detection and counts nowhere; one that made an interval early is a false alarm wherever it began. Those that begin
-/// within the guard after an interval (end < t_c <= end + guard) or else in an unlabelled true interval are counted under these
-/// names.
+/// within the guard after an interval (end < t_c <= end + guard), else in a release or within the guard after it, else in an
+/// unlabelled true interval are counted under these names.
 ///
 /// @param verdicts    one for each tick
-/// @param intervals   every labelled interval, including those whose labels are in doubt
-/// @param unlabelled  true intervals without labels; empty for a real run
 /// @param detections  of the same verdicts, by `detections_of`
 /// @throws Error  if there is not one verdict for each tick
-results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts,
-                                     std::span<const TouchInterval> intervals, std::span<const TouchInterval> unlabelled,
-                                     std::span<const results::Detection> detections, microseconds guard);
+results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, const MotionZones& zones,
+                                     std::span<const results::Detection> detections);
 
 /// The false alarms of one run.
 struct RunFalseAlarms {

@@ -33,8 +33,10 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   const TickRange& ticks = prediction.full.ticks;
   prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);
   if (prediction.truth.labels.empty()) return prediction;
-  prediction.false_alarms = false_alarms_of(ticks, prediction.verdicts, prediction.truth.all_labelled(),
-                                            prediction.truth.unlabelled, prediction.detections, options.guard);
+  const std::vector<TouchInterval> labelled = prediction.truth.all_labelled();
+  prediction.false_alarms =
+      false_alarms_of(ticks, prediction.verdicts,
+                      {labelled, prediction.truth.releases, prediction.truth.unlabelled, options.guard}, prediction.detections);
   return prediction;
 }
 
@@ -60,6 +62,7 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
   if (!prediction.truth.labels.empty()) {
     json["false_alarms"] = {{"count", prediction.false_alarms.alarms},
                             {"after_intervals", prediction.false_alarms.after_intervals},
+                            {"releases", prediction.false_alarms.releases},
                             {"unlabelled", prediction.false_alarms.unlabelled}};
   }
   return json;

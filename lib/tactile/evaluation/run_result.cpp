@@ -36,15 +36,14 @@ std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, s
   options.guard = guard;
   const windows::DatasetRun& names = dataset.runs()[run];
   return windows::balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
-                                   seed_for(options.seed, {"windows", names.object, names.run}), options);
+                                   seed_for(options.seed, {"windows", names.object, names.run}), options, truth.unclear);
 }
 
 RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
-                  std::span<const TouchInterval> all, std::span<const TouchInterval> unlabelled, microseconds guard,
-                  const DelayOptions& options) {
+                  const MotionZones& zones, const DelayOptions& options) {
   RunScore score;
   score.detections = detections_of(ticks, verdicts, to_detect, options);
-  score.false_alarms = false_alarms_of(ticks, verdicts, all, unlabelled, score.detections, guard);
+  score.false_alarms = false_alarms_of(ticks, verdicts, zones, score.detections);
   return score;
 }
 
@@ -81,7 +80,8 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   const EvaluationOptions& options = scoring.options;
   const std::vector<TouchInterval> labelled = run.truth.used(), all = run.truth.all_labelled();
   const auto score = [&](std::span<const Touch> verdicts) {
-    return score_of(run.full.ticks, verdicts, labelled, all, run.truth.unlabelled, scoring.guard, options.delay);
+    return score_of(run.full.ticks, verdicts, labelled, {all, run.truth.releases, run.truth.unlabelled, scoring.guard},
+                    options.delay);
   };
   result.network = score(run.verdicts);
   if (scoring.gate) result.open = score(run.open_verdicts);
@@ -90,14 +90,15 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   for (const double threshold : default_thresholds())
     result.by_threshold.push_back(score(confirmed(verdicts_above(run.full.probabilities, threshold), options.confirmation)));
   std::vector<TouchInterval> elsewhere = all;
+  elsewhere.insert(elsewhere.end(), run.truth.releases.begin(), run.truth.releases.end());
   elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
   result.over_time = over_time_of(run.full.ticks, run.verdicts, labelled, options.over_time, elsewhere);
 }
 
 void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
   const RunTruth& truth = run.truth;
-  result.against_truth = score_of(run.full.ticks, run.verdicts, truth.true_ones, truth.true_ones, truth.unlabelled, scoring.guard,
-                                  scoring.options.delay);
+  result.against_truth = score_of(run.full.ticks, run.verdicts, truth.true_ones,
+                                  {truth.true_ones, {}, truth.unlabelled, scoring.guard}, scoring.options.delay);
   for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
     if (truth.gross[i]) result.gross.push_back(counted_from(result.against_truth.detections[i], *truth.gross[i], run.full.ticks));
   }

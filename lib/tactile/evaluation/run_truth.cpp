@@ -26,6 +26,8 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
   RunTruth truth;
   if (std::filesystem::exists(run.labels())) {
     const labels::Labels labels = labels::read_labels(run.labels());
+    truth.releases = labels.releases;
+    truth.unclear = labels::unclear_motion(labels);
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
       truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
     }

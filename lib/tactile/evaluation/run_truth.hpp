@@ -16,6 +16,8 @@ namespace tactile::evaluation {
 /// The touches of a run: its labels and, of a simulated run, its truth.
 struct RunTruth {
   std::vector<windows::SampledInterval> labels;  ///< by start; those whose labels are in doubt are not `used`
+  std::vector<TouchInterval> releases;           ///< that `label` found
+  std::vector<TouchInterval> unclear;            ///< releases, and where an end may lie: no `none` sample is near
   bool has_truth = false;                        ///< the rest is empty without
   std::vector<TouchInterval> true_ones;          ///< that labels should have
   std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other

@@ -38,14 +38,18 @@ std::vector<alignment::Burst> split_at_lifts(const alignment::EventRate& rate, c
 std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
                                             std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts) {
   for (const ArmMove& lift : lifts) {
-    if (lift.uncertainty > well_placed) continue;
-    const auto is_within = [&](const alignment::Burst& burst) {
+    // Where the clock is not known well, only the middle of the lift is sure: there, a pause ends no slip.
+    const bool is_placed = lift.uncertainty <= well_placed;
+    const CameraTime from = is_placed ? before(lift.start, lift.uncertainty) : after(lift.start, lift.uncertainty);
+    const CameraTime until = is_placed ? lift.end : before(lift.end, lift.uncertainty);
+    const auto begins_within = [&](const alignment::Burst& burst) {
       const CameraTime begin = rate.begin_of(burst.begin);
-      return begin >= before(lift.start, lift.uncertainty) && begin < lift.end;
+      return begin >= from && begin < until;
     };
-    const auto first = std::find_if(bursts.begin(), bursts.end(), is_within);
+    auto first = std::find_if(bursts.begin(), bursts.end(), begins_within);
     if (first == bursts.end()) continue;
-    const auto after_last = std::find_if_not(first, bursts.end(), is_within);
+    const auto after_last = std::find_if_not(first, bursts.end(), begins_within);
+    if (!is_placed && first != bursts.begin() && rate.begin_of(std::prev(first)->end) >= from) --first;
     first->end = std::prev(after_last)->end;
     first->events = alignment::events_above(rate, quiet, first->begin, first->end);
     bursts.erase(std::next(first), after_last);
@@ -63,6 +67,7 @@ ArmMoves arm_moves(const alignment::RunSignals& signals, const alignment::RobotC
       if (phase.kind != alignment::MotionKind::lift && phase.kind != alignment::MotionKind::tap) continue;
       const bool is_lift = phase.kind == alignment::MotionKind::lift;
       moves.rises = moves.rises || is_lift;
+      if (is_lift && phase.profile) moves.rings = moves.rings.value_or(false) || phase.profile->rings();
       if (!clocks.pieces[i]) {
         moves.all_placed = moves.all_placed && !is_lift;
         continue;

@@ -13,9 +13,10 @@ constexpr microseconds well_placed = 30ms;  ///< a lift whose clock is known so 
 /// The lifts and taps of a run, in camera time.
 struct ArmMoves {
   std::vector<ArmMove> lifts, taps;
-  bool rises = false;      ///< the log has a lift
-  bool all_placed = true;  ///< the clock of every piece with a lift is known
-  microseconds logged{0};  ///< time that the log covers
+  bool rises = false;           ///< the log has a lift
+  std::optional<bool> rings{};  ///< whether the arm oscillates in one of them; nothing where no lift is fitted
+  bool all_placed = true;       ///< the clock of every piece with a lift is known
+  microseconds logged{0};       ///< time that the log covers
 };
 
 ArmMoves arm_moves(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks);

@@ -13,6 +13,7 @@
 #include "tactile/alignment/film_of_arm.hpp"
 #include "tactile/alignment/film_of_skin.hpp"
 #include "tactile/labels/arm_moves.hpp"
+#include "tactile/labels/slow_bursts.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -139,9 +140,46 @@ class Labeller {
   /// Whether the log has every lift: a log that is shorter than the recording may lack one.
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
+  /// The bursts of the rate, split and joined by the lifts, and those that only a few places show.
+  std::vector<alignment::Burst> all_bursts(events::RecordingReader& recording) const {
+    std::vector<alignment::Burst> bursts = bursts_by_lift(signals_, moves_.lifts, options_.signals.activity);
+    std::vector<alignment::Burst> large;
+    std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
+                 [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, signals_.rate, bursts); });
+    for (alignment::Burst slow : slow_bursts(recording, signals_.event_stream, signals_.rate, large)) {
+      // What stands out in its midst belongs to it.
+      std::erase_if(bursts, [&](const alignment::Burst& burst) {
+        const bool overlap = burst.begin < slow.end && slow.begin < burst.end;
+        if (overlap) slow.begin = std::min(slow.begin, burst.begin);
+        if (overlap) slow.end = std::max(slow.end, burst.end);
+        return overlap;
+      });
+      slow.events = alignment::events_above(signals_.rate, signals_.quiet, slow.begin, slow.end);
+      if (alignment::Burst* next = goes_on_in(slow, bursts)) {
+        next->begin = slow.begin;
+        next->events += slow.events;
+      } else {
+        bursts.push_back(slow);
+      }
+    }
+    std::sort(bursts.begin(), bursts.end(),
+              [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
+    return bursts;
+  }
+
+  /// The burst that a slow rise is the begin of: it follows soon, and no lift starts in between.
+  alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts) const {
+    const auto soon = static_cast<std::size_t>(options_.signals.activity.merge / signals_.rate.bin);
+    const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
+      return !burst.slow && burst.begin >= slow.end && burst.begin < slow.end + soon;
+    });
+    if (next == bursts.end() || lift_around(*next) != nullptr) return nullptr;
+    return &*next;
+  }
+
   void find_intervals() {
     events::RecordingReader recording(signals_.run.events());
-    const std::vector<alignment::Burst> bursts = bursts_by_lift(signals_, moves_.lifts, options_.signals.activity);
+    const std::vector<alignment::Burst> bursts = all_bursts(recording);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
@@ -151,14 +189,33 @@ class Labeller {
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
-      if (kinds[i] == BurstKind::press) {
+      if (kinds[i] == BurstKind::after) flag_if_unexplained(i, bursts, kinds);
+      if (kinds[i] == BurstKind::release) {
+        labels_.releases.push_back({Touch::none, signals_.rate.begin_of(bursts[i].begin), signals_.rate.begin_of(bursts[i].end)});
+      } else if (kinds[i] == BurstKind::press) {
         const FoundTime onset = press_onset(lit[i], options_.onset);
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
       } else if (kinds[i] == BurstKind::slip) {
-        const FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]));
+        FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]), moves_.rings);
+        if (is_confirmed_by_lift(onset.time, bursts[i])) onset.doubt.clear();
         add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end, arm_stop(bursts[i])));
       }
     }
+  }
+
+  /// What moves the skin after the slip, and neither ends it nor belongs to the lift, may be a touch without a label. A tip that
+  /// touches once more is shorter, or smaller, than a press.
+  void flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
+    const alignment::Burst& burst = bursts[i];
+    double pressed = 0;
+    for (std::size_t k = 0; k < bursts.size(); ++k) {
+      if (kinds[k] == BurstKind::press) pressed = std::max(pressed, bursts[k].events);
+    }
+    const CameraTime begin = signals_.rate.begin_of(burst.begin), end = signals_.rate.begin_of(burst.end);
+    const bool is_small = between(begin, end) < options_.touches.shortest_press || burst.events < 0.5 * pressed;
+    if (burst.slow || is_small || lift_around(burst) != nullptr) return;
+    flag(fmt::format("no label explains the burst of events from {:.2f} s to {:.2f} s",
+                     1e-3 * ms(between(signals_.rate.begin, begin)), 1e-3 * ms(between(signals_.rate.begin, end))));
   }
 
   /// A burst after the log's end may be the slip of a lift that was not logged.
@@ -189,14 +246,20 @@ class Labeller {
   }
 
   void add(Touch touch, FoundTime start, FoundTime end) {
+    constexpr microseconds least_rest = 20ms;  // of a skin that is seen at rest before a touch
+    if (start.time.at < after(signals_.rate.begin, least_rest))
+      start.doubt = "the recording begins within it: its onset lies before the first event";
     allow_for_gaps(start.time, "onset");
     allow_for_gaps(end.time, "end");
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
-    // Learning uses the begin of a touch: a doubtful end needs a look only if it may be far off.
-    const bool end_is_wide = ms(between(end.time.low, end.time.high)) > options_.end.too_wide_ms;
+    // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
+    // may lie far off and soon after the onset.
+    const bool end_is_wide = ms(between(end.time.low, end.time.high)) > options_.end.too_wide_ms &&
+                             ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
     if (!end.doubt.empty() && end_is_wide) flag(end.doubt, labels_.intervals.size());
     if (!end.doubt.empty() && !end_is_wide) {
-      labels_.remarks.push_back(fmt::format("the {} at {} us: {}", name_of(touch), us_of(start.time.at), end.doubt));
+      labels_.remarks.push_back(
+          fmt::format("the {} at {:.0f} ms: {}", name_of(touch), ms(between(signals_.rate.begin, start.time.at)), end.doubt));
     }
     labels_.intervals.push_back({.id = {},
                                  .touch = touch,
@@ -223,10 +286,26 @@ class Labeller {
     return alignment::UncertainTime{lift->start, before(lift->start, lift->uncertainty), after(lift->start, lift->uncertainty)};
   }
 
+  /// Whether the onset is known well enough to learn from, and lies where the lift puts it.
+  bool is_confirmed_by_lift(const alignment::UncertainTime& onset, const alignment::Burst& burst) const {
+    const ArmMove* lift = lift_around(burst);
+    return lift != nullptr && confirms(*lift, onset);
+  }
+
+  bool confirms(const ArmMove& lift, const alignment::UncertainTime& onset) const {
+    return lift.uncertainty <= well_placed && ms(between(onset.low, onset.high)) <= options_.onset.too_wide_ms &&
+           is_slip_of(lift, onset.at);
+  }
+
+  bool is_slip_of(const ArmMove& lift, CameraTime onset) const {
+    const microseconds lag = between(lift.start, onset);
+    return lag >= -(lift.uncertainty + options_.earliest_slip) && lag <= lift.uncertainty + options_.latest_slip;
+  }
+
   /// Nothing where it is not known well enough to improve a slip's end.
   std::optional<alignment::UncertainTime> arm_stop(const alignment::Burst& burst) const {
     const ArmMove* lift = lift_around(burst);
-    if (lift == nullptr || lift->uncertainty > well_placed) return std::nullopt;
+    if (lift == nullptr || lift->uncertainty > options_.longest_disagreement) return std::nullopt;
     return alignment::UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
   }
 
@@ -263,9 +342,12 @@ class Labeller {
       interval.evidence.video = filmed->at;
     } else if (interval.touch == Touch::slip && labels_.video_clock && filmed_at(interval)) {
       // A stage that closes slowly on an object of the same grey shows in few films; an arm that rises shows in any.
-      flag(fmt::format("the film shows nothing that rises within {:.0f} ms of this slip's start",
-                       ms(options_.longest_disagreement)),
-           index);
+      const std::string sentence = fmt::format("the film shows nothing that rises within {:.0f} ms of this slip's start",
+                                               ms(options_.longest_disagreement));
+      const ArmMove* lift = lift_of(moves_, interval);
+      const bool lift_agrees =
+          lift != nullptr && lift->uncertainty <= options_.longest_disagreement && is_slip_of(*lift, interval.start.at);
+      lift_agrees ? labels_.remarks.push_back(sentence) : flag(sentence, index);
     }
   }
 
@@ -281,7 +363,7 @@ class Labeller {
   void compare_with_lift(std::size_t index, const ArmMove& lift) {
     const LabelledInterval& slip = labels_.intervals[index];
     const microseconds lag = between(lift.start, slip.start.at);
-    if (lag < -(lift.uncertainty + options_.earliest_slip) || lag > lift.uncertainty + options_.latest_slip) {
+    if (!is_slip_of(lift, slip.start.at)) {
       flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after",
                        std::abs(ms(lag)), lag < 0us ? "before" : "after", ms(lift.uncertainty + options_.earliest_slip),
                        ms(lift.uncertainty + options_.latest_slip)),

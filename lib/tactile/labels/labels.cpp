@@ -117,6 +117,11 @@ Touch touch_in(const json& object, const std::string& where) {
   throw Error(where + ": class '" + name + "' is none of labels; expected press or slip");
 }
 
+TouchInterval stretch_in(const json& object, Touch touch, const std::string& where) {
+  return {touch, camera_time(member<std::int64_t>(object, "start_us", where)),
+          camera_time(member<std::int64_t>(object, "end_us", where))};
+}
+
 LabelledInterval interval_in(const json& object, const std::string& where) {
   LabelledInterval interval{.id = object.contains("id") ? member<std::string>(object, "id", where) : std::string(),
                             .touch = touch_in(object, where),
@@ -171,6 +176,13 @@ const alignment::FittedClock* Labels::robot_clock_at(CameraTime t) const {
   return nearest;
 }
 
+std::vector<TouchInterval> unclear_motion(const Labels& labels) {
+  std::vector<TouchInterval> unclear = labels.releases;
+  for (const LabelledInterval& interval : labels.intervals)
+    if (interval.end.high > interval.end.at) unclear.push_back({Touch::none, interval.end.at, interval.end.high});
+  return unclear;
+}
+
 void name_intervals(std::vector<LabelledInterval>& intervals) {
   std::set<std::string> taken;
   for (const LabelledInterval& interval : intervals) taken.insert(interval.id);
@@ -203,11 +215,13 @@ Labels read_labels(const std::filesystem::path& file) {
     if (video.size() > 1) throw Error(where + ": clocks.video is a list; expected one clock, or null");
     if (!video.empty()) labels.video_clock = video.front();
     if (object.contains("remarks")) labels.remarks = member<std::vector<std::string>>(object, "remarks", where);
+    if (object.contains("releases")) {
+      for (const json& release : list_in(object, "releases", where))
+        labels.releases.push_back(stretch_in(release, Touch::none, where));
+    }
     if (object.contains("rejected")) {
-      for (const json& rejected : list_in(object, "rejected", where)) {
-        labels.rejected.push_back({touch_in(rejected, where), camera_time(member<std::int64_t>(rejected, "start_us", where)),
-                                   camera_time(member<std::int64_t>(rejected, "end_us", where))});
-      }
+      for (const json& rejected : list_in(object, "rejected", where))
+        labels.rejected.push_back(stretch_in(rejected, touch_in(rejected, where), where));
     }
     for (const json& flag : list_in(object, "flags", where)) {
       const json index = flag.contains("interval") ? member<json>(flag, "interval", where) : json(nullptr);
@@ -243,6 +257,7 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
       {"clocks",
        {{"robot", json_of(labels.robot_clocks)}, {"video", labels.video_clock ? json_of(*labels.video_clock) : json(nullptr)}}},
       {"flags", json::array()},
+      {"releases", json::array()},
       {"remarks", labels.remarks},
       {"rejected", json::array()},
       {"provenance", labels.provenance}};
@@ -265,6 +280,8 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
                                {"reason", flag.reason},
                                {"confirmed", flag.confirmed}});
   }
+  for (const TouchInterval& release : labels.releases)
+    object["releases"].push_back({{"start_us", us_of(release.start)}, {"end_us", us_of(release.end)}});
   for (const TouchInterval& rejected : labels.rejected) {
     object["rejected"].push_back(
         {{"class", name_of(rejected.touch)}, {"start_us", us_of(rejected.start)}, {"end_us", us_of(rejected.end)}});

@@ -35,7 +35,9 @@ struct LabelFlag {
 };
 
 struct Labels {
-  std::vector<LabelledInterval> intervals;           ///< by start; never overlapping
+  std::vector<LabelledInterval> intervals;  ///< by start; never overlapping
+  std::vector<TouchInterval> releases;      ///< motion of class none, by start: the skin leaves an object. No `none` sample
+                                            ///< lies near one
   std::vector<alignment::FittedClock> robot_clocks;  ///< one per unbroken piece of the robot log that could be related, by time
   std::optional<alignment::FittedClock> video_clock;
   std::vector<LabelFlag> flags;
@@ -52,6 +54,10 @@ struct Labels {
   /// The piece of the robot's clock that holds at `t`, else the nearest; null if there is none.
   const alignment::FittedClock* robot_clock_at(CameraTime t) const;
 };
+
+/// Stretches with motion of no sure class: releases, and from each end that was found until its interval's end. No `none` sample
+/// lies near them.
+std::vector<TouchInterval> unclear_motion(const Labels& labels);
 
 /// Gives every interval without an id one: its class and the least free number from 1, in order.
 void name_intervals(std::vector<LabelledInterval>& intervals);

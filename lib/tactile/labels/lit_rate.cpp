@@ -128,6 +128,30 @@ double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
   return std::max(1.0, squares / (2.0 * (n - 1.0)) / (total / n));
 }
 
+/// Of a burst that no single cell shows: those of every 3 x 3 cells that stand out together.
+std::vector<bool> faintly_lit_cells(const Cells& cells, const CellCounts& burst, double burst_bins, const CellCounts& quiet,
+                                    double quiet_bins, double stands_out) {
+  double mean = 0;
+  for (const std::uint32_t count : quiet) mean += count / static_cast<double>(quiet.size());
+  std::vector<bool> lit(burst.size());
+  const auto columns = static_cast<std::size_t>(cells.columns()), rows = static_cast<std::size_t>(cells.rows());
+  for (std::size_t row = 1; row + 1 < rows; ++row) {
+    for (std::size_t column = 1; column + 1 < columns; ++column) {
+      double events = 0, noise = 0;
+      const auto for_all = [&](const auto& use) {
+        for (std::size_t v = row - 1; v <= row + 1; ++v)
+          for (std::size_t u = column - 1; u <= column + 1; ++u) use(v * columns + u);
+      };
+      for_all([&](std::size_t cell) {
+        events += burst[cell];
+        noise += quiet_bins > 0 ? std::max<double>(quiet[cell], mean) * burst_bins / quiet_bins : 0.0;
+      });
+      if (events > noise + stands_out * std::sqrt(noise) + 4.0) for_all([&](std::size_t cell) { lit[cell] = true; });
+    }
+  }
+  return lit;
+}
+
 /// Finds the rates of all bursts together, for each pass over the recording serves all of them.
 class LitRates {
  public:
@@ -198,7 +222,9 @@ class LitRates {
   void add_rate(std::size_t i) {
     const alignment::Burst& burst = bursts_[i];
     const auto burst_bins = static_cast<double>(burst.end - burst.begin);
-    std::vector<bool>& lit = lit_.emplace_back(lit_cells(of_burst_[i], burst_bins, quiet_, quiet_bins_, options_.stands_out));
+    std::vector<bool>& lit = lit_.emplace_back(
+        burst.slow ? faintly_lit_cells(cells_, of_burst_[i], burst_bins, quiet_, quiet_bins_, options_.stands_out)
+                   : lit_cells(of_burst_[i], burst_bins, quiet_, quiet_bins_, options_.stands_out));
     // A burst that no place of the image explains, such as a flicker, has the whole image.
     if (std::none_of(lit.begin(), lit.end(), [](bool is_lit) { return is_lit; })) lit.assign(cells_.count(), true);
     const Places& places = places_.emplace_back(places_of(cells_, lit, of_burst_[i], burst_bins, quiet_, quiet_bins_, options_));

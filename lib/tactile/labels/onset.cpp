@@ -155,7 +155,7 @@ FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts r
   return result;
 }
 
-/// A drag begins at a speed. A gradual rise that a sharper jump follows soon may have been ringing as strong as a drag.
+/// A drag begins at a speed. A gradual rise that a sharper jump follows soon is a partial slip, or ringing as strong as a drag.
 /// @return that jump, if there is one
 std::optional<std::size_t> sharper_jump(const LitRate& lit, std::size_t onset, std::size_t width, std::size_t within) {
   const Sums sums(lit.rate.counts);
@@ -355,7 +355,7 @@ Ringing best_ringing(Counts counts, const Sums& sums, std::size_t tau, std::size
 }
 
 /// A slip's onset with ringing and without, and which of them holds.
-Scan slip_scan(const LitRate& lit, const SlipRange& range, std::size_t width) {
+Scan slip_scan(const LitRate& lit, const SlipRange& range, std::size_t width, bool may_ring) {
   constexpr double price = 4.0;  // of two more free numbers
   const Counts counts = Counts(lit.rate.counts).subspan(range.begin, range.end - range.begin);
   const Sums sums(counts);
@@ -363,6 +363,10 @@ Scan slip_scan(const LitRate& lit, const SlipRange& range, std::size_t width) {
   const double quiet = std::max(lit.quiet_per_bin, half_event_per(n));
   const std::vector<Filled> filled = filled_bins(counts);
   const std::vector<double> plain = rise_likelihoods(counts, quiet);
+  if (!may_ring) {
+    const Scan scan = scan_of(plain, lit.dispersion);
+    return {range.begin + scan.best, range.begin + scan.low, range.begin + scan.high};
+  }
   std::vector<double> ringing(n, minus_infinity);
   std::vector<std::size_t> rung_from(n);
   for (std::size_t tau = 0; tau < n; ++tau) {
@@ -428,15 +432,17 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
   return found_at(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, counts, repeats, options);
 }
 
-FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<alignment::UncertainTime>& lift_start) {
+FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std::optional<alignment::UncertainTime>& lift_start,
+                     std::optional<bool> arm_rings) {
   const alignment::EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t width = std::max<std::size_t>(1, bins(1ms));
-  const Scan scan = slip_scan(lit, slip_range(lit, width, options, lift_start), width);
+  const Scan scan = slip_scan(lit, slip_range(lit, width, options, lift_start), width, arm_rings.value_or(true));
   FoundTime onset = found_at(lit, scan, rate.counts, lit.repeats, options);
   if (const auto jump = sharper_jump(lit, scan.best, width, bins(options.first_drag))) {
     onset.time.high = std::max(onset.time.high, after(rate.begin_of(*jump), rate.bin));
-    onset.doubt = "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon";
+    if (arm_rings.value_or(false))
+      onset.doubt = "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon";
   }
   return onset;
 }

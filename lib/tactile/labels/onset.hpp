@@ -23,7 +23,7 @@ struct OnsetOptions {
   microseconds latency{400};            ///< the least time by which a marker may move before its first event
   microseconds longest_blind{15'000};   ///< the greatest such time
   microseconds blind_reset{40'000};     ///< the same where noise has reset all pixels
-  double too_wide_ms = 20.0;            ///< doubtful if the interval is wider than this
+  double too_wide_ms = 40.0;            ///< doubtful if the interval is wider than this
 };
 
 /// When contact first moved a marker, by maximum likelihood on the rate of what the press lights. With tau the onset, q the
@@ -49,8 +49,14 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options = {});
 /// with s, b, c >= 0. The same model without ringing (s = 0) is preferred unless the other is likelier by 4. Ringing has at most
 /// half of the rate that the drag reaches. The interval holds the tau of both models.
 ///
+/// A gradual rise that a sharper one follows soon is a partial slip: first some tips slip, then all. The interval reaches to the
+/// sharper rise. If the arm rings, the gradual rise may be its ringing, and the onset is in doubt.
+///
 /// @param lift_start  if it is known, in camera time; no slip begins before its interval
+/// @param arm_rings   whether the robot log shows that the arm rings when it lifts; nothing without such a log. The model without
+///                    ringing is used alone where it does not ring
 FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options = {},
-                     const std::optional<alignment::UncertainTime>& lift_start = std::nullopt);
+                     const std::optional<alignment::UncertainTime>& lift_start = std::nullopt,
+                     std::optional<bool> arm_rings = std::nullopt);
 
 }  // namespace tactile::labels

@@ -47,7 +47,7 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     // By order alone: the last burst that is no after-effect, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
+      if (!bursts[i].slow && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }
@@ -61,13 +61,14 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
       kinds[i] = BurstKind::tap;
     } else if (last_slip && i > *last_slip) {
-      kinds[i] = BurstKind::after;
+      const bool releases = undoes[i] > options.releases && !alignment::is_after_effect(bursts[i], rate, bursts);
+      kinds[i] = releases ? BurstKind::release : BurstKind::after;
     } else if (alignment::is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
     } else if (standing_press && undoes[i] > options.releases && !is_short(i)) {
       kinds[i] = BurstKind::release;
       standing_press.reset();
-    } else if (standing_press && is_short(i) && bursts[i].events < bursts[*standing_press].events) {
+    } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
       kinds[i] = BurstKind::brief;
     } else {
       standing_press = i;

@@ -35,9 +35,9 @@ struct TouchesOptions {
 /// the
 ///   slip.
 /// - A burst during a tap of the arm is the tap.
-/// - A burst after the last slip is `after`; one for which `is_after_effect` holds is brief. While a press stands, a burst is
-/// also
-///   brief if it is shorter than a stage takes and smaller than that press: tips that spring back.
+/// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
+///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
+///   than a stage takes or slow: tips that spring back or creep.
 /// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where it
 /// had
 ///   left bright.

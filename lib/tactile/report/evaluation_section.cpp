@@ -134,8 +134,9 @@ std::vector<HtmlCell> alarm_row(const std::string& detector, const results::Dete
   };
   return {{.text = detector},           figure_cell(score.false_alarms.per_min),
           count(total.alarms),          has_counts ? number_cell(results::in_minutes(total.none_time), 3) : number_cell("-"),
-          count(total.after_intervals), count(total.unlabelled),
-          delay(score.press.all),       delay(score.slip.all)};
+          count(total.after_intervals), count(total.releases),
+          count(total.unlabelled),      delay(score.press.all),
+          delay(score.slip.all)};
 }
 
 void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
@@ -144,8 +145,8 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
     page.html.heading("False alarms");
     HtmlTable table{.caption =
                         "False alarms over every tick of the runs. Trivial detectors ignore the events. Alarms that begin "
-                        "within the guard after an interval, or in unlabelled motion, are counted separately",
-                    .head = {"detector", "per minute", "false alarms", "minutes of none", "after intervals",
+                        "within the guard after an interval, in a release or in unlabelled motion are counted separately",
+                    .head = {"detector", "per minute", "false alarms", "minutes of none", "after intervals", "in releases",
                              "in unlabelled motion", "mean delay of press [ms]", "mean delay of slip [ms]"},
                     .rows = {}};
     if (has_alarms) table.rows.push_back(alarm_row("network", scores.network));

@@ -90,9 +90,9 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   picture.remarks.push_back(settings + ".");
   if (const results::JsonView alarms = outcome["false_alarms"]) {
     picture.remarks.push_back(fmt::format(
-        "Above each labelled interval: its detection delay. False alarms: {}; alarms just after an interval: {}, in unlabelled "
-        "motion: {}.",
-        alarms["count"].count(), alarms["after_intervals"].count(), alarms["unlabelled"].count()));
+        "Above each labelled interval: its detection delay. False alarms: {}; alarms just after an interval: {}, in a "
+        "release: {}, in unlabelled motion: {}.",
+        alarms["count"].count(), alarms["after_intervals"].count(), alarms["releases"].count(), alarms["unlabelled"].count()));
   }
 }
 

@@ -14,9 +14,11 @@ double in_minutes(microseconds time) { return static_cast<double>(time.count()) 
 FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
   alarms += other.alarms;
   after_intervals += other.after_intervals;
+  releases += other.releases;
   unlabelled += other.unlabelled;
   none_time += other.none_time;
   after_intervals_time += other.after_intervals_time;
+  releases_time += other.releases_time;
   unlabelled_time += other.unlabelled_time;
   return *this;
 }
@@ -32,18 +34,21 @@ void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
           {"per_min", table.per_min},
           {"objects", table.objects},
           {"after_intervals", {{"count", table.total.after_intervals}, {"min", in_minutes(table.total.after_intervals_time)}}},
+          {"releases", {{"count", table.total.releases}, {"min", in_minutes(table.total.releases_time)}}},
           {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}}};
 }
 
 void from_json(const JsonView& json, FalseAlarmTable& table) {
-  const JsonView after = json["after_intervals"], unlabelled = json["unlabelled"];
+  const JsonView after = json["after_intervals"], releases = json["releases"], unlabelled = json["unlabelled"];
   table = {.per_min = json["per_min"].get<Figure>(),
            .objects = json["objects"].map_of<Figure>(),
            .total = {.alarms = json["count"].count(),
                      .after_intervals = after["count"].count(),
+                     .releases = releases["count"].count(),
                      .unlabelled = unlabelled["count"].count(),
                      .none_time = minutes_in(json["none_min"]),
                      .after_intervals_time = minutes_in(after["min"]),
+                     .releases_time = minutes_in(releases["min"]),
                      .unlabelled_time = minutes_in(unlabelled["min"])}};
 }
 

@@ -15,9 +15,12 @@ namespace tactile::results {
 struct FalseAlarms {
   std::uint64_t alarms = 0;           ///< false alarms proper
   std::uint64_t after_intervals = 0;  ///< begun within the guard after an interval
+  std::uint64_t releases = 0;         ///< begun in a release that `label` found, or within the guard after it
   std::uint64_t unlabelled = 0;       ///< begun in unlabelled motion
-  microseconds none_time{0};          ///< ticks in no interval, not within the guard after one, and in no unlabelled interval
+  microseconds none_time{0};          ///< ticks in no interval or release, not within the guard after one, and in no unlabelled
+                                      ///< interval
   microseconds after_intervals_time{0};
+  microseconds releases_time{0};
   microseconds unlabelled_time{0};
 
   FalseAlarms& operator+=(const FalseAlarms& other);
@@ -32,7 +35,8 @@ struct FalseAlarmTable {
   FalseAlarms total;
 };
 
-/// {"count", "none_min", "per_min", "objects", "after_intervals": {"count", "min"}, "unlabelled": {"count", "min"}}
+/// {"count", "none_min", "per_min", "objects", "after_intervals": {"count", "min"}, "releases": {"count", "min"}, "unlabelled":
+/// {"count", "min"}}
 void to_json(nlohmann::json& json, const FalseAlarmTable& table);
 void from_json(const JsonView& json, FalseAlarmTable& table);
 

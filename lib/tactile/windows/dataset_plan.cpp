@@ -69,7 +69,8 @@ std::optional<NoSamples> draw_samples(PlannedRun& run, const labels::Labels& lab
     if (!used) flagged.push_back(labels.intervals[i].id);
   }
   const std::uint64_t seed = seed_for(options.sampling.seed, {"windows", run.folder.object, run.folder.run});
-  run.samples = balanced_samples(0, intervals, run.first_event, run.last_event, seed, options.sampling);
+  run.samples =
+      balanced_samples(0, intervals, run.first_event, run.last_event, seed, options.sampling, labels::unclear_motion(labels));
   for (const Sample& sample : run.samples) ++run.outcome.samples[static_cast<std::size_t>(sample.touch)];
 
   if (!run.samples.empty()) {
@@ -78,7 +79,8 @@ std::optional<NoSamples> draw_samples(PlannedRun& run, const labels::Labels& lab
   }
   std::optional<NoSamples> reason = why_no_samples(labels, options.include_flagged);
   if (!reason) {
-    const auto offered = ticks_on_offer(intervals, run.first_event, run.last_event, options.sampling);
+    const auto offered =
+        ticks_on_offer(intervals, run.first_event, run.last_event, options.sampling, labels::unclear_motion(labels));
     std::vector<std::string> lacking;
     for (const Touch touch : all_touches) {
       if (offered[static_cast<std::size_t>(touch)] == 0) lacking.emplace_back(name_of(touch));

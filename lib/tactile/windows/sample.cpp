@@ -14,7 +14,7 @@ namespace {
 using TicksByTouch = std::array<std::vector<CameraTime>, touch_count>;
 
 TicksByTouch ticks_of(std::span<const SampledInterval> intervals, CameraTime first_event, CameraTime last_event,
-                      const SamplingOptions& options) {
+                      const SamplingOptions& options, std::span<const TouchInterval> releases) {
   check(options);
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const TouchInterval& interval = intervals[i].interval;
@@ -40,7 +40,11 @@ TicksByTouch ticks_of(std::span<const SampledInterval> intervals, CameraTime fir
         ticks[static_cast<std::size_t>(interval.touch)].push_back(t);
       }
     }
-    if (!guarded) ticks[static_cast<std::size_t>(Touch::none)].push_back(t);
+    const auto is_near = [&](const TouchInterval& release) {
+      return before(release.start, options.guard) < t && t <= after(release.end, options.guard);
+    };
+    if (!guarded && std::none_of(releases.begin(), releases.end(), is_near))
+      ticks[static_cast<std::size_t>(Touch::none)].push_back(t);
   }
   return ticks;
 }
@@ -77,8 +81,9 @@ void check(const SamplingOptions& options) {
 }
 
 std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const SampledInterval> intervals, CameraTime first_event,
-                                     CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options) {
-  TicksByTouch ticks = ticks_of(intervals, first_event, last_event, options);
+                                     CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options,
+                                     std::span<const TouchInterval> releases) {
+  TicksByTouch ticks = ticks_of(intervals, first_event, last_event, options, releases);
   std::size_t smallest = ticks[0].size();
   for (const auto& of_touch : ticks) smallest = std::min(smallest, of_touch.size());
   std::vector<Sample> samples;
@@ -93,8 +98,9 @@ std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const Sa
 }
 
 std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInterval> intervals, CameraTime first_event,
-                                                      CameraTime last_event, const SamplingOptions& options) {
-  const TicksByTouch ticks = ticks_of(intervals, first_event, last_event, options);
+                                                      CameraTime last_event, const SamplingOptions& options,
+                                                      std::span<const TouchInterval> releases) {
+  const TicksByTouch ticks = ticks_of(intervals, first_event, last_event, options, releases);
   std::array<std::uint64_t, touch_count> counts{};
   std::transform(ticks.begin(), ticks.end(), counts.begin(), [](const auto& of_touch) { return of_touch.size(); });
   return counts;

@@ -43,17 +43,20 @@ struct SampledInterval {
 ///
 /// Only full ticks count (`full_ticks`): whole multiples of `tick` with t - history >= first_event and t <= last_event. Press and
 /// slip: ticks with start < t <= min(end, start + window) of each used interval. None: ticks with t <= start - guard or t > end +
-/// guard for every interval. Every class is then reduced at random to the size of the smallest.
+/// guard for every interval and every release. Every class is then reduced at random to the size of the smallest.
 ///
 /// @param intervals  by start, not overlapping
+/// @param releases   motion without a class: no `none` near it; any order
 /// @return  empty if a class has no tick
 /// @throws Error  if an option is out of its range, the intervals overlap or are not sorted by start, or there are over
 /// `most_ticks` Source: Faris et al., arXiv:2403.10120, section IV.
 std::vector<Sample> balanced_samples(std::uint32_t run_index, std::span<const SampledInterval> intervals, CameraTime first_event,
-                                     CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options);
+                                     CameraTime last_event, std::uint64_t run_seed, const SamplingOptions& options,
+                                     std::span<const TouchInterval> releases = {});
 
 /// The number of ticks of each class before balancing, by the value of Touch.
 std::array<std::uint64_t, touch_count> ticks_on_offer(std::span<const SampledInterval> intervals, CameraTime first_event,
-                                                      CameraTime last_event, const SamplingOptions& options);
+                                                      CameraTime last_event, const SamplingOptions& options,
+                                                      std::span<const TouchInterval> releases = {});
 
 }  // namespace tactile::windows

@@ -126,9 +126,10 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
     if (detection.outcome == results::DetectionOutcome::detected)
       outcome.delays_us.push_back(static_cast<double>(between(detection.interval.start, detection.first_right).count()));
   }
-  if (!run.truth.labels.empty())
+  const std::vector<TouchInterval> labelled = run.truth.all_labelled();
+  if (!labelled.empty())
     outcome.alarms =
-        evaluation::false_alarms_of(ticks, verdicts, run.truth.all_labelled(), run.truth.unlabelled, detections, run.guard);
+        evaluation::false_alarms_of(ticks, verdicts, {labelled, run.truth.releases, run.truth.unlabelled, run.guard}, detections);
   return outcome;
 }
 

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tactile/alignment/activity.hpp"
+#include "tactile/events/recording_reader.hpp"
+
+namespace tactile::labels {
+
+struct SlowBurstOptions {
+  int cell_px = 8;                     ///< side of a cell; a rise is looked for in 3 x 3 cells
+  microseconds slot{50'000};           ///< rises are compared over 2, 6 and 20 slots: 100, 300 and 1000 ms
+  double stands_out = 6.0;             ///< [standard deviations] above the noise of the cells, and 10 events
+  double dispersion = 1.5;             ///< variance per mean of the noise in a few cells
+  microseconds fades_within{150'000};  ///< so long after a burst its own decline is not looked at
+};
+
+/// Rises that the rate of the whole image hides: a slow press moves few markers, for a long time, at a few events per millisecond
+/// each. Looks at 3 x 3 cells over 100 ms, 300 ms and 1 s outside the known bursts. Noise is the mean of the same cells in quiet
+/// time; where the whole image is brighter in events, as under a drifting light, that mean is raised with it.
+///
+/// Reads the recording twice. Memory is that of 20 slots of cells.
+/// @param rate   of the same stream of this recording
+/// @param known  bursts, by time
+/// @return  by time, apart from each other and from the known ones
+/// @throws Error  as reading events does
+std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
+                                          const alignment::EventRate& rate, std::span<const alignment::Burst> known,
+                                          const SlowBurstOptions& options = {});
+
+}  // namespace tactile::labels
