@@ -74,8 +74,27 @@ TEST(KindsOf, DoesNotTakeTipsThatSpringBackDuringAPressForAnother) {
 
 TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
   const std::vector<alignment::Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
-  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other, outward}, {move_between(80, 200)}),
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other, other}, {move_between(80, 200)}),
             (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
+}
+
+TEST(KindsOf, KnowsTheReleaseAfterASlip) {
+  const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'480)};
+  EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other, outward}),
+            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::release}));
+}
+
+TEST(KindsOf, TakesASlowBurstForAPressOnlyWhereNoneStands) {
+  alignment::Burst slow = burst(900, 1'100, 1'000);
+  slow.slow = true;
+  EXPECT_EQ(kinds({burst(300, 500), slow, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other, other}),
+            (Kinds{BurstKind::press, BurstKind::brief, BurstKind::slip}))
+      << "the tips creep";
+  EXPECT_EQ(kinds({slow, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other}),
+            (Kinds{BurstKind::press, BurstKind::slip}));
+  EXPECT_EQ(kinds({burst(300, 500), burst(700, 850), slow}, std::nullopt, {inward, other, other}),
+            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}))
+      << "without a lift the slip is the last burst that the whole image shows";
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {

@@ -302,10 +302,13 @@ class Labeller {
     return lag >= -(lift.uncertainty + options_.earliest_slip) && lag <= lift.uncertainty + options_.latest_slip;
   }
 
-  /// Nothing where it is not known well enough to improve a slip's end.
+  /// Nothing where it is not known well enough to improve a slip's end. A stop that is known roughly only lengthens a slip whose
+  /// tips are no longer seen: it shortens none, since the clock may be wrong.
   std::optional<alignment::UncertainTime> arm_stop(const alignment::Burst& burst) const {
     const ArmMove* lift = lift_around(burst);
     if (lift == nullptr || lift->uncertainty > options_.longest_disagreement) return std::nullopt;
+    const bool lasts_longer = signals_.rate.begin_of(burst.end) > after(lift->end, lift->uncertainty + options_.end.rung_out);
+    if (lift->uncertainty > well_placed && lasts_longer) return std::nullopt;
     return alignment::UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
   }
 
