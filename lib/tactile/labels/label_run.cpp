@@ -372,7 +372,9 @@ class Labeller {
                        ms(lift.uncertainty + options_.latest_slip)),
            index);
     }
-    const microseconds longer = between(slip.start.at, slip.end.at) - between(lift.start, lift.end);
+    // Tips that are not seen to move may slide on until the end of the interval.
+    const CameraTime stop = after(slip.start.at, between(lift.start, lift.end));
+    const microseconds longer = between(stop, std::clamp(stop, slip.end.at, slip.end.high));
     if (std::chrono::abs(longer) > options_.longest_disagreement) {
       flag(fmt::format("the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them", std::abs(ms(longer)),
                        longer > 0us ? "longer" : "less", ms(options_.longest_disagreement)),

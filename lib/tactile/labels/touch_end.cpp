@@ -251,7 +251,9 @@ FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, co
   if (seen - strong > steps.in(60ms)) end.time.low = std::min(end.time.low, steps.time_of(static_cast<double>(strong)));
   if (arm_stop) {
     end.time.high = std::max(end.time.high, after(arm_stop->high, options.rung_out / 2));
-    if (end.time.at < arm_stop->at) end.time.at = arm_stop->at;
+    // Tips that are not seen to move for long may slide over a smooth face, or have no object left.
+    const bool left_early = between(end.time.at, arm_stop->at) > options.longest_unseen;
+    if (end.time.at < arm_stop->at && !left_early) end.time.at = arm_stop->at;
     const CameraTime rung_out = after(arm_stop->at, options.rung_out);
     if (end.time.at > after(arm_stop->high, options.rung_out)) {
       end.time.at = rung_out;

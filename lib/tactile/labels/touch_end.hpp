@@ -7,13 +7,14 @@
 namespace tactile::labels {
 
 struct EndOptions {
-  double still_share = 0.01;         ///< of the peak speed: a slower touch is still
-  microseconds press_still{20'000};  ///< a press ends at the first so long stillness
-  microseconds slip_still{150'000};  ///< a slip ends at the first stillness so long: stick phases belong to it
-  microseconds rung_out{50'000};     ///< after the arm's stop the tips of a slip stand still
-  microseconds stick_phase{10'000};  ///< so much of the last stick phase may lie before the arm's stop
-  microseconds least_error{1'000};   ///< no interval reaches less far to either side
-  double too_wide_ms = 200.0;        ///< doubtful if wider: the error may exceed the guard between a touch and samples of none
+  double still_share = 0.01;             ///< of the peak speed: a slower touch is still
+  microseconds press_still{20'000};      ///< a press ends at the first so long stillness
+  microseconds slip_still{150'000};      ///< a slip ends at the first stillness so long: stick phases belong to it
+  microseconds rung_out{50'000};         ///< after the arm's stop the tips of a slip stand still
+  microseconds longest_unseen{200'000};  ///< a slip that is not seen for longer before the arm's stop ends where it was last seen
+  microseconds stick_phase{10'000};      ///< so much of the last stick phase may lie before the arm's stop
+  microseconds least_error{1'000};       ///< no interval reaches less far to either side
+  double too_wide_ms = 200.0;  ///< doubtful if wider: the error may exceed the guard between a touch and samples of none
 };
 
 /// When the press's speed fell below 1 % of its peak. A marker's events show its speed until they fade into the noise; the rest
@@ -33,8 +34,9 @@ FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, c
 ///   unseen)
 ///
 /// If the arm's stop is known, the object may slide until then: no end is earlier, and the interval reaches at least as far.
-/// Tips that are no longer dragged stop ringing within 50 ms; longer motion is the arm's own ringing, which is no slip. The end
-/// is there at the latest, and the interval reaches back to the stop.
+/// Where nothing is seen for more than 200 ms before that, the object may also have left: the end is where it was last seen. Tips
+/// that are no longer dragged stop ringing within 50 ms; longer motion is the arm's own ringing, which is no slip. The end is
+/// there at the latest, and the interval reaches back to the stop.
 ///
 /// A tail of more than 60 ms below a tenth of the peak may be the arm's ringing where it stops: the interval then reaches back to
 /// its begin. The interval is wide because the camera shows no more.

@@ -18,6 +18,7 @@ std::optional<std::size_t> slip_of(const alignment::EventRate& rate, std::span<c
   std::optional<std::size_t> best;
   double most = 0;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
+    if (bursts[i].slow) continue;
     const auto length = static_cast<double>((rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin)).count());
     const double events = bursts[i].events * static_cast<double>(common_time(rate, bursts[i], lift).count()) / length;
     if (events > most) {
@@ -56,6 +57,11 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < options.shortest_press;
   };
   std::optional<std::size_t> standing_press;
+  // A fast stage needs less time than `shortest_press`, but moves as many markers as before.
+  const auto is_like_a_press = [&](std::size_t i) {
+    const alignment::Burst &burst = bursts[i], &press = bursts[*standing_press];
+    return burst.events >= options.like_a_press * press.events && 2 * (burst.end - burst.begin) > press.end - press.begin;
+  };
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     if (kinds[i] == BurstKind::slip) continue;
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
@@ -65,9 +71,11 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
       kinds[i] = releases ? BurstKind::release : BurstKind::after;
     } else if (alignment::is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
-    } else if (standing_press && undoes[i] > options.releases && !is_short(i)) {
+    } else if (standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i))) {
       kinds[i] = BurstKind::release;
       standing_press.reset();
+    } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i)) {
+      standing_press = i;  // the stage presses deeper
     } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
       kinds[i] = BurstKind::brief;
     } else {

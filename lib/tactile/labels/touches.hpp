@@ -26,6 +26,8 @@ enum class BurstKind : std::uint8_t {
 
 struct TouchesOptions {
   microseconds shortest_press{100'000};  ///< of a second press on top of the first
+  double deepens = 0.4;                  ///< a burst whose `undoes` is less than the negative of this presses deeper, 0 to 1
+  double like_a_press = 0.1;             ///< of the standing press's events: the least of its release, or of a deeper press
   double releases = 0.5;                 ///< a burst whose `undoes` is greater is a release, 0 to 1
 };
 
@@ -37,7 +39,8 @@ struct TouchesOptions {
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
-///   than a stage takes or slow: tips that spring back or creep.
+///   than a stage takes or slow: tips that spring back or creep. It is none of these if it lasts more than half as long as that
+///   press and either reverses or repeats what it did to the picture: a fast stage that opens, or presses deeper.
 /// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where it
 /// had
 ///   left bright.
