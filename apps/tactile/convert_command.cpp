@@ -38,8 +38,8 @@ std::optional<events::SensorSize> size_in(std::string_view text) {
   if (cross == std::string_view::npos) return std::nullopt;
   const auto width = whole_number_in(text.substr(0, cross));
   const auto height = whole_number_in(text.substr(cross + 1));
-  constexpr int most = std::numeric_limits<std::int16_t>::max();
-  if (!width || !height || *width < 1 || *height < 1 || *width > most || *height > most) return std::nullopt;
+  if (!width || !height || *width < 1 || *height < 1 || *width > events::most_side || *height > events::most_side)
+    return std::nullopt;
   return events::SensorSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
 
@@ -48,18 +48,17 @@ std::string check_size(const std::string& text) {
                        : fmt::format("'{}' is not a sensor size; expected WxH, such as 640x480, each from 1 to 32767", text);
 }
 
-std::optional<conversion::PixelRegion> region_in(std::string_view text) {
+std::optional<conversion::PixelRegion> pixel_region_in(std::string_view text) {
   const std::size_t first = text.find(','), second = first == text.npos ? text.npos : text.find(',', first + 1);
   if (second == text.npos) return std::nullopt;
   const auto x = whole_number_in(text.substr(0, first)), y = whole_number_in(text.substr(first + 1, second - first - 1));
   const auto size = size_in(text.substr(second + 1));
-  constexpr int most = std::numeric_limits<std::int16_t>::max();
-  if (!x || !y || !size || *x < 0 || *y < 0 || *x > most || *y > most) return std::nullopt;
+  if (!x || !y || !size || *x < 0 || *y < 0 || *x > events::most_side || *y > events::most_side) return std::nullopt;
   return conversion::PixelRegion{static_cast<int>(*x), static_cast<int>(*y), size->width, size->height};
 }
 
 std::string check_region(const std::string& text) {
-  return region_in(text)
+  return pixel_region_in(text)
              ? std::string()
              : fmt::format("'{}' is not a region; expected X,Y,WxH, such as 160,120,320x240, from the upper left", text);
 }
@@ -97,7 +96,7 @@ conversion::ConvertOptions options_of(const ConvertArguments& args, unsigned thr
     options.to_counts_from_first = to->counts_from_first;
   }
   options.streams = args.streams;
-  if (!args.crop.empty()) options.crop = region_in(args.crop);
+  if (!args.crop.empty()) options.crop = pixel_region_in(args.crop);
   if (!args.size.empty()) options.size = size_in(args.size);
   if (!args.source.empty()) options.source = args.source;
   options.replace = args.force;

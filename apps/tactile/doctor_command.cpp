@@ -1,6 +1,7 @@
 #include <H5public.h>
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <lz4.h>
 #include <unistd.h>
 #include <zstd.h>
@@ -130,12 +131,6 @@ std::string hdf5_version() {
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 void examine_machine(const CommonArguments& common, const fs::path& data) {
   const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
   const std::string torch = model::torch_version();  // loads libtorch, and with it its BLAS
@@ -181,7 +176,7 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
       {"warnings", warnings}};
   std::string text = fmt::format("tactile {} ({})\n\n", version(), revision());
   text += text_list({{"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
-                     {"CPU features", joined(features)},
+                     {"CPU features", fmt::format("{}", fmt::join(features, ", "))},
                      {"libtorch", torch},
                      {"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
                      {"OpenCV", cv_version},

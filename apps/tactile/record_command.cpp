@@ -178,8 +178,8 @@ void print_runs(const CommonArguments& common, const std::string& data, bool is_
   std::string text;
   nlohmann::json all = nlohmann::json::array();
   for (const capture::RunSummary& run : runs) {
-    text += (text.empty() ? "" : "\n") + text_of(run);
-    all.push_back(json_of(run));
+    text += (text.empty() ? "" : "\n") + cli::text_of(run);
+    all.push_back(cli::json_of(run));
   }
   if (runs.empty()) text = "no run recorded\n";
   if (is_session) {

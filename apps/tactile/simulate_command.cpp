@@ -35,7 +35,7 @@ std::string_view name_of(simulation::SimulatedRun::Kind kind) {
 }
 
 /// Sums over the runs.
-struct Totals {
+struct SimulatedTotals {
   std::map<std::string_view, int> counts{{"made", 0}, {"kept", 0}, {"replaced", 0}, {"removed", 0}};
   std::uint64_t bytes = 0, touch_events = 0;
   double touch_s = 0, duration_s = 0;
@@ -45,8 +45,8 @@ bool is_new(const simulation::SimulatedRun& run) {
   return run.kind == simulation::SimulatedRun::Kind::made || run.kind == simulation::SimulatedRun::Kind::replaced;
 }
 
-Totals totals_of(const std::vector<simulation::SimulatedRun>& runs) {
-  Totals totals;
+SimulatedTotals totals_of(const std::vector<simulation::SimulatedRun>& runs) {
+  SimulatedTotals totals;
   for (const simulation::SimulatedRun& run : runs) {
     ++totals.counts[name_of(run.kind)];
     totals.bytes += run.bytes;
@@ -76,7 +76,7 @@ std::string table_of(const std::vector<simulation::SimulatedRun>& runs) {
 }
 
 /// The speed as a sentence, and in `json`.
-std::string speed_of(const Totals& totals, double elapsed_s, double core_s, nlohmann::json& json) {
+std::string speed_of(const SimulatedTotals& totals, double elapsed_s, double core_s, nlohmann::json& json) {
   const double times_real_time = totals.duration_s / core_s;
   json["times_real_time"] = times_real_time;
   std::string text = fmt::format(
@@ -108,7 +108,7 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
   const double core_s = static_cast<double>(std::clock() - worked) / CLOCKS_PER_SEC;
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
-  const Totals totals = totals_of(runs);
+  const SimulatedTotals totals = totals_of(runs);
   nlohmann::json result = {{"data", args.data},     {"physics", options.physics.source},
                            {"preset", args.preset}, {"seed", args.seed},
                            {"bytes", totals.bytes}, {"runs", nlohmann::json::array()}};

@@ -125,7 +125,7 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   return options;
 }
 
-double number_in(const nlohmann::json& json) { return json.is_null() ? NAN : json.get<double>(); }
+double number_or_nan(const nlohmann::json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
 std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
 
@@ -143,12 +143,12 @@ std::string settings_text(const nlohmann::json& trade) {
     const std::string front = std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "");
     const std::vector<std::string> words = lines_of(wrapped(point.at("text"), 0, width_of_setting));
     rows.push_back({words.front(), front, figure_text(reported.at("accuracy"), 100, 1),
-                    text_of(1e-3 * number_in(delay.at("mean").at("value")), 1),
-                    text_of(1e-3 * number_in(delay.at("p95").at("value")), 1),
-                    text_of(100 * number_in(delay.at("missed").at("value")), 0),
-                    text_of(number_in(reported.at("false_alarms_per_min").at("value")), 1),
-                    text_of(number_in(reported.at("us").at("p50").at("value")), 0),
-                    text_of(number_in(reported.at("us").at("p99").at("value")), 0)});
+                    text_of(1e-3 * number_or_nan(delay.at("mean").at("value")), 1),
+                    text_of(1e-3 * number_or_nan(delay.at("p95").at("value")), 1),
+                    text_of(100 * number_or_nan(delay.at("missed").at("value")), 0),
+                    text_of(number_or_nan(reported.at("false_alarms_per_min").at("value")), 1),
+                    text_of(number_or_nan(reported.at("us").at("p50").at("value")), 0),
+                    text_of(number_or_nan(reported.at("us").at("p99").at("value")), 0)});
     for (std::size_t i = 1; i < words.size(); ++i) rows.push_back({words[i], "", "", "", "", "", "", "", ""});
   }
   std::string text = text_table({"setting", "", "accuracy [%]", "delay", "p95", "missed", "alarms", "p50", "p99"}, rows);

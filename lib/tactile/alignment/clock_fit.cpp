@@ -12,7 +12,6 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr double normal_95 = 1.96;
 constexpr std::array<std::string_view, 8> kind_names{
     "stage output", "sync tap", "IMU", "ring-down", "first shear", "host times", "film of the arm", "film against events"};
 
@@ -49,14 +48,14 @@ double scatter_of(const std::vector<Point>& points, const Line& line, std::size_
   return std::max(1.0, sigma_per_median * lower_median(sizes) * std::sqrt(n / (n - static_cast<double>(free_parameters))));
 }
 
-struct Sums {
+struct LineSums {
   double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
 
   double determinant() const { return w * wxx - wx * wx; }
 };
 
-Sums sums_of(const std::vector<Point>& points) {
-  Sums s;
+LineSums sums_of(const std::vector<Point>& points) {
+  LineSums s;
   for (const Point& p : points) {
     if (!p.used) continue;
     s.w += p.weight;
@@ -68,7 +67,7 @@ Sums sums_of(const std::vector<Point>& points) {
   return s;
 }
 
-Line least_squares(const Sums& s, bool with_gradient) {
+Line least_squares(const LineSums& s, bool with_gradient) {
   Line line;
   if (with_gradient) line.gradient = (s.w * s.wxy - s.wx * s.wy) / s.determinant();
   line.at_middle = (s.wy - line.gradient * s.wx) / s.w;
@@ -85,7 +84,7 @@ Line robust_line(std::vector<Point>& points, Line line, bool with_gradient, doub
       p.used = size <= reject_beyond;
       p.weight = huber_weight(size) / (p.sigma * p.sigma);
     }
-    const Sums sums = sums_of(points);
+    const LineSums sums = sums_of(points);
     if (!(sums.w > 0) || (with_gradient && !(sums.determinant() > 1e-12 * sums.w * sums.wxx))) {
       for (Point& p : points) p.used = true;
       return line;
@@ -171,7 +170,7 @@ class Fitter {
   std::string fit_drift() {
     line_ = robust_line(points_, first_line(points_, true), true, options_.reject_beyond);
     scatter_ = scatter_of(points_, line_, 2);
-    const Sums sums = sums_of(points_);
+    const LineSums sums = sums_of(points_);
     const double gradient_sigma = scatter_ * std::sqrt(sums.w / sums.determinant());
     const auto left = std::count_if(points_.begin(), points_.end(), [](const Point& p) { return p.used; });
     if (!(gradient_sigma < usual_drift_) || static_cast<std::size_t>(left) < options_.drift_needs_anchors) {
@@ -212,7 +211,7 @@ class Fitter {
   /// @return why there is no clock; empty if there is one
   std::string set_clock(ClockFit& fit) const {
     // Each anchor's share in the value at the middle.
-    const Sums sums = sums_of(points_);
+    const LineSums sums = sums_of(points_);
     double variance = 0, drift_share = 0, own_sigma = 0;
     std::array<double, kind_names.size()> bias{};
     std::vector<double> sizes;

@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "tactile/alignment/correlation.hpp"
 #include "tactile/alignment/lag_search.hpp"
+#include "tactile/core/infinite.hpp"
 
 namespace tactile::alignment {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double same_s = 0.12;  // shifts that are closer are one
 
 /// The activity of the skin on a grid of whole milliseconds: the root of the events above the quiet rate, 0 where they could be

@@ -10,7 +10,7 @@ namespace tactile::alignment {
 namespace {
 
 /// Steps [first, last] of a film in which something moves.
-struct Stretch {
+struct StepRange {
   std::size_t first = 0, last = 0;
 };
 
@@ -20,16 +20,16 @@ double size_of(const MotionStep& step, double noise) {
 }
 
 /// The median over a stretch.
-double usual_of(const MotionEnergy& energy, const Stretch& stretch, double MotionStep::*value) {
+double usual_of(const MotionEnergy& energy, const StepRange& stretch, double MotionStep::*value) {
   std::vector<double> values;
   for (std::size_t i = stretch.first; i <= stretch.last; ++i) values.push_back(energy.steps[i].*value);
   return median(values);
 }
 
-std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
+std::vector<StepRange> stretches_in(const MotionEnergy& energy) {
   constexpr double enter = 10.0, leave = 2.5;
   constexpr microseconds merge = 80ms;
-  std::vector<Stretch> stretches;
+  std::vector<StepRange> stretches;
   const std::vector<MotionStep>& steps = energy.steps;
   for (std::size_t i = 0; i < steps.size();) {
     if (size_of(steps[i], energy.noise) < leave) {
@@ -49,7 +49,7 @@ std::vector<Stretch> stretches_in(const MotionEnergy& energy) {
   }
   // Coders continue to correct what has moved: such steps at the ends are no motion.
   constexpr double least = 0.03;
-  for (Stretch& stretch : stretches) {
+  for (StepRange& stretch : stretches) {
     const double limit = least * usual_of(energy, stretch, &MotionStep::energy);
     while (steps[stretch.first].energy < limit) ++stretch.first;
     while (steps[stretch.last].energy < limit) --stretch.last;
@@ -66,12 +66,12 @@ struct Edge {
 };
 
 /// The share of its usual speed at which too little changes in a step to be seen.
-double unseen_share(const MotionEnergy& energy, const Stretch& stretch) {
+double unseen_share(const MotionEnergy& energy, const StepRange& stretch) {
   return energy.threshold / std::max(usual_of(energy, stretch, &MotionStep::strongest), energy.threshold);
 }
 
 /// Some steps at rest, those in which the motion speeds up, and two more.
-Edge edge_of(const MotionEnergy& energy, const Stretch& stretch, bool is_start) {
+Edge edge_of(const MotionEnergy& energy, const StepRange& stretch, bool is_start) {
   constexpr std::ptrdiff_t at_rest = 3;
   constexpr std::size_t at_speed = 2;
   constexpr double fast = 0.8;
@@ -143,7 +143,7 @@ RampFit fit_ramp(const Edge& edge, double earliest, double grid) {
 }
 
 /// When a motion starts; or ends, with time backwards: the best fit, and what fits nearly as well.
-VideoSpan span_of(const MotionEnergy& energy, const Stretch& stretch, bool is_start) {
+VideoSpan span_of(const MotionEnergy& energy, const StepRange& stretch, bool is_start) {
   constexpr double grid = 1'000, usual_misfit = 0.05;  // of the speed
   constexpr double within_95 = 3.84;
   const Edge edge = edge_of(energy, stretch, is_start);
@@ -187,7 +187,7 @@ std::optional<UncertainTime> nearest(std::span<const VideoMotion> motions, const
 std::vector<FilmedMotion> filmed_motions(const MotionEnergy& energy, std::size_t most) {
   constexpr double faint = 0.65;
   std::vector<FilmedMotion> motions;
-  for (const Stretch& stretch : stretches_in(energy)) {
+  for (const StepRange& stretch : stretches_in(energy)) {
     if (motions.size() == most) break;
     double sum = 0;
     for (std::size_t i = stretch.first; i <= stretch.last; ++i) sum += energy.steps[i].energy;

@@ -12,8 +12,6 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr double normal_95 = 1.96;
-
 std::vector<FilmStep> steps_of(const MotionEnergy& energy) {
   std::vector<FilmStep> steps;
   for (const MotionStep& step : energy.steps) {
@@ -238,12 +236,12 @@ std::span<const FilmStep> steps_near(const std::vector<FilmStep>& steps, const R
 }
 
 /// The offset at which the film's steps fit a ramp best, and its standard deviation.
-struct RampFit {
+struct OffsetFit {
   double offset = 0, sigma = 0;
 };
 
-std::optional<RampFit> fit_ramp(const std::vector<FilmStep>& steps, const SpeedCurve& speed, const Ramp& ramp, double offset,
-                                double frame) {
+std::optional<OffsetFit> fit_offset(const std::vector<FilmStep>& steps, const SpeedCurve& speed, const Ramp& ramp, double offset,
+                                    double frame) {
   constexpr int parameters = 3;
   const double reach = 2.5 * frame, grid = std::min(1'000.0, frame / 16);
   const std::span<const FilmStep> near = steps_near(steps, ramp, offset, frame);
@@ -265,8 +263,8 @@ std::optional<RampFit> fit_ramp(const std::vector<FilmStep>& steps, const SpeedC
   const double curvature = (left[best - wide] - 2 * left[best] + left[best + wide]) / (width * width);
   if (!(curvature > 0)) return std::nullopt;
   const double variance = left[best] / std::max(1, static_cast<int>(near.size()) - parameters);
-  return RampFit{offset_at(best) + grid * extreme_of(left[best - 1], left[best], left[best + 1]),
-                 std::sqrt(2 * variance / curvature)};
+  return OffsetFit{offset_at(best) + grid * extreme_of(left[best - 1], left[best], left[best + 1]),
+                   std::sqrt(2 * variance / curvature)};
 }
 
 /// The offset at which the film shows a motion.
@@ -279,9 +277,9 @@ struct MotionFit {
 std::optional<MotionFit> fit_motion(const std::vector<FilmStep>& steps, const SpeedCurve& speed, const Motion& motion,
                                     double offset, double frame) {
   const auto fitted = [&](const std::optional<Ramp>& ramp) {
-    return ramp ? fit_ramp(steps, speed, *ramp, offset, frame) : std::nullopt;
+    return ramp ? fit_offset(steps, speed, *ramp, offset, frame) : std::nullopt;
   };
-  const std::optional<RampFit> start = fitted(motion.start), stop = fitted(motion.stop);
+  const std::optional<OffsetFit> start = fitted(motion.start), stop = fitted(motion.stop);
   if (start && stop) {
     const double half = 0.5 * (start->offset - stop->offset), usual = frame / 32;
     const double misfit = (half * half + 2 * usual * usual) / 3;
@@ -291,7 +289,7 @@ std::optional<MotionFit> fit_motion(const std::vector<FilmStep>& steps, const Sp
                      .apart = 2 * std::abs(half)};
   }
   if (!start && !stop) return std::nullopt;
-  const RampFit& only = start ? *start : *stop;
+  const OffsetFit& only = start ? *start : *stop;
   return MotionFit{.speed_time = (start ? *motion.start : *motion.stop).middle(),
                    .offset = only.offset,
                    .sigma = std::hypot(only.sigma, frame / 16)};

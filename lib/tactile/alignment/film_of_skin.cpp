@@ -9,8 +9,6 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr double normal_95 = 1.96;
-
 /// Standard deviation of a motion's start or end in the film against that of a burst [us].
 double sigma_of(const VideoSpan& span) {
   constexpr double of_burst = 15'000;

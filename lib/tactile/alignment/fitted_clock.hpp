@@ -9,6 +9,8 @@
 
 namespace tactile::alignment {
 
+constexpr double normal_95 = 1.96;  ///< half of a 95 % interval, in standard deviations
+
 /// A time and its 95 % interval.
 struct UncertainTime {
   CameraTime at{};

@@ -12,8 +12,6 @@ namespace {
 
 using Speed = SpeedProfile::Speed;
 
-constexpr double least_share = 0.25;  // of the farthest lobe: a shorter one is ringing
-
 /// Where a straight line through points of time and speed meets zero.
 UncertainSeconds zero_of_line(std::span<const std::pair<double, double>> points, const MotionRows& rows, bool rising) {
   double n = 0, t_mean = 0, v_mean = 0;
@@ -70,7 +68,7 @@ std::vector<MotionLobe> lobes_in(const MotionRows& rows, std::size_t begin, std:
   }
   double farthest_m = 0;
   for (const MotionLobe& lobe : lobes) farthest_m = std::max(farthest_m, std::abs(lobe.displacement_m));
-  std::erase_if(lobes, [&](const MotionLobe& lobe) { return std::abs(lobe.displacement_m) < least_share * farthest_m; });
+  std::erase_if(lobes, [&](const MotionLobe& lobe) { return std::abs(lobe.displacement_m) < least_lobe_share * farthest_m; });
   return lobes;
 }
 

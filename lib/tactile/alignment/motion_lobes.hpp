@@ -17,7 +17,9 @@ struct MotionLobe {
 /// The direction of the fastest of the rows [begin, end): a unit vector.
 SpeedProfile::Speed direction_in(const MotionRows& rows, std::size_t begin, std::size_t end);
 
-/// The lobes of a stretch of motion. Those that go less far than a fourth of the farthest are left out.
+constexpr double least_lobe_share = 0.25;  ///< of the farthest lobe: the ringing after a motion goes less far
+
+/// The lobes of a stretch of motion. Those that go less far than `least_lobe_share` of the farthest are left out.
 std::vector<MotionLobe> lobes_in(const MotionRows& rows, std::size_t begin, std::size_t end,
                                  const SpeedProfile::Speed& direction);
 

@@ -2,24 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <utility>
 
 #include "tactile/alignment/motion_lobes.hpp"
 #include "tactile/alignment/motion_rows.hpp"
+#include "tactile/core/infinite.hpp"
 
 namespace tactile::alignment {
 namespace {
 
 using Speed = SpeedProfile::Speed;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double longest_fit_s = 2.0;  // longer stretches are fitted at their ends
 constexpr std::size_t most_lobes_fitted = 3;
 constexpr std::size_t most_rows_fitted = 2'500;  // of more, every second, third, ...
 constexpr double edge_s = 0.4;                   // of the motion, in a fit of one end
-constexpr double least_share = 0.25;             // of the farthest lobe: the ringing after a stretch goes less far
 constexpr double peak_share = 0.5;               // of the ramps: a height that is shorter may be a peak, rounded by ringing
 constexpr double time_sigma_us = 100.0;          // controllers stamp no better
 constexpr double longest_dwell_s = 0.1;          // of a tap
@@ -109,7 +107,7 @@ class PhaseFinder {
     stretch.open_end = moves_at_end && last.end == end;
     stretch.window_begin_s = stretch.open_begin ? rows_.t_s(begin) : rows_.rest_begin_s(first.begin);
     stretch.window_end_s = stretch.open_end ? rows_.t_s(end - 1) + 0.5 * rows_.period_s()
-                                            : rows_.tail_end_s(last.end, least_share * farthest_m,
+                                            : rows_.tail_end_s(last.end, least_lobe_share * farthest_m,
                                                                1e-6 * static_cast<double>(longest_ringing.count()));
     stretch.whole = stretch.corners.back().end_s - stretch.corners.front().start_s <= longest_fit_s &&
                     stretch.lobes.size() <= most_lobes_fitted;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::alignment {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double chi3_median = 1.538;  // of the length of three noisy components, in their standard deviations
 constexpr double noise_factor = 5.0;   // above that median
 constexpr double longest_pause_s = 0.06;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "tactile/alignment/main_direction.hpp"
 #include "tactile/alignment/speed_profile_fit.hpp"
+#include "tactile/core/infinite.hpp"
 
 namespace tactile::alignment {
 namespace {
@@ -16,8 +16,6 @@ namespace {
 using Speed = SpeedProfile::Speed;
 using Vector = std::vector<double>;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double faded = 12.0;       // decays after which nothing of a ringing is left
 constexpr double well_fitted = 1.5;  // a row's mean square over that of the noise: above, another knot is tried
 constexpr double close_steps = 4.0;  // of rows: knots that are closer may be one
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::alignment {
@@ -12,9 +13,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_spacing_s = 5e-4;  // of knots
-constexpr double faded = 12.0;            // decays after which nothing of a ringing is left
 
 // Known of arms in general: they ring at some 5 to 50 Hz, for 20 to 300 ms, with a part of the acceleration. This decides only
 // where the rows do not.

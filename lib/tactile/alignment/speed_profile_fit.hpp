@@ -16,6 +16,7 @@ using SpeedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 
 double usual_step_s(const std::vector<double>& times);
 
+constexpr double faded = 12.0;          ///< decays after which nothing of a ringing is left
 constexpr double fastest_seen = 0.45;   ///< periods of a ringing from row to row: a faster one is not seen
 constexpr double usual_decay_s = 0.08;  ///< of a ringing, before one is seen
 constexpr double usual_share = 0.2;     ///< of a ringing, before one is seen

@@ -27,7 +27,6 @@ namespace {
 
 constexpr hsize_t most_chunk_rows = hsize_t{16} << 20;
 constexpr microseconds piece_span{10'000};  // the streams are interleaved this finely
-constexpr std::int64_t most_pixels = std::numeric_limits<std::int16_t>::max();
 
 /// A column that is read, a block of whole chunks at a time, so that no chunk is decompressed twice.
 template <class T>
@@ -191,9 +190,9 @@ struct OpenRecording {
     if (!width || !height) {
       throw Error(name + ": has no sensor size; expected the attributes sensor_width and sensor_height, or --size WxH");
     }
-    if (*width < 1 || *height < 1 || *width > most_pixels || *height > most_pixels) {
+    if (*width < 1 || *height < 1 || *width > events::most_side || *height > events::most_side) {
       throw Error(fmt::format("{}: declares a sensor of {}x{} pixels; expected 1 to {} in each direction", name, *width, *height,
-                              most_pixels));
+                              events::most_side));
     }
     return {static_cast<int>(*width), static_cast<int>(*height)};
   }

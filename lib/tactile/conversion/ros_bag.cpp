@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tactile/conversion/ros_bytes.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
@@ -31,15 +32,6 @@ constexpr std::size_t most_connections = 65'536;
 constexpr std::size_t most_name = 4096;  // of a topic or type
 
 enum Operation : unsigned { message_data = 0x02, bag_header = 0x03, chunk = 0x05, connection = 0x07 };
-
-using Bytes = std::span<const std::byte>;
-
-template <class T>
-T number_at(Bytes bytes, std::size_t offset = 0) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 /// The value of a field in a record's header, which is a list of lengths and `name=value`s. Nothing if the field is missing, or a
 /// field before it is broken.

@@ -8,17 +8,16 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "tactile/conversion/ros_bytes.hpp"
+
 namespace tactile::conversion {
 namespace {
-
-using Bytes = std::span<const std::byte>;
 
 constexpr std::pair<std::string_view, RosMessage> known_messages[] = {
     {"5e8beee5a6c107e504c2e78903c224b8", RosMessage::event_array}, {"8a6101b351a64529ac77bd8b71074e52", RosMessage::event_packet},
     {"3066dcd76a6cfaef579bd0f34173e9fd", RosMessage::joint_state}, {"94810edda583a504dfda3829e70d7eec", RosMessage::transforms},
     {"060021388200f6f0f447d0fcd9c64743", RosMessage::image},       {"6a62c6daae103f4ff57a132d6f95cec2", RosMessage::imu}};
 
-constexpr int most_pixels = std::numeric_limits<std::int16_t>::max();
 constexpr std::size_t most_events = std::size_t{8} << 20;  // of a message; drivers send less than a hundredth of it
 constexpr std::size_t event_bytes = 13;                    // x, y, seconds, nanoseconds, polarity
 constexpr std::size_t libcaer_event_bytes = 8;             // place and polarity, microseconds
@@ -80,17 +79,10 @@ class Cursor {
   bool ok_ = true;
 };
 
-template <class T>
-T number_at(Bytes bytes, std::size_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
 /// Reads the sensor's size, which both messages give as height, then width.
 bool take_size(Cursor& cursor, events::SensorSize& size) {
   const auto height = cursor.number<std::uint32_t>(), width = cursor.number<std::uint32_t>();
-  if (!cursor.ok() || width < 1 || height < 1 || width > most_pixels || height > most_pixels) return false;
+  if (!cursor.ok() || width < 1 || height < 1 || width > events::most_side || height > events::most_side) return false;
   size = {static_cast<int>(width), static_cast<int>(height)};
   return true;
 }

@@ -29,7 +29,7 @@ std::string name_of(const fs::path& folder) { return folder.filename().string();
 std::string id_of(int number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
 /// The number from 1 to 99 in `name`; 0 if there is none, or several.
-int number_in(std::string_view name) {
+int only_number_in(std::string_view name) {
   int number = 0, count = 0;
   for (std::size_t i = 0; i < name.size(); ++i) {
     if (!is_digit(name[i])) continue;
@@ -149,7 +149,7 @@ class Search {
   }
 
   void report_run(const fs::path& run, std::set<std::string>& taken) {
-    const int wished = number_in(name_of(run));
+    const int wished = only_number_in(name_of(run));
     const std::string needed = free_id(taken, wished);
     const std::string begin = run.string() + ": is left out, because a run's name is two digits from 01 on; ";
     if (needed.empty()) {
@@ -223,7 +223,7 @@ std::string what_is_misnamed(const fs::path& folder) {
   if (is_discarded(run.run)) return {};
   if (!is_run_id(run.run)) {
     const std::set<std::string> taken = names_in(fs::absolute(folder).lexically_normal() / "..");
-    const std::string needed = free_id(taken, number_in(run.run));
+    const std::string needed = free_id(taken, only_number_in(run.run));
     return folder.string() + ": a run's name is two digits from 01 on; rename it" + (needed.empty() ? "" : " to " + needed);
   }
   if (!is_object_name(run.object)) {

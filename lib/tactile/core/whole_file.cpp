@@ -64,7 +64,7 @@ void sync_all(const fs::path& path) {
   sync_to_disk(path);
 }
 
-bool is_there(const fs::path& path) {
+bool has_entry(const fs::path& path) {
   std::error_code unknown;
   return fs::exists(fs::symlink_status(path, unknown));
 }
@@ -80,7 +80,7 @@ bool is_unsupported(int error) { return error == EINVAL || error == ENOSYS || er
 int rename_if_free(const fs::path& from, const fs::path& to) {
   const int error = rename_with(from, to, RENAME_NOREPLACE);
   if (!is_unsupported(error)) return error;
-  if (is_there(to)) return EEXIST;
+  if (has_entry(to)) return EEXIST;
   if (!fs::is_directory(from)) {
     const int linked = result_of(::link(from.c_str(), to.c_str()));  // a second name: fails if `to` exists
     if (linked == 0) return result_of(::unlink(from.c_str()));
@@ -93,7 +93,7 @@ int rename_if_free(const fs::path& from, const fs::path& to) {
 /// Renames the folder `from` to `to`, and an existing folder `to` to `from`. @return  0 or errno
 int exchange_folders(const fs::path& from, const fs::path& to) {
   for (;;) {
-    if (is_there(to) && !fs::is_directory(to)) return ENOTDIR;
+    if (has_entry(to) && !fs::is_directory(to)) return ENOTDIR;
     int error = rename_with(from, to, RENAME_EXCHANGE);
     if (error == ENOENT) {  // `to` does not exist, unless another process is faster
       error = rename_if_free(from, to);

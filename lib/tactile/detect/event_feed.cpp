@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds source_patience{50};  // after which the thread checks whether to stop
 constexpr milliseconds first_pause{50}, longest_pause{1'000};
-constexpr microseconds between_reports{1'000'000};
+constexpr microseconds between_drop_reports{1'000'000};
 
 }  // namespace
 
@@ -209,7 +209,7 @@ void EventFeed::note_drops() {
   const capture::LostElements all = drops.total();
   const std::uint64_t count = all.packets + all.events + all.others;
   const HostTime now = host_now();
-  if (count == drops_known_ || now - drops_reported_ < between_reports) return;
+  if (count == drops_known_ || now - drops_reported_ < between_drop_reports) return;
   drops_known_ = count;
   drops_reported_ = now;
   report("unsound",

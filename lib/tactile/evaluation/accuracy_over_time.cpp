@@ -87,8 +87,9 @@ results::ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<co
           intervals - sum_of(runs, counted, parts.before_last).intervals};
 }
 
-results::AccuracyOverTime accuracy_of(std::span<const RunOverTime> runs, const std::vector<Touch>& touches,
-                                      const results::OverTimeOptions& options, const results::BootstrapOptions& bootstrap) {
+results::AccuracyOverTime accuracy_of_touches(std::span<const RunOverTime> runs, const std::vector<Touch>& touches,
+                                              const results::OverTimeOptions& options,
+                                              const results::BootstrapOptions& bootstrap) {
   // The part is named of one class's counts; classes that count together are summed.
   const auto part = [&touches](std::function<TickCount(const OverTimeCounts&)> of_class) -> Part {
     return [&touches, of_class = std::move(of_class)](const OverTimeOfRun& run) {
@@ -190,8 +191,9 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
 
 results::OverTime accuracy_over_time(std::span<const RunOverTime> runs, const results::OverTimeOptions& options,
                                      const results::BootstrapOptions& bootstrap) {
-  return {options, accuracy_of(runs, {Touch::press}, options, bootstrap), accuracy_of(runs, {Touch::slip}, options, bootstrap),
-          accuracy_of(runs, {Touch::press, Touch::slip}, options, bootstrap)};
+  return {options, accuracy_of_touches(runs, {Touch::press}, options, bootstrap),
+          accuracy_of_touches(runs, {Touch::slip}, options, bootstrap),
+          accuracy_of_touches(runs, {Touch::press, Touch::slip}, options, bootstrap)};
 }
 
 }  // namespace tactile::evaluation

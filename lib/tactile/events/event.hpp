@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "tactile/core/time.hpp"
@@ -18,6 +19,9 @@ struct Event {
   friend bool operator==(const Event& a, const Event& b) { return a.t == b.t && a.x == b.x && a.y == b.y && a.on == b.on; }
 };
 static_assert(sizeof(Event) == 16 && alignof(Event) == 8 && std::is_trivially_copyable_v<Event>);
+
+/// Recordings, bags and options may declare no wider and no higher sensor.
+constexpr int most_side = std::numeric_limits<std::int16_t>::max();  ///< [px]
 
 struct SensorSize {
   int width = 0;   ///< [px]

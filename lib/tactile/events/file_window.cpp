@@ -10,7 +10,7 @@ namespace {
 
 /// Parts begin at multiples of this, so that threads at near packets share one. Each is longer by the size of a packet. Only
 /// accessed pages use memory.
-constexpr std::size_t part_size = std::size_t{4} << 20, overlap = std::size_t{1} << 20;
+constexpr std::size_t part_size = std::size_t{4} << 20, part_overlap = std::size_t{1} << 20;
 
 /// The bytes that this thread accesses, and the place to resume if they cannot be read.
 struct Guarded {
@@ -51,7 +51,8 @@ std::shared_ptr<const FileParts::Part> FileParts::part(int file, std::uint64_t o
     if (auto part = candidate.lock(); part && part->has(offset, size)) return part;
   }
   const std::uint64_t begin = offset / part_size * part_size;
-  const auto length = static_cast<std::size_t>(std::min(std::max(offset + size, begin + part_size + overlap), file_size) - begin);
+  const auto length =
+      static_cast<std::size_t>(std::min(std::max(offset + size, begin + part_size + part_overlap), file_size) - begin);
   void* data = ::mmap(nullptr, length, PROT_READ, MAP_SHARED, file, static_cast<off_t>(begin));
   if (data == MAP_FAILED) return nullptr;
   auto part = std::make_shared<const Part>(static_cast<std::byte*>(data), begin, length);

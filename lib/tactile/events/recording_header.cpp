@@ -171,10 +171,9 @@ void check_readable_by_vendor(const Stream& stream, std::string_view where) {
   if (stream.name.empty()) refuse("has no name; expected one such as 'events'");
   if (stream.source.empty()) refuse("has no source; expected the camera's, such as 'DVXplorer_DXA00000'");
   if (stream.type != StreamType::events && stream.type != StreamType::frames) return;
-  constexpr int most = std::numeric_limits<std::int16_t>::max();
   const SensorSize size = stream.size.value_or(SensorSize{});
-  if (size.width < 1 || size.height < 1 || size.width > most || size.height > most)
-    refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most));
+  if (size.width < 1 || size.height < 1 || size.width > most_side || size.height > most_side)
+    refuse(fmt::format("has a size of {} x {}; expected 1 to {} pixels each way", size.width, size.height, most_side));
 }
 
 StreamType type_identified(std::string_view identifier) {

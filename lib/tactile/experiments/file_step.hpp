@@ -12,6 +12,8 @@
 
 namespace tactile::experiments {
 
+constexpr std::size_t largest_step_file = std::size_t{1} << 30;  ///< [B] of a JSON file that a step keeps
+
 /// SHA-256 of a file; null if it is missing.
 nlohmann::json hash_of_file(const std::filesystem::path& file);
 

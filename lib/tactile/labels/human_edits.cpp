@@ -12,11 +12,6 @@ namespace {
 
 bool is_a_persons(const LabelledInterval& interval) { return interval.confirmed || interval.source == "person"; }
 
-/// How long both last at once; below 0 if they do not meet.
-microseconds overlap(const TouchInterval& a, const TouchInterval& b) {
-  return between(std::max(a.start, b.start), std::min(a.end, b.end));
-}
-
 bool is_rejected(const LabelledInterval& interval, const std::vector<TouchInterval>& rejected) {
   return std::any_of(rejected.begin(), rejected.end(), [&](const TouchInterval& one) {
     return one.touch == interval.touch && overlap(one, interval.interval()) > 0us;

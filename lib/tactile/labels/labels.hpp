@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,6 +27,11 @@ struct LabelledInterval {
 
   TouchInterval interval() const { return {touch, start.at, end.at}; }
 };
+
+/// How long both last at once; below 0 if they do not meet.
+inline microseconds overlap(const TouchInterval& a, const TouchInterval& b) {
+  return between(std::max(a.start, b.start), std::min(a.end, b.end));
+}
 
 /// A doubt that a person should check: about one interval, or the whole run.
 struct LabelFlag {

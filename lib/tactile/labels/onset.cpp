@@ -12,7 +12,6 @@
 namespace tactile::labels {
 namespace {
 
-constexpr double half_chi2 = 1.92;  // half of the 95 % point of chi^2 with one degree of freedom
 constexpr double minus_infinity = -std::numeric_limits<double>::infinity();
 
 using Counts = std::span<const std::uint32_t>;

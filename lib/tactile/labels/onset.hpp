@@ -8,6 +8,8 @@
 
 namespace tactile::labels {
 
+constexpr double half_chi2 = 1.92;  ///< half of the 95 % point of chi^2 with one degree of freedom
+
 /// An onset or an end with its 95 % interval. Where the events do not decide, the interval is wide and `doubt` gives the reason;
 /// else `doubt` is empty.
 struct FoundTime {

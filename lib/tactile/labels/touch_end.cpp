@@ -12,8 +12,6 @@
 namespace tactile::labels {
 namespace {
 
-constexpr double half_chi2 = 1.92;
-
 /// The rate in steps of a whole number of bins, from the onset on, in events per step.
 struct Steps {
   CameraTime begin{};

@@ -17,12 +17,7 @@
 namespace tactile::pictures {
 namespace {
 
-constexpr int margin = 24, gap = 14, border = 3, row_gap = 6;
-constexpr int scale_width = 118;  // of the legend left of the tiles
-constexpr int header_line = 28, title_line = 34, caption_line = 22;
-constexpr int tile_side = 256, narrowest_tile = 220;
-constexpr double header_size = 0.62, title_size = 0.6, caption_size = 0.5, scale_size = 0.48;
-constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
+constexpr int tile_side = 256;
 
 int rows_of(const SheetGroup& group, int columns) { return (static_cast<int>(group.tiles.size()) + columns - 1) / columns; }
 
@@ -47,6 +42,13 @@ void check_tiles(const std::vector<SheetGroup>& groups) {
 
 /// The sheet while it is drawn.
 class Sheet {
+  static constexpr int margin = 24, gap = 14, border = 3, row_gap = 6;
+  static constexpr int scale_width = 118;  // of the legend left of the tiles
+  static constexpr int header_line = 28, title_line = 34, caption_line = 22;
+  static constexpr int narrowest_tile = 220;
+  static constexpr double header_size = 0.62, title_size = 0.6, caption_size = 0.5, scale_size = 0.48;
+  static constexpr std::int64_t most_pixels = std::int64_t{1} << 28;
+
  public:
   Sheet(const std::vector<SheetGroup>& groups, const SheetOptions& options) : options_(options) {
     std::size_t most_tiles = 0;

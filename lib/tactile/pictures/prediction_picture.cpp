@@ -16,15 +16,6 @@
 namespace tactile::pictures {
 namespace {
 
-// All in pixels of the picture.
-constexpr int picture_width = 1100, left = 110, right = 30, top = 76, between_panels = 18, axis_height = 52;
-constexpr int rate_height = 200, probability_height = 220, row_height = 34, line_height = 19;
-constexpr std::size_t line_characters = 130;
-constexpr std::size_t curve_points = 1500;  // finer than pixels, for an SVG is looked at closely
-
-using figure_colours::faint_ink;
-using figure_colours::ink;
-
 constexpr std::string_view unlabelled_colour = "#B8B8B8";
 
 /// A stretch of a row in one colour.
@@ -33,6 +24,12 @@ struct Stretch {
 };
 
 class PredictionScript : public PlotWriter {
+  // All in pixels of the picture.
+  static constexpr int picture_width = 1100, left = 110, right = 30, top = 76, between_panels = 18, axis_height = 52;
+  static constexpr int rate_height = 200, probability_height = 220, row_height = 34, line_height = 19;
+  static constexpr std::size_t line_characters = 130;
+  static constexpr std::size_t curve_points = 1500;  // finer than pixels, for an SVG is looked at closely
+
  public:
   explicit PredictionScript(const PredictionPicture& picture)
       : picture_(picture), seconds_(std::max(1e-3, seconds_to(picture.ticks.back().t))) {}
@@ -46,24 +43,25 @@ class PredictionScript : public PlotWriter {
     resize(picture_width, rows_bottom + axis_height + static_cast<int>(lines.size()) * line_height + 18);
 
     add("set multiplot");
-    add("set border 3 lc rgb '{}' lw 0.8", faint_ink);
-    add("set tics nomirror scale 0.5 textcolor rgb '{}'", ink);
+    add("set border 3 lc rgb '{}' lw 0.8", figure_colours::faint_ink);
+    add("set tics nomirror scale 0.5 textcolor rgb '{}'", figure_colours::ink);
     add("set grid x y lt 1 lc rgb '#E6E6E6' lw 0.6");
     add("set style data lines");
-    write(picture_.title, left, 26, "font ',14' left", ink);
+    write(picture_.title, left, 26, "font ',14' left", figure_colours::ink);
     for (std::size_t i = 0; i < lines.size(); ++i)
-      write(lines[i], left - 60, rows_bottom + axis_height + 8 + static_cast<int>(i) * line_height, "left", ink);
+      write(lines[i], left - 60, rows_bottom + axis_height + 8 + static_cast<int>(i) * line_height, "left", figure_colours::ink);
     name_intervals();
 
     begin_panel(rate_top, rate_top + rate_height, false);
     shade_labels();
-    add("set ylabel 'events per ms' textcolor rgb '{}'\nset yrange [0:*]", ink);
-    add("plot {} lc rgb '{}' lw 1 notitle", line([](const PredictedTick& tick) { return tick.events_per_ms; }), ink);
+    add("set ylabel 'events per ms' textcolor rgb '{}'\nset yrange [0:*]", figure_colours::ink);
+    add("plot {} lc rgb '{}' lw 1 notitle", line([](const PredictedTick& tick) { return tick.events_per_ms; }),
+        figure_colours::ink);
 
     begin_panel(probability_top, probability_top + probability_height, false);
     shade_labels();
     mark_first_right();
-    add("set ylabel 'probability' textcolor rgb '{}'\nset yrange [-0.02:1.02]\nset ytics 0, 0.25, 1", ink);
+    add("set ylabel 'probability' textcolor rgb '{}'\nset yrange [-0.02:1.02]\nset ytics 0, 0.25, 1", figure_colours::ink);
     add("plot {} lc rgb '{}' lw 1.2 notitle, {} lc rgb '{}' lw 1.2 notitle",
         line([](const PredictedTick& tick) { return tick.press; }), figure_colours::of(Touch::press),
         line([](const PredictedTick& tick) { return tick.slip; }), figure_colours::of(Touch::slip));
@@ -109,7 +107,7 @@ class PredictionScript : public PlotWriter {
     place_panel({.left = left, .top = panel_top, .right = picture_width - right, .bottom = panel_bottom});
     add("set xrange [0:{:.9g}]\nset format x '{}'", seconds_, is_last ? "%g" : "");
     if (is_last)
-      add("set xlabel 'camera time since the first full tick [s]' textcolor rgb '{}'", ink);
+      add("set xlabel 'camera time since the first full tick [s]' textcolor rgb '{}'", figure_colours::ink);
     else
       add("unset xlabel");
   }
@@ -124,7 +122,7 @@ class PredictionScript : public PlotWriter {
 
   void mark_first_right() {
     for (const PredictedInterval& label : picture_.labels) {
-      if (label.first_right) upright(shown(*label.first_right), fmt::format("dashtype 2 lc rgb '{}' lw 1", ink));
+      if (label.first_right) upright(shown(*label.first_right), fmt::format("dashtype 2 lc rgb '{}' lw 1", figure_colours::ink));
     }
   }
 

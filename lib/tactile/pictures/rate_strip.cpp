@@ -15,8 +15,8 @@
 namespace tactile::pictures {
 namespace {
 
-constexpr int left = 58, right = 16, label_row = 24, axis_row = 32;
-constexpr double tick_size = 0.42, label_size = 0.5;
+constexpr int left_of_plot = 58, right_of_plot = 16, label_row = 24, axis_row = 32;
+constexpr double tick_size = 0.42, name_size = 0.5;
 const cv::Scalar curve_line{70, 70, 70}, curve_area{160, 160, 160}, grid{225, 225, 225};
 
 /// 1, 2 or 5 times a power of ten, at least `least`.
@@ -40,7 +40,8 @@ RateStrip::RateStrip(CameraTime begin, CameraTime end, CameraTime zero, const cv
     : begin_(begin), end_(end), zero_(zero), place_(place) {}
 
 cv::Rect RateStrip::area() const {
-  return {place_.x + left, place_.y + label_row, place_.width - left - right, place_.height - label_row - axis_row};
+  return {place_.x + left_of_plot, place_.y + label_row, place_.width - left_of_plot - right_of_plot,
+          place_.height - label_row - axis_row};
 }
 
 int RateStrip::column_of(CameraTime t) const {
@@ -64,9 +65,9 @@ void RateStrip::draw(cv::Mat& picture, const EventCurve& curve, std::span<const 
     cv::rectangle(picture, {from, plot.y, to - from, plot.height}, light_touch_colour(interval.touch), cv::FILLED);
     cv::rectangle(picture, {from, plot.y - 5, to - from, 5}, touch_colour(interval.touch), cv::FILLED);
     const std::string name(name_of(interval.touch));
-    const int at = std::max(free_from, std::min(from, plot.br().x - text_width(name, label_size)));
-    if (at > from + 40 || at + text_width(name, label_size) > place_.br().x) continue;
-    free_from = at + 10 + draw_text(picture, name, {at, plot.y - 9}, label_size, plot.width, touch_colour(interval.touch));
+    const int at = std::max(free_from, std::min(from, plot.br().x - text_width(name, name_size)));
+    if (at > from + 40 || at + text_width(name, name_size) > place_.br().x) continue;
+    free_from = at + 10 + draw_text(picture, name, {at, plot.y - 9}, name_size, plot.width, touch_colour(interval.touch));
   }
 
   std::vector<double> roots;
@@ -87,10 +88,10 @@ void RateStrip::draw(cv::Mat& picture, const EventCurve& curve, std::span<const 
 
 void RateStrip::draw_rate_axis(cv::Mat& picture, double highest_root) const {
   const cv::Rect plot = area();
-  draw_text(picture, "events/ms", {place_.x, plot.y - 9}, tick_size, left + 30, faint_ink);
+  draw_text(picture, "events/ms", {place_.x, plot.y - 9}, tick_size, left_of_plot + 30, faint_ink);
   const auto mark = [&](double rate, int y) {
     const std::string text = fmt::format("{:g}", rate);
-    draw_text(picture, text, {plot.x - 6 - text_width(text, tick_size), y + 4}, tick_size, left, faint_ink);
+    draw_text(picture, text, {plot.x - 6 - text_width(text, tick_size), y + 4}, tick_size, left_of_plot, faint_ink);
     cv::line(picture, {plot.x, y}, {plot.br().x - 1, y}, grid);
   };
   mark(0, plot.br().y);

@@ -11,7 +11,7 @@
 
 namespace tactile::report {
 
-bool is_there(ReportInput& input, const std::filesystem::path& file, std::string_view what) {
+bool is_found(ReportInput& input, const std::filesystem::path& file, std::string_view what) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(file, ignored)) return true;
   input.missing.push_back(fmt::format("{}: {} does not exist.", what, file.string()));

@@ -17,7 +17,7 @@ namespace tactile::report {
 using TableRow = std::vector<std::string>;
 
 /// Whether the file exists; if not, a sentence on `what` is added to `input.missing`.
-bool is_there(ReportInput& input, const std::filesystem::path& file, std::string_view what);
+bool is_found(ReportInput& input, const std::filesystem::path& file, std::string_view what);
 
 /// Reads `history.csv` of a training. @throws Error  if it is of another format
 TrainingCurve training_in(const std::filesystem::path& file, const std::string& name);

@@ -160,7 +160,7 @@ ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data
       input.remarks.push_back(fmt::format("{} and {} differ in more than their history: {}.", first.name(), name, other));
     input.simulated = input.simulated || model["dataset"]["simulated"].truth();
     const fs::path history = folder.path() / "history.csv";
-    if (is_there(input, history, "The training of " + name)) input.trainings.push_back(training_in(history, name));
+    if (is_found(input, history, "The training of " + name)) input.trainings.push_back(training_in(history, name));
     models.push_back(
         {name, model["trained_at"].words(), model["samples"].words(), model["weights_sha256"].words().substr(0, 16)});
     read_unseen(input, folder.path());

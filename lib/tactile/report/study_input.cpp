@@ -80,7 +80,7 @@ std::vector<TableRow> read_trainings(ReportInput& input, const results::JsonView
     const std::string name = model["name"].text();
     if (!model || std::any_of(rows.begin(), rows.end(), [&](const TableRow& row) { return row[0] == name; })) return;
     const fs::path file = folder / model["history"].text();
-    if (is_there(input, file, "The training of " + name)) input.trainings.push_back(training_in(file, name));
+    if (is_found(input, file, "The training of " + name)) input.trainings.push_back(training_in(file, name));
     const results::Figure accuracy = model["accuracy"].get<results::Figure>();
     rows.push_back({name, model["seed"].words(), std::isfinite(accuracy.value) ? percent_text(accuracy) : without_accuracy,
                     model["weights_sha256"].text().substr(0, 16)});
@@ -123,7 +123,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
   for (const results::JsonView& entry : study["evaluations"].items()) {
     const std::string id = entry["id"].text();
     const fs::path file = folder / entry["json"].text();
-    if (!is_there(input, file, "The evaluation " + id)) continue;
+    if (!is_found(input, file, "The evaluation " + id)) continue;
     const nlohmann::json document = read_json(file);
     input.evaluations.push_back({.id = id,
                                  .model = entry["model"].text(),
@@ -135,7 +135,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
   if (study["evaluations"].items().empty()) input.missing.push_back("No model was evaluated; 'tactile reproduce' evaluates.");
   for (const results::JsonView& run : study["full_runs"].items()) {
     const fs::path csv = folder / run["csv"].text();
-    if (is_there(input, csv, "The full run " + run["run"].text())) {
+    if (is_found(input, csv, "The full run " + run["run"].text())) {
       input.runs.push_back({.run = run["run"].text(),
                             .model = run["model"].text(),
                             .history_ms = run["th_ms"].number(),
@@ -180,7 +180,7 @@ std::vector<TableRow> model_settings(ReportInput& input, const results::JsonView
     for (const results::JsonView& model : history["models"].items()) {
       const fs::path file = folder / model["folder"].text() / "model.json";
       if (!rows.empty() || !choice || model["name"].text() != choice["model"].text()) continue;
-      if (!is_there(input, file, "The training settings of the chosen model")) continue;
+      if (!is_found(input, file, "The training settings of the chosen model")) continue;
       const nlohmann::json document = read_json(file);
       const results::JsonView description(document, file.string());
       for (const std::string key : {"rendering", "split", "training", "network", "result"})

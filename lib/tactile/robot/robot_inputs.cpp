@@ -19,7 +19,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds write_patience{100};
 constexpr milliseconds look{100};  // from one check of the connection to the next
-constexpr milliseconds first_pause{100}, longest_pause{5'000};
 
 }  // namespace
 
@@ -101,7 +100,7 @@ bool RobotInputs::State::serve() {
 bool RobotInputs::State::connect_again(const std::string& why) {
   if (options.log) options.log(fmt::format("robot gone ({}), trying again", why));
   const auto gone = std::chrono::steady_clock::now();
-  for (milliseconds pause = first_pause;; pause = std::min(2 * pause, longest_pause)) {
+  for (milliseconds pause = shortest_pause;; pause = std::min(2 * pause, longest_pause)) {
     {
       std::unique_lock lock(guard);
       told.connected = false;

@@ -1,6 +1,7 @@
 #include "tactile/robot/robot_monitor.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -45,7 +46,6 @@ constexpr std::array<std::string_view, 18> usual_fields{"timestamp",
                                                         "output_int_register_0"};
 constexpr std::string_view usual_register = "output_double_register_0";
 
-constexpr milliseconds shortest_pause{100}, longest_pause{5'000};  // between two attempts to connect
 constexpr milliseconds attempt_patience{2'000};
 constexpr milliseconds wake_every{100};
 
@@ -68,12 +68,6 @@ std::vector<std::string> wanted_fields(const RobotMonitorOptions& options) {
 }
 
 double seconds_between(HostTime begin, HostTime end) { return static_cast<double>((end - begin).count()) / 1e6; }
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
   return std::equal(a.fields.begin(), a.fields.end(), b.fields.begin(), b.fields.end(),
@@ -158,7 +152,7 @@ void RobotMonitor::State::first_connection() {
                                 address.text(), required, text_of(agreed.version)));
       }
     }
-    tell(fmt::format("the robot has no {}: the log is without it", joined(agreed.unknown)));
+    tell(fmt::format("the robot has no {}: the log is without it", fmt::join(agreed.unknown, ", ")));
     std::erase_if(fields, [&](const std::string& name) {
       return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
     });
@@ -167,7 +161,7 @@ void RobotMonitor::State::first_connection() {
     agreed = session->agree(fields, options.frequency_hz);
     if (!agreed.unknown.empty())
       throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(),
-                              joined(agreed.unknown)));
+                              fmt::join(agreed.unknown, ", ")));
   }
 
   columns = columns_of(agreed.recipe);

@@ -1,6 +1,7 @@
 #include "tactile/robot/rtde_protocol.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -66,11 +67,7 @@ std::vector<std::byte> finished(std::vector<std::byte> package) {
   return package;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
-  return text;
-}
+std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ",")); }
 
 std::string checked_names(const std::vector<std::string>& names, std::string_view kind, std::string_view example) {
   for (const std::string& name : names) {

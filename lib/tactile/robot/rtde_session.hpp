@@ -15,6 +15,9 @@
 
 namespace tactile::robot {
 
+/// Between two attempts to connect: the pause doubles from the one to the other.
+constexpr std::chrono::milliseconds shortest_pause{100}, longest_pause{5'000};
+
 /// The result of the set-up of controller and client.
 struct RtdeAgreement {
   RtdeControllerVersion version;

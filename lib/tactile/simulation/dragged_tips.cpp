@@ -4,11 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "tactile/core/infinite.hpp"
+
 namespace tactile::simulation {
 namespace {
 
 constexpr double slip_still_s = 0.150;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double bell(Random& random) { return std::clamp(random.normal(), -2.0, 2.0); }
 

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "tactile/core/infinite.hpp"
 
 namespace tactile::simulation {
 namespace {
 
 constexpr double stage_ramp_s = 0.020;
 constexpr double reference_acceleration_mm_s2 = 1200.0;  // at which VibrationPlan::tip_mm is given
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// An opening stage: it reaches its speed after its ramp. @return  share of the travel at the share `x` of the time, and its
 /// derivative

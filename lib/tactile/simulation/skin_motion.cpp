@@ -4,16 +4,15 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <span>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/simulation/moving_tips.hpp"
 
 namespace tactile::simulation {
 namespace {
 
 constexpr double press_still_s = 0.020;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 microseconds whole_us(double seconds) { return microseconds{std::llround(1e6 * seconds)}; }
 

@@ -23,7 +23,6 @@ namespace {
 
 constexpr std::int64_t most_pixels = std::int64_t{8192} * 4320;
 constexpr std::size_t most_frames = 1'000'000;
-constexpr AVRational microsecond{1, 1'000'000};
 
 struct Close {
   void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
@@ -137,7 +136,7 @@ struct FilmReader::State {
 
   std::optional<std::int64_t> us_from(std::int64_t t) const {
     if (t == AV_NOPTS_VALUE || first == AV_NOPTS_VALUE) return std::nullopt;
-    return av_rescale_q(saturating_subtract(t, first), stream().time_base, microsecond);
+    return av_rescale_q(saturating_subtract(t, first), stream().time_base, av_get_time_base_q());
   }
 
   /// Sets the scaler for the last frame. @return false if there is none

@@ -24,7 +24,6 @@ extern "C" {
 namespace tactile::video {
 namespace {
 
-constexpr AVRational microsecond{1, 1'000'000};
 constexpr std::size_t readable_beyond = 256;  // [B] after a picture: libswscale reads some there
 
 std::string reason(int error) {
@@ -81,7 +80,7 @@ struct VideoWriter::State {
     codec->width = options.width;
     codec->height = options.height;
     codec->pix_fmt = AV_PIX_FMT_YUV420P;
-    codec->time_base = microsecond;
+    codec->time_base = av_get_time_base_q();
     codec->framerate = {30, 1};  // for the rate control only; each frame has its own time
     codec->gop_size = options.frames_per_fragment;
     codec->max_b_frames = 0;  // else decoding times run ahead of the first frame's, and players shift the whole film
@@ -102,14 +101,14 @@ struct VideoWriter::State {
 
     AVStream* stream = avformat_new_stream(format, nullptr);
     if (stream == nullptr) throw Error(file + ": no memory for the stream; expected some MB");
-    stream->time_base = microsecond;
+    stream->time_base = av_get_time_base_q();
     check(avcodec_parameters_from_context(stream->codecpar, codec), "describing the stream");
     check(avio_open(&format->pb, file.c_str(), AVIO_FLAG_WRITE), "opening the file");
     format->flags |= AVFMT_FLAG_BITEXACT;
     format->flush_packets = 1;
     AVDictionary* settings = nullptr;
     av_dict_set(&settings, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
-    av_dict_set_int(&settings, "video_track_timescale", microsecond.den, 0);
+    av_dict_set_int(&settings, "video_track_timescale", AV_TIME_BASE, 0);
     const int result = avformat_write_header(format, &settings);
     av_dict_free(&settings);
     check(result, "writing the header");

@@ -13,6 +13,7 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/trade/dense_heatmaps.hpp"
+#include "tactile/experiments/trade/tick_times.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 
@@ -40,10 +41,6 @@ model::Weights random_weights(events::SensorSize input) {
 struct TickParts {
   double rendering = std::numeric_limits<double>::infinity(), network = rendering;
 };
-
-double us_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double, std::micro>(end - begin).count();
-}
 
 void keep_shorter(TickParts& kept, Clock::time_point begin, Clock::time_point rendered, Clock::time_point end) {
   const TickParts now{us_between(begin, rendered), us_between(rendered, end)};

@@ -9,15 +9,10 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/full_run.hpp"
+#include "tactile/experiments/file_step.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
-namespace {
-
-constexpr std::size_t largest_file = std::size_t{1} << 30;
-
-}  // namespace
-
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
                                                  const model::Classifier& classifier, microseconds tick, unsigned threads,
                                                  const ProgressCallback& progress) {
@@ -66,7 +61,7 @@ void write_full_runs(const std::filesystem::path& file, std::span<const results:
 }
 
 std::vector<results::FullRun> read_full_runs(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file, largest_file), nullptr, false);
+  const auto json = nlohmann::json::parse(read_text(file, experiments::largest_step_file), nullptr, false);
   if (json.is_discarded()) throw Error(file.string() + ": no JSON; expected predictions of runs");
   return results::JsonView(json, file.string(), results::MissingMember::is_error)["runs"].list_of<results::FullRun>();
 }

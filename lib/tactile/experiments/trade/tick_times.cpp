@@ -17,6 +17,7 @@
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/experiments/file_step.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
@@ -27,11 +28,6 @@ using Clock = std::chrono::steady_clock;
 using Network = std::function<model::Logits(std::span<const std::uint8_t>)>;
 
 constexpr std::int64_t warm_up_ticks = 1;
-constexpr std::size_t largest_file = std::size_t{1} << 30;
-
-float us_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<float, std::micro>(end - begin).count();
-}
 
 /// Networks, each opened once: several settings may share one.
 class Networks {
@@ -189,7 +185,7 @@ void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns>
 }
 
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file, largest_file), nullptr, false);
+  const auto json = nlohmann::json::parse(read_text(file, experiments::largest_step_file), nullptr, false);
   try {
     std::vector<TimesOfRuns> times;
     for (const auto& runs : json.at("ways")) {

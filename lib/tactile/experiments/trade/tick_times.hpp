@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,6 +13,10 @@
 #include "tactile/experiments/trade/trade_setting.hpp"
 
 namespace tactile::trade {
+
+inline float us_between(std::chrono::steady_clock::time_point begin, std::chrono::steady_clock::time_point end) {
+  return std::chrono::duration<float, std::micro>(end - begin).count();
+}
 
 /// Duration of one tick on one thread [us].
 struct TickTime {

@@ -18,8 +18,6 @@ bool differs(std::int64_t a, std::int64_t b, std::int64_t most) {
   return std::max(saturating_subtract(a, b), saturating_subtract(b, a)) > most;
 }
 
-bool overlap(const TouchInterval& a, const TouchInterval& b) { return std::max(a.start, b.start) < std::min(a.end, b.end); }
-
 /// An imported interval that will be a label.
 struct Placed {
   LabelledInterval interval = {};
@@ -60,7 +58,7 @@ class Edits {
     });
     match_others([&](const ImportedInterval& imported, const LabelledInterval& old) {
       return overlap({imported.touch, clock_.camera_from(imported.start_us), clock_.camera_from(imported.end_us)},
-                     old.interval());
+                     old.interval()) > 0us;
     });
     return old_of_;
   }
@@ -183,7 +181,7 @@ std::vector<TouchInterval> rejected_with(const Labels& labels, const Edits& edit
   }
   std::erase_if(rejected, [&](const TouchInterval& one) {
     return std::any_of(intervals.begin(), intervals.end(), [&](const LabelledInterval& interval) {
-      return interval.touch == one.touch && overlap(interval.interval(), one);
+      return interval.touch == one.touch && overlap(interval.interval(), one) > 0us;
     });
   });
   return rejected;

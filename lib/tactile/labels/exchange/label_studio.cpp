@@ -122,7 +122,7 @@ std::optional<FileTimes> times_in(const json& data, const std::string& where) {
   return times;
 }
 
-ImportedInterval interval_in(const json& result, const std::string& where) {
+ImportedInterval imported_interval_in(const json& result, const std::string& where) {
   ImportedInterval interval;
   if (const auto id = result.find("id"); id != result.end() && id->is_string()) {
     interval.id = id->get<std::string>();
@@ -174,7 +174,7 @@ ImportedLabels task_in(const json& task, const std::filesystem::path& file, std:
   for (const json& result : results) {
     if (!result.is_object()) throw Error(where + ": a result is not an object; expected an annotation's results");
     if (result.value("type", json()) != result_type) continue;
-    labels.intervals.push_back(interval_in(result, where));
+    labels.intervals.push_back(imported_interval_in(result, where));
     check_count(labels.intervals.size(), most_imported_intervals, "results", file);
   }
   return labels;
