@@ -1,0 +1,204 @@
+"""What stage, arm, skin and object do, on a time axis of 0.25 ms. Lengths in mm, times in s from the begin of the recording."""
+import dataclasses
+import math
+
+import numpy as np
+
+STEP = 0.00025
+
+
+@dataclasses.dataclass
+class Motion:
+    t: np.ndarray            # time
+    depth: np.ndarray        # of the contact's centre in the skin
+    shear: np.ndarray        # of the skin where it sticks to the object
+    limit: np.ndarray        # shear at which the whole contact slips
+    gross: np.ndarray        # 1 while the whole contact has slipped and did not stick again from rest
+    slid: np.ndarray         # way of the object over the skin
+    lift: np.ndarray         # way of the arm
+    shake: np.ndarray        # of the gripper against the arm
+    stage: np.ndarray        # way of the stage
+    commands: list           # (time, on) of the stage's output
+    truths: list             # intervals: dicts with what, class, labelled, start, end, gross (times in s)
+    lift_start: float | None
+    press_speeds: list       # of the stage at each first contact
+
+
+def ramp(t, start, way, speed, acceleration):
+    """Way of a move with the profile of a trapeze, and its duration."""
+    way, sign = abs(way), math.copysign(1, way)
+    speed = min(speed, math.sqrt(way * acceleration))
+    rise, flat = speed / acceleration, way / speed - speed / acceleration
+    s = np.clip(t - start, 0, 2 * rise + flat)
+    up, down = np.minimum(s, rise), np.maximum(s - rise - flat, 0)
+    middle = np.clip(s - rise, 0, flat + rise)
+    return sign * (0.5 * acceleration * up**2 + speed * middle - 0.5 * acceleration * down**2), 2 * rise + flat
+
+
+def smooth(values, seconds):
+    """Mean over the past, so that a motion never begins before its command."""
+    n = max(1, round(seconds / STEP))
+    total = np.concatenate([np.full(n, values[0]), values]).cumsum()
+    return (total[n:] - total[:-n]) / n
+
+
+def shaken(acceleration, hz, damping, part):
+    """Way of a mass on the arm that hangs on a damped spring."""
+    w, y, v, out = 2 * math.pi * hz, 0.0, 0.0, np.empty(len(acceleration))
+    for i, a in enumerate(acceleration.tolist()):
+        v += STEP * (-a - 2 * damping * w * v - w * w * y)
+        y += STEP * v
+        out[i] = y
+    return part * out
+
+
+def followed(depth, numbers):
+    """Depth of the skin: it follows the object at once, creeps further, and returns by itself when it is let go."""
+    skin, creep, out = 0.0, 0.0, np.empty(len(depth))
+    back, slow = STEP / numbers["recovery_s"], STEP / numbers["creep_s"]
+    for i, d in enumerate(depth.tolist()):
+        skin = d if d >= skin else max(d, skin - back * skin)
+        creep += slow * (numbers["creep_part"] * d - creep)
+        out[i] = skin + creep
+    return out
+
+
+def sheared(base, depth, numbers, rng, held):
+    """Shear of the skin by the way `base` of the gripper against the object: sticks, slips when the limit is reached, sticks again.
+
+    `held` is the largest shear that the object's weight causes; the object leaves the table then, and nothing slips.
+    """
+    n, full = len(base), numbers["depth_mm"]
+    rough = smooth(rng.standard_normal(4000), 40 * STEP)
+    rough = 1 + numbers["friction_spread"] * rough / rough.std()
+    shear, slid, gross, sliding, q, way = np.zeros(n), np.zeros(n), np.zeros(n), False, 0.0, 0.0
+    limits, fast, back = np.zeros(n), 1 - math.exp(-STEP / numbers["slip_relax_s"]), 1 - math.exp(-STEP / numbers["recovery_s"])
+    ever, slipping, long = 0.0, 0, max(2, round(3 * numbers["slip_relax_s"] / STEP))
+    steady = rng.random() < 0.3  # the others stick again after each slip, as rubber does
+    steps = np.diff(base, prepend=base[0]).tolist()
+    for i, (db, d) in enumerate(zip(steps, depth.tolist())):
+        limit = numbers["shear_mm"] * min(1.0, d / full) * rough[min(int(way * 40), 3999)]
+        limits[i] = limit
+        q += db
+        if held is not None and abs(q) > held:
+            q = math.copysign(held, q)
+        if limit <= 1e-6:
+            q -= back * q
+            ever = 0.0
+        elif sliding or abs(q) >= limit:
+            rest = math.copysign(limit * (1 - numbers["friction_drop"]), q)
+            before, q = q, q + (rest - q) * fast if sliding else math.copysign(limit, q)
+            way += abs(before - q) if sliding else 0.0
+            slipping = slipping + 1 if sliding else 0
+            sliding, ever = (steady and abs(q) > 0.98 * abs(rest)) or slipping < long, 1.0
+        shear[i], slid[i], gross[i] = q, way, ever
+    return shear, limits, gross, slid
+
+
+def interval(what, start, end, labelled=False, gross=None, kind=None):
+    kinds = {"press": "press", "release": "press", "re-contact": "press", "relaxation": "press"}
+    return {"what": what, "class": kind or kinds.get(what, "slip"), "labelled": labelled, "start": start, "end": end, "gross": gross}
+
+
+def first_time(t, mask, default=None):
+    found = np.flatnonzero(mask)
+    return float(t[found[0]]) if len(found) else default
+
+
+class Plan:
+    """Moves of stage and arm, one after the other."""
+
+    def __init__(self, numbers, rng):
+        self.numbers, self.rng, self.now = numbers, rng, numbers["rest_s"]
+        self.stage_moves, self.commands, self.lift, self.jolts = [], [], None, []
+
+    def move_stage(self, way, speed=None):
+        n, speed = self.numbers, speed or self.numbers["press_mm_s"]
+        start = self.now + n["command_lag_s"]
+        self.commands.append((self.now, way > 0))
+        self.stage_moves.append((start, way, speed))
+        self.now = start + ramp(np.zeros(1), 0, way, speed, n["stage_mm_s2"])[1]
+        return self
+
+    def wait(self, seconds):
+        self.now += seconds
+        return self
+
+    def jolt(self, shear, seconds):
+        """The object moves by itself while it is held."""
+        self.jolts.append((self.now, shear, seconds))
+        return self
+
+    def raise_arm(self):
+        n = self.numbers
+        self.lift = self.now
+        self.now += ramp(np.zeros(1), 0, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[1] + n["lift_smooth_s"]
+        return self
+
+
+def stage_and_presses(plan, t):
+    """Way of the stage, depth of the object in the skin, and the truths of presses and releases."""
+    n, stage, truths, speeds = plan.numbers, np.zeros(len(t)), [], []
+    for start, way, speed in plan.stage_moves:
+        stage += ramp(t, start, way, speed, n["stage_mm_s2"])[0]
+    depth = np.maximum(0, stage - n["gap_mm"])
+    for k, (start, way, speed) in enumerate(plan.stage_moves):
+        end = start + ramp(np.zeros(1), 0, way, speed, n["stage_mm_s2"])[1]
+        before, after = np.interp(start, t, depth), np.interp(end, t, depth)
+        if way > 0 and after > 0:
+            begin = float(np.interp(n["gap_mm"] + 1e-9, stage[t >= start][: 2 + int((end - start) / STEP)],
+                                    t[t >= start][: 2 + int((end - start) / STEP)])) if before == 0 else start
+            truths.append(interval("press", begin, end, labelled=True))
+            speeds.append(float((np.interp(begin + 0.002, t, stage) - np.interp(begin + 0.001, t, stage)) * 1000))
+        elif way < 0 and before > 0:
+            gone = first_time(t, (t > start) & (depth == 0), end)
+            truths.append(interval("release", start, gone + 3 * n["recovery_s"] if after == 0 else end))
+    return stage, depth, truths, speeds
+
+
+def jolted(plan, t, base):
+    """Adds the object's own small motions to the way of the gripper, and their truths."""
+    truths = []
+    for start, shear, seconds in plan.jolts:
+        base = base + shear * (1 - np.exp(-np.maximum(0, t - start) / seconds))
+        truths.append(interval("micro-slip", start, start + 4 * seconds))
+    return base, truths
+
+
+def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
+    """Carries out the plan. `firm`: the object comes with the gripper. `leaves_after`: way [mm] after which the tips pass the object's edge."""
+    n = plan.numbers
+    t = np.arange(0, plan.now + tail, STEP)
+    stage, depth, truths, speeds = stage_and_presses(plan, t)
+    lift = np.zeros(len(t))
+    if plan.lift is not None:
+        lift = smooth(ramp(t, plan.lift, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[0], n["lift_smooth_s"])
+    shake = shaken(np.gradient(np.gradient(lift, STEP), STEP), n["mount_hz"], n["mount_damping"], n["mount_part"])
+    base, more = jolted(plan, t, n["transmission"] * np.maximum(0, lift + shake - n["play_mm"]))
+    if leaves_after is not None:
+        gone = first_time(t, lift > leaves_after + n["shear_mm"], t[-1])
+        depth = depth * np.clip(1 - (t - gone) / 0.04, 0, 1)
+        truths = [x for x in truths if x["what"] != "release" or x["start"] < gone] + [interval("release", gone, gone + 0.04 + 3 * n["recovery_s"])]
+    held = 0.7 * n["shear_mm"] if firm else None
+    shear, limit, gross, slid = sheared(base, depth, n, rng, held)
+    truths += more
+    if plan.lift is not None:
+        truths += lift_truths(t, plan, base, depth, gross, firm)
+    return Motion(t, followed(depth, n), shear, limit, gross, slid, lift, shake, stage, plan.commands, sorted(truths, key=lambda x: x["start"]),
+                  plan.lift, speeds)
+
+
+def lift_truths(t, plan, base, depth, gross, firm):
+    """The slip begins when the lift begins to shear the skin, and ends when the arm stops or the object is gone."""
+    n = plan.numbers
+    touched = (t > plan.lift) & (depth > 0)
+    start = first_time(t, touched & (base > np.interp(plan.lift, t, base) + 1e-6))
+    if start is None:
+        return [interval("vibration", plan.lift, plan.now + 0.3)]
+    stop = plan.lift + ramp(np.zeros(1), 0, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[1] + n["lift_smooth_s"]
+    lost = first_time(t, (t > start) & (depth == 0), stop)
+    end = min(stop, lost)
+    ringing = interval("vibration", stop, min(t[-1], stop + 3 / (2 * math.pi * n["mount_hz"] * n["mount_damping"])))
+    if firm:
+        return [interval("vibration", start, stop), ringing]
+    return [interval("slip", start, end, labelled=True, gross=first_time(t, (t > start) & (gross > 0))), ringing]
