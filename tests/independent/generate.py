@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Draws runs of a tactile sensor with exact truth, independently of `tactile simulate`.
 
-  generate.py FOLDER [--ordinary N] [--cases all|NAME,...] [--repeats N] [--seed N] [--tactile PATH]
+  generate.py FOLDER [--ordinary N] [--cases all|none|NAME,...] [--repeats N] [--seed N] [--jobs N] [--tactile PATH]
 """
 import argparse
+import concurrent.futures
 import hashlib
 import json
 import pathlib
 import shutil
 import subprocess
+import sys
 import time
 
+import cv2
 import numpy as np
 
 import cases
@@ -32,23 +35,19 @@ def signal_events(motion, numbers, rng):
     return camera.events()
 
 
-def cut(events, imu, from_us):
-    """Leaves out what came before the recording began."""
-    keep = events["t_us"] >= from_us
-    events = {name: values[keep] for name, values in events.items()}
-    if imu is not None:
-        keep = imu["t_us"] >= from_us
-        imu = {name: values[keep] for name, values in imu.items()}
-    return events, imu
+def cut(table, from_us, to_us):
+    """Leaves out what came before the recording began and after it ended."""
+    keep = (table["t_us"] >= from_us) & (table["t_us"] < to_us)
+    return {name: values[keep] for name, values in table.items()}
 
 
-def truth_of(motion, events, epoch_us, from_us, clocks, hot, numbers, made):
+def truth_of(motion, events, epoch_us, from_us, to_us, clocks, hot, numbers, made):
     us = lambda seconds: None if seconds is None else int(round(epoch_us + seconds * 1e6))
     skin_times = events["t_us"][events["skin"]]
     intervals = []
     for x in motion.truths:
-        start, end = us(x["start"]), us(x["end"])
-        if end <= from_us:
+        start, end = us(x["start"]), min(us(x["end"]), to_us)
+        if end <= from_us or start >= to_us:
             continue
         first = np.searchsorted(skin_times, start)
         first_us = int(skin_times[first]) if first < len(skin_times) and skin_times[first] <= end + 20000 else None
@@ -67,11 +66,12 @@ def make_run(folder, object_name, run, case, seed, tactile):
     motion, numbers = scene.motion, scene.numbers
     epoch_us = int(1.7e15) + int(rng.integers(0, int(1e13)))
     from_us = epoch_us + int(scene.begins_at * 1e6)
+    to_us = epoch_us + int((scene.ends_at or motion.t[-1]) * 1e6)
     signal = signal_events(motion, numbers, seeded(seed, object_name, run, "pixels"))
     background, hot = pixels.noise(numbers, rng, motion.t[-1])
     events = pixels.read_out(numbers, rng, signal, background, epoch_us)
     imu = devices.imu_samples(motion, numbers, rng, epoch_us, scene.camera_on_stage) if scene.imu else None
-    events, imu = cut(events, imu, from_us)
+    events, imu = cut(events, from_us, to_us), imu and cut(imu, from_us, to_us)
     target = pathlib.Path(folder) / object_name / run
     part = target.with_name(run + ".part")
     shutil.rmtree(part, ignore_errors=True)
@@ -83,7 +83,7 @@ def make_run(folder, object_name, run, case, seed, tactile):
         clocks["video"] = devices.write_film(part / "video.mp4", part / "video.csv", motion, numbers, rng, epoch_us, rng.uniform(-60, 60),
                                              motion.lift if scene.firm else np.zeros_like(motion.lift))
     made = {"case": case, "seed": seed, "robot_log": kind, "imu": scene.imu, "commands": scene.commands}
-    (part / "truth.json").write_text(json.dumps(truth_of(motion, events, epoch_us, from_us, clocks, hot, numbers, made), indent=1))
+    (part / "truth.json").write_text(json.dumps(truth_of(motion, events, epoch_us, from_us, to_us, clocks, hot, numbers, made), indent=1))
     (part / "run.json").write_text(json.dumps({"object": object_name, "run": run, "simulated": True, "complete": True,
                                                "sensor": {"width": WIDTH, "height": HEIGHT}}))
     devices.write_recording(part / "recording.h5", events, imu)
@@ -91,27 +91,44 @@ def make_run(folder, object_name, run, case, seed, tactile):
     (part / "recording.h5").unlink()
     shutil.rmtree(target, ignore_errors=True)
     part.rename(target)
-    return len(events["t_us"]), motion.t[-1] - scene.begins_at, len(signal[0])
+    return len(events["t_us"]), (to_us - from_us) / 1e6, len(signal[0])
+
+
+def make_and_tell(job):
+    """One run in a process of its own; a run that is complete is kept."""
+    folder, object_name, run, case, seed, tactile = job
+    if (pathlib.Path(folder) / object_name / run / "events.aedat4").exists():
+        return f"{object_name}/{run}: kept"
+    cv2.setNumThreads(1)
+    start = time.time()
+    count, seconds, signal = make_run(*job)
+    return f"{object_name}/{run}: {seconds:.1f} s, {count} events, {signal} of the skin, made in {time.time() - start:.1f} s"
+
+
+def add_options(parser):
+    parser.add_argument("folder")
+    parser.add_argument("--ordinary", type=int, default=12, help="ordinary runs, three of each object")
+    parser.add_argument("--cases", default="none", help="special cases: all, none, or names with commas between")
+    parser.add_argument("--repeats", type=int, default=2, help="runs of each special case")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2, help="runs that are made at the same time")
+    parser.add_argument("--tactile", default="build/release/bin/tactile")
+
+
+def make_all(options):
+    wanted = [(f"ordinary-{i // 3 + 1}", f"{i % 3 + 1:02d}", "ordinary") for i in range(options.ordinary)]
+    names = {"all": [c for c in cases.CASES if c != "ordinary"], "none": []}.get(options.cases, options.cases.split(","))
+    wanted += [(name, f"{k + 1:02d}", name) for name in names for k in range(options.repeats)]
+    work = [(options.folder, object_name, run, case, options.seed, options.tactile) for object_name, run, case in wanted]
+    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+        for line in pool.map(make_and_tell, work):
+            print(line, file=sys.stderr, flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
-    parser.add_argument("--ordinary", type=int, default=12, help="ordinary runs, three of each object")
-    parser.add_argument("--cases", default="", help="special cases: all, or names with commas between")
-    parser.add_argument("--repeats", type=int, default=2, help="runs of each special case")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tactile", default="build/release/bin/tactile")
-    options = parser.parse_args()
-    wanted = [(f"ordinary-{i // 3 + 1}", f"{i % 3 + 1:02d}", "ordinary") for i in range(options.ordinary)]
-    names = [c for c in cases.CASES if c != "ordinary"] if options.cases == "all" else [c for c in options.cases.split(",") if c]
-    wanted += [(name, f"{k + 1:02d}", name) for name in names for k in range(options.repeats)]
-    for object_name, run, case in wanted:
-        if (pathlib.Path(options.folder) / object_name / run / "events.aedat4").exists():
-            continue
-        start = time.time()
-        count, seconds, signal = make_run(options.folder, object_name, run, case, options.seed, options.tactile)
-        print(f"{object_name}/{run}: {seconds:.1f} s, {count} events, {signal} of the skin, made in {time.time() - start:.1f} s", flush=True)
+    add_options(parser)
+    make_all(parser.parse_args())
 
 
 if __name__ == "__main__":

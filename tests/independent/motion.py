@@ -24,15 +24,22 @@ class Motion:
     press_speeds: list       # of the stage at each first contact
 
 
+def profile(way, speed, acceleration):
+    speed = min(speed, math.sqrt(abs(way) * acceleration))
+    return speed, speed / acceleration, abs(way) / speed - speed / acceleration
+
+
+def duration(way, speed, acceleration):
+    _, rise, flat = profile(way, speed, acceleration)
+    return 2 * rise + flat
+
+
 def ramp(t, start, way, speed, acceleration):
-    """Way of a move with the profile of a trapeze, and its duration."""
-    way, sign = abs(way), math.copysign(1, way)
-    speed = min(speed, math.sqrt(way * acceleration))
-    rise, flat = speed / acceleration, way / speed - speed / acceleration
+    """Way of a move that speeds up evenly, keeps its speed and slows down evenly."""
+    speed, rise, flat = profile(way, speed, acceleration)
     s = np.clip(t - start, 0, 2 * rise + flat)
-    up, down = np.minimum(s, rise), np.maximum(s - rise - flat, 0)
-    middle = np.clip(s - rise, 0, flat + rise)
-    return sign * (0.5 * acceleration * up**2 + speed * middle - 0.5 * acceleration * down**2), 2 * rise + flat
+    up, down, middle = np.minimum(s, rise), np.maximum(s - rise - flat, 0), np.clip(s - rise, 0, flat + rise)
+    return math.copysign(1, way) * (0.5 * acceleration * up**2 + speed * middle - 0.5 * acceleration * down**2)
 
 
 def smooth(values, seconds):
@@ -69,7 +76,7 @@ def sheared(base, depth, numbers, rng, held):
     `held` is the largest shear that the object's weight causes; the object leaves the table then, and nothing slips.
     """
     n, full = len(base), numbers["depth_mm"]
-    rough = smooth(rng.standard_normal(4000), 40 * STEP)
+    rough = np.convolve(rng.standard_normal(4039), np.ones(40), "valid")  # along 100 mm, a new value each mm
     rough = 1 + numbers["friction_spread"] * rough / rough.std()
     shear, slid, gross, sliding, q, way = np.zeros(n), np.zeros(n), np.zeros(n), False, 0.0, 0.0
     limits, fast, back = np.zeros(n), 1 - math.exp(-STEP / numbers["slip_relax_s"]), 1 - math.exp(-STEP / numbers["recovery_s"])
@@ -95,6 +102,13 @@ def sheared(base, depth, numbers, rng, held):
     return shear, limits, gross, slid
 
 
+def wavy(slid, depth, numbers, rng):
+    """Depth of the contact as the object's shape passes it."""
+    waves = rng.uniform(0.5, 2, 4) / numbers["shape_length_mm"]
+    height = sum(np.sin(2 * math.pi * w * slid + p) - math.sin(p) for w, p in zip(waves, rng.uniform(0, 2 * math.pi, 4))) / 2
+    return np.maximum(0.3 * depth, depth * (1 + numbers["shape_mm"] / numbers["depth_mm"] * height))
+
+
 def interval(what, start, end, labelled=False, gross=None, kind=None):
     kinds = {"press": "press", "release": "press", "re-contact": "press", "relaxation": "press"}
     return {"what": what, "class": kind or kinds.get(what, "slip"), "labelled": labelled, "start": start, "end": end, "gross": gross}
@@ -105,19 +119,28 @@ def first_time(t, mask, default=None):
     return float(t[found[0]]) if len(found) else default
 
 
+def backlash(way, play):
+    """What is left of a way beyond the play of the mount, in both directions."""
+    out, now = np.empty(len(way)), way[0] - play
+    for i, x in enumerate(way.tolist()):
+        now = max(x - play, min(x, now))
+        out[i] = now
+    return out
+
+
 class Plan:
     """Moves of stage and arm, one after the other."""
 
     def __init__(self, numbers, rng):
         self.numbers, self.rng, self.now = numbers, rng, numbers["rest_s"]
-        self.stage_moves, self.commands, self.lift, self.jolts = [], [], None, []
+        self.stage_moves, self.commands, self.arm_moves, self.jolts = [], [], [], []
 
     def move_stage(self, way, speed=None):
         n, speed = self.numbers, speed or self.numbers["press_mm_s"]
         start = self.now + n["command_lag_s"]
         self.commands.append((self.now, way > 0))
         self.stage_moves.append((start, way, speed))
-        self.now = start + ramp(np.zeros(1), 0, way, speed, n["stage_mm_s2"])[1]
+        self.now = start + duration(way, speed, n["stage_mm_s2"])
         return self
 
     def wait(self, seconds):
@@ -129,10 +152,12 @@ class Plan:
         self.jolts.append((self.now, shear, seconds))
         return self
 
-    def raise_arm(self):
+    def move_arm(self, way=None):
+        """A lift, or a move down if `way` is negative."""
         n = self.numbers
-        self.lift = self.now
-        self.now += ramp(np.zeros(1), 0, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[1] + n["lift_smooth_s"]
+        way = n["lift_mm"] if way is None else way
+        begin, self.now = self.now, self.now + duration(way, n["lift_mm_s"], n["lift_mm_s2"]) + n["lift_smooth_s"]
+        self.arm_moves.append((begin, way, self.now))
         return self
 
 
@@ -140,14 +165,14 @@ def stage_and_presses(plan, t):
     """Way of the stage, depth of the object in the skin, and the truths of presses and releases."""
     n, stage, truths, speeds = plan.numbers, np.zeros(len(t)), [], []
     for start, way, speed in plan.stage_moves:
-        stage += ramp(t, start, way, speed, n["stage_mm_s2"])[0]
+        stage += ramp(t, start, way, speed, n["stage_mm_s2"])
     depth = np.maximum(0, stage - n["gap_mm"])
-    for k, (start, way, speed) in enumerate(plan.stage_moves):
-        end = start + ramp(np.zeros(1), 0, way, speed, n["stage_mm_s2"])[1]
+    for start, way, speed in plan.stage_moves:
+        end = start + duration(way, speed, n["stage_mm_s2"])
         before, after = np.interp(start, t, depth), np.interp(end, t, depth)
         if way > 0 and after > 0:
-            begin = float(np.interp(n["gap_mm"] + 1e-9, stage[t >= start][: 2 + int((end - start) / STEP)],
-                                    t[t >= start][: 2 + int((end - start) / STEP)])) if before == 0 else start
+            k = int(start / STEP)
+            begin = start if before > 0 else float(np.interp(n["gap_mm"] + 1e-9, stage[k:k + 2 + int((end - start) / STEP)], t[k:k + 2 + int((end - start) / STEP)]))
             truths.append(interval("press", begin, end, labelled=True))
             speeds.append(float((np.interp(begin + 0.002, t, stage) - np.interp(begin + 0.001, t, stage)) * 1000))
         elif way < 0 and before > 0:
@@ -171,34 +196,32 @@ def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
     t = np.arange(0, plan.now + tail, STEP)
     stage, depth, truths, speeds = stage_and_presses(plan, t)
     lift = np.zeros(len(t))
-    if plan.lift is not None:
-        lift = smooth(ramp(t, plan.lift, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[0], n["lift_smooth_s"])
+    for start, way, _ in plan.arm_moves:
+        lift += smooth(ramp(t, start, way, n["lift_mm_s"], n["lift_mm_s2"]), n["lift_smooth_s"])
     shake = shaken(np.gradient(np.gradient(lift, STEP), STEP), n["mount_hz"], n["mount_damping"], n["mount_part"])
-    base, more = jolted(plan, t, n["transmission"] * np.maximum(0, lift + shake - n["play_mm"]))
+    base, more = jolted(plan, t, n["transmission"] * backlash(lift + shake, n["play_mm"]))
+    lifts = [x for x in plan.arm_moves if x[1] > 0]
     if leaves_after is not None:
-        gone = first_time(t, lift > leaves_after + n["shear_mm"], t[-1])
+        gone = first_time(t, (t > lifts[0][0]) & (lift > leaves_after + n["shear_mm"]), t[-1])
         depth = depth * np.clip(1 - (t - gone) / 0.04, 0, 1)
         truths = [x for x in truths if x["what"] != "release" or x["start"] < gone] + [interval("release", gone, gone + 0.04 + 3 * n["recovery_s"])]
-    held = 0.7 * n["shear_mm"] if firm else None
-    shear, limit, gross, slid = sheared(base, depth, n, rng, held)
+    shear, limit, gross, slid = sheared(base, depth, n, rng, 0.7 * n["shear_mm"] if firm else None)
     truths += more
-    if plan.lift is not None:
-        truths += lift_truths(t, plan, base, depth, gross, firm)
-    return Motion(t, followed(depth, n), shear, limit, gross, slid, lift, shake, stage, plan.commands, sorted(truths, key=lambda x: x["start"]),
-                  plan.lift, speeds)
+    for lifted in lifts:
+        truths += lift_truths(t, n, lifted, base, depth, gross, slid, firm)
+    return Motion(t, followed(wavy(slid, depth, n, rng), n), shear, limit, gross, slid, lift, shake, stage, plan.commands, sorted(truths, key=lambda x: x["start"]),
+                  lifts[0][0] if lifts else None, speeds)
 
 
-def lift_truths(t, plan, base, depth, gross, firm):
+def lift_truths(t, n, lifted, base, depth, gross, slid, firm):
     """The slip begins when the lift begins to shear the skin, and ends when the arm stops or the object is gone."""
-    n = plan.numbers
-    touched = (t > plan.lift) & (depth > 0)
-    start = first_time(t, touched & (base > np.interp(plan.lift, t, base) + 1e-6))
-    if start is None:
-        return [interval("vibration", plan.lift, plan.now + 0.3)]
-    stop = plan.lift + ramp(np.zeros(1), 0, n["lift_mm"], n["lift_mm_s"], n["lift_mm_s2"])[1] + n["lift_smooth_s"]
-    lost = first_time(t, (t > start) & (depth == 0), stop)
-    end = min(stop, lost)
+    begin, _, stop = lifted
     ringing = interval("vibration", stop, min(t[-1], stop + 3 / (2 * math.pi * n["mount_hz"] * n["mount_damping"])))
+    start = first_time(t, (t > begin) & (t < stop) & (depth > 0) & (base > np.interp(begin, t, base) + 1e-6))
+    if start is None:
+        return [interval("vibration", begin, stop), ringing]
+    lost = first_time(t, (t > start) & (depth == 0), stop)
     if firm:
         return [interval("vibration", start, stop), ringing]
-    return [interval("slip", start, end, labelled=True, gross=first_time(t, (t > start) & (gross > 0))), ringing]
+    slipped = first_time(t, (t > start) & (t < stop) & (gross > 0) & (slid > np.interp(start, t, slid)))
+    return [interval("slip", start, min(stop, lost), labelled=True, gross=slipped), ringing]

@@ -35,8 +35,10 @@ RANGES = {
     "patch_growth": (0.15, 0.5, "flat", "hertz: 0.5 for a sphere; flat objects touch nearly at once"),
     "patch_stretch": (0.7, 1.5, "log", "assumed: long contacts"),
     "patch_off_mm": (0, 4, "flat", "assumed"),
-    "relief_mm": (0.008, 0.06, "log", "assumed: printed and textured surfaces"),
+    "relief_mm": (0.01, 0.08, "log", "assumed: printed and textured surfaces"),
     "relief_length_mm": (0.8, 3.0, "flat", "assumed"),
+    "shape_mm": (0.02, 0.2, "log", "assumed: objects are not straight along the way that they slip"),
+    "shape_length_mm": (4, 10, "flat", "assumed"),
     # the stage
     "press_mm_s": (1, 20, "log", "assumed: small linear stages"),
     "stage_mm_s2": (100, 500, "log", "assumed"),
@@ -57,7 +59,7 @@ RANGES = {
     # friction
     "shear_mm": (0.35, 1.3, "flat", "hertz: shear at which the last point slips; some tenths of the contact's size on soft skins"),
     "transmission": (0.6, 0.97, "flat", "assumed: the rest bends the finger"),
-    "friction_drop": (0.02, 0.45, "log", "assumed: static to kinetic friction of rubber"),
+    "friction_drop": (0.06, 0.5, "log", "assumed: static to kinetic friction of rubber"),
     "slip_relax_s": (0.0006, 0.003, "log", "assumed: recoil of a soft skin of some ten grams per millimetre"),
     "friction_spread": (0.03, 0.18, "flat", "assumed: friction along the object"),
     # the camera
