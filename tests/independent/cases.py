@@ -151,5 +151,5 @@ def only_a_press(numbers, rng):
 
 
 CASES = {f.__name__.replace("_", "-"): f for f in
-         (ordinary, second_press, deeper_press, release_before_lift, firm_lift, micro_slips, leaves_early, begins_in_hold, begins_in_press, ends_in_slip,
-          lift_at_once, two_lifts, arm_comes_down, slow_lift, smooth_slip, much_noise, alone, only_a_press)}
+         (ordinary, second_press, deeper_press, release_before_lift, firm_lift, micro_slips, leaves_early, begins_in_hold, begins_in_press,
+          ends_in_slip, lift_at_once, two_lifts, arm_comes_down, slow_lift, smooth_slip, much_noise, alone, only_a_press)}

@@ -1,5 +1,6 @@
 """What the other devices write: the robot's log, the IMU of the camera, the film, each on its own clock."""
 import csv
+import fractions
 import math
 
 import av
@@ -36,8 +37,8 @@ def robot_rows(numbers, rng, seconds):
     return stamps[keep], str(kind)
 
 
-def write_robot_log(path, motion, numbers, rng, epoch_us, drift_ppm, with_commands, approach=None):
-    """`approach` (way, speed, seconds before the begin) moves the arm before the touch. Returns the clock and the kind of log."""
+def write_robot_log(path, motion, numbers, rng, epoch_us, drift_ppm, with_commands):
+    """Pose and speed of the tool as RTDE names them. Returns the clock and the kind of log."""
     before, after = rng.uniform(0.2, 1.5), rng.uniform(0.2, 1.0)
     seconds = motion.t[-1] + before + after
     stamps, kind = robot_rows(numbers, rng, seconds)
@@ -114,7 +115,7 @@ def write_film(path, table_path, motion, numbers, rng, epoch_us, drift_ppm, obje
     with av.open(str(path), "w") as film:
         stream = film.add_stream("libx264" if "libx264" in av.codecs_available else "mpeg4", rate=30)
         stream.width, stream.height, stream.pix_fmt = 320, 240, "yuv420p"
-        stream.codec_context.time_base = stream.time_base = __import__("fractions").Fraction(1, 90000)
+        stream.codec_context.time_base = stream.time_base = fractions.Fraction(1, 90000)
         for p, t in zip(pts.tolist(), times.tolist()):
             at = lambda x: float(np.interp(t, motion.t, x))
             gap = max(0.0, numbers["gap_mm"] - at(motion.stage))

@@ -120,8 +120,8 @@ def first_time(t, mask, default=None):
 
 
 def backlash(way, play):
-    """What is left of a way beyond the play of the mount, in both directions."""
-    out, now = np.empty(len(way)), way[0] - play
+    """What is left of a way beyond the play of the mount, which a move in the other direction crosses first. A lift crosses it too."""
+    out, now = np.empty(len(way)), way[0]
     for i, x in enumerate(way.tolist()):
         now = max(x - play, min(x, now))
         out[i] = now
@@ -171,8 +171,8 @@ def stage_and_presses(plan, t):
         end = start + duration(way, speed, n["stage_mm_s2"])
         before, after = np.interp(start, t, depth), np.interp(end, t, depth)
         if way > 0 and after > 0:
-            k = int(start / STEP)
-            begin = start if before > 0 else float(np.interp(n["gap_mm"] + 1e-9, stage[k:k + 2 + int((end - start) / STEP)], t[k:k + 2 + int((end - start) / STEP)]))
+            during = slice(int(start / STEP), int(end / STEP) + 2)
+            begin = start if before > 0 else float(np.interp(n["gap_mm"] + 1e-9, stage[during], t[during]))
             truths.append(interval("press", begin, end, labelled=True))
             speeds.append(float((np.interp(begin + 0.002, t, stage) - np.interp(begin + 0.001, t, stage)) * 1000))
         elif way < 0 and before > 0:
@@ -204,7 +204,8 @@ def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
     if leaves_after is not None:
         gone = first_time(t, (t > lifts[0][0]) & (lift > leaves_after + n["shear_mm"]), t[-1])
         depth = depth * np.clip(1 - (t - gone) / 0.04, 0, 1)
-        truths = [x for x in truths if x["what"] != "release" or x["start"] < gone] + [interval("release", gone, gone + 0.04 + 3 * n["recovery_s"])]
+        truths = [x for x in truths if x["what"] != "release" or x["start"] < gone]
+        truths.append(interval("release", gone, gone + 0.04 + 3 * n["recovery_s"]))
     shear, limit, gross, slid = sheared(base, depth, n, rng, 0.7 * n["shear_mm"] if firm else None)
     truths += more
     for lifted in lifts:
