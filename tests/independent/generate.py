@@ -27,8 +27,8 @@ def seeded(*parts):
     return np.random.default_rng(int.from_bytes(hashlib.sha256("/".join(map(str, parts)).encode()).digest()[:8], "little"))
 
 
-def signal_events(motion, numbers, rng):
-    surface, camera = skin.Skin(numbers, rng), pixels.Pixels(numbers, rng)
+def signal_events(motion, numbers, rng, background):
+    surface, camera = skin.Skin(numbers, rng), pixels.Pixels(numbers, rng, background)
     for t in pixels.frame_times(motion, numbers):
         at = lambda x: float(np.interp(t, motion.t, x))
         camera.see(t, surface.render(at(motion.depth), at(motion.shear), at(motion.limit), at(motion.gross), at(motion.slid)))
@@ -82,8 +82,8 @@ def make_run(folder, object_name, run, case, seed, tactile):
     epoch_us = int(1.7e15) + int(rng.integers(0, int(1e13)))
     from_us = epoch_us + int(scene.begins_at * 1e6)
     to_us = epoch_us + int((scene.ends_at or motion.t[-1]) * 1e6)
-    signal = signal_events(motion, numbers, seeded(seed, object_name, run, "pixels"))
     background, hot = pixels.noise(numbers, rng, motion.t[-1])
+    signal = signal_events(motion, numbers, seeded(seed, object_name, run, "pixels"), background)
     events = pixels.read_out(numbers, rng, signal, background, epoch_us)
     imu = devices.imu_samples(motion, numbers, rng, epoch_us, scene.camera_on_stage) if scene.imu else None
     events, imu = cut(events, from_us, to_us), imu and cut(imu, from_us, to_us)

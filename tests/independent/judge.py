@@ -60,7 +60,7 @@ def judge_run(folder):
                        "visible": visible[id(x)] and visible[id(x)] - x["start_us"],
                        "covered": label and label["start_low_us"] <= x["start_us"] <= label["start_high_us"],
                        "width": label and label["start_high_us"] - label["start_low_us"],
-                       "flagged": flagged(found[i]) if i in found else bool(flags)})
+                       "flagged": flagged(found[i]) if i in found else run_flagged})
     false = [{"class": labels["intervals"][k]["class"], "flagged": flagged(k), "on": on_what(truth, labels["intervals"][k])} for k in spurious]
     return {"run": f"{folder.parent.name}/{folder.name}", "case": truth["parameters"]["case"], "onsets": onsets, "spurious": false,
             "flags": [("run: " if f["interval"] is None else labels["intervals"][f["interval"]]["class"] + ": ") + f["reason"] for f in flags]}

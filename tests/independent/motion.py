@@ -21,7 +21,7 @@ class Motion:
     commands: list           # (time, on) of the stage's output
     truths: list             # intervals: dicts with what, class, labelled, start, end, gross (times in s)
     lift_start: float | None
-    press_speeds: list       # of the stage at each first contact
+    press_speeds: list       # of the stage at each first contact, or its highest if it presses deeper
 
 
 def profile(way, speed, acceleration):
@@ -174,7 +174,7 @@ def stage_and_presses(plan, t):
             during = slice(int(start / STEP), int(end / STEP) + 2)
             begin = start if before > 0 else float(np.interp(n["gap_mm"] + 1e-9, stage[during], t[during]))
             truths.append(interval("press", begin, end, labelled=True))
-            speeds.append(float((np.interp(begin + 0.002, t, stage) - np.interp(begin + 0.001, t, stage)) * 1000))
+            speeds.append(float(profile(way, speed, n["stage_mm_s2"])[0] if before > 0 else np.interp(begin, t, np.gradient(stage, STEP))))
         elif way < 0 and before > 0:
             gone = first_time(t, (t > start) & (depth == 0), end)
             truths.append(interval("release", start, gone + 3 * n["recovery_s"] if after == 0 else end))
@@ -210,8 +210,8 @@ def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
     truths += more
     for lifted in lifts:
         truths += lift_truths(t, n, lifted, base, depth, gross, slid, firm)
-    return Motion(t, followed(wavy(slid, depth, n, rng), n), shear, limit, gross, slid, lift, shake, stage, plan.commands, sorted(truths, key=lambda x: x["start"]),
-                  lifts[0][0] if lifts else None, speeds)
+    return Motion(t, followed(wavy(slid, depth, n, rng), n), shear, limit, gross, slid, lift, shake, stage, plan.commands,
+                  sorted(truths, key=lambda x: x["start"]), lifts[0][0] if lifts else None, speeds)
 
 
 def lift_truths(t, n, lifted, base, depth, gross, slid, firm):

@@ -24,7 +24,8 @@ def frame_times(motion, numbers):
 class Pixels:
     """Turns pictures into events, as (time, pixel, on)."""
 
-    def __init__(self, numbers, rng):
+    def __init__(self, numbers, rng, background=None):
+        """`background`: noise as (time, pixel, ...). Such an event resets its pixel as any other does."""
         spread = lambda: np.maximum(0.05, 1 + numbers["threshold_spread"] / 0.25 * rng.standard_normal(PIXELS)).astype(np.float32)
         self.on = numbers["threshold_on"] * spread()
         self.off = numbers["threshold_off"] * spread()
@@ -32,6 +33,8 @@ class Pixels:
         self.slow, self.last, self.t = numbers["photoreceptor_s"], None, 0.0
         self.dither = rng.random(PIXELS).astype(np.float32)
         self.found = []
+        order = np.argsort(background[0]) if background else np.zeros(0, int)
+        self.noise_times, self.noise_pixels = (x[order] for x in background[:2]) if background else (np.zeros(0), order)
 
     def see(self, t, picture):
         picture = picture.ravel()
@@ -43,6 +46,8 @@ class Pixels:
         step = picture - self.level
         step *= np.float32(1 - np.exp(-(t - self.t) / self.slow))
         self.level += step
+        noisy = self.noise_pixels[slice(*np.searchsorted(self.noise_times, (self.t, t)))]
+        self.last[noisy] = 0
         before, now = self.last, self.last + step
         places = np.flatnonzero((now >= self.on) | (now <= self.low))
         if len(places):

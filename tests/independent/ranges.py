@@ -22,7 +22,7 @@ RANGES = {
     "grid_jitter": (0.02, 0.12, "flat", "assumed: part of the pitch"),
     "distance_mm": (24, 40, "flat", "assumed: lens to skin in a finger of a few centimetres"),
     # the skin
-    "thickness_mm": (0.3, 0.9, "flat", "assumed: outward flow of the squeezed skin per gradient of its depth"),
+    "lever_mm": (0.6, 2.5, "flat", "tip: pins of 1 to 3 mm inside the skin turn with its tilt; a squeezed gel flows outwards as far"),
     "reach_mm": (7, 14, "flat", "assumed: the skin is clamped at its border"),
     "shade_per_mm": (-0.18, 0.18, "flat", "assumed: light falls off with the distance from the LED strips"),
     "shade_per_tilt": (-0.35, 0.35, "flat", "assumed: light falls from above and below"),

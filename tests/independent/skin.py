@@ -78,8 +78,8 @@ class Skin:
         form = hertz(r) * self.border
         deep = depth * form + n["relief_mm"] * min(1, part) * self.relief(slid) * np.clip(1.3 - r, 0, 1)
         tilt_y, tilt_x = np.gradient(deep, CELL / n["px_per_mm"])
-        away_x = self.x * deep / n["distance_mm"] - n["thickness_mm"] * tilt_x
-        away_y = self.y * deep / n["distance_mm"] - n["thickness_mm"] * tilt_y
+        away_x = self.x * deep / n["distance_mm"] - n["lever_mm"] * tilt_x
+        away_y = self.y * deep / n["distance_mm"] - n["lever_mm"] * tilt_y
         pull = shear * form
         if gross < 0.5 and limit > 1e-6 and abs(shear) < limit:
             stick = max(1e-3, np.sqrt(1 - abs(shear) / limit))  # Cattaneo and Mindlin: radius that still sticks
