@@ -74,9 +74,9 @@ class TheArm(unittest.TestCase):
 
 
 class ThePixels(unittest.TestCase):
-    def see(self, pictures):
+    def see(self, pictures, background=None):
         numbers = numbers_of(1, threshold_on=0.25, threshold_off=0.25, threshold_spread=0.0, photoreceptor_s=1e-9)
-        camera = pixels.Pixels(numbers, np.random.default_rng(1))
+        camera = pixels.Pixels(numbers, np.random.default_rng(1), background)
         camera.dither[:] = 0.5  # as far from ON as from OFF
         for t, value in pictures:
             camera.see(t, np.full((ranges.HEIGHT, ranges.WIDTH), value, np.float32))
@@ -89,6 +89,11 @@ class ThePixels(unittest.TestCase):
 
     def test_a_small_swing_makes_no_events(self):
         self.assertEqual(len(self.see([(0, 0.0), (1, 0.2), (2, -0.2), (3, 0.2)])[0]), 0)
+
+    def test_noise_resets_its_pixel(self):
+        _, pixel, _ = self.see([(0, 0.0), (1, 0.2), (2, 0.3)], (np.array([1.5]), np.array([7]), np.array([True])))
+        self.assertEqual(np.count_nonzero(pixel == 7), 0)  # 0.1 since the noise
+        self.assertEqual(np.count_nonzero(pixel == 8), 1)
 
     def test_a_pixel_is_blind_after_each_event(self):
         keep = pixels.rest_between(np.array([1, 1, 1, 1, 2]), np.array([0, 0.4, 0.9, 1.3, 1.4]), 0.5)
