@@ -150,6 +150,28 @@ def only_a_press(numbers, rng):
     return Scene(move(pressed(numbers, rng).move_stage(-closing(numbers)), rng), numbers, **devices_of(rng))
 
 
+def uneven_press(numbers, rng):
+    """The stage's screw drives unevenly: its speed rises and falls with each turn, nearly to a halt."""
+    numbers.update(uneven=rng.uniform(0.5, 0.9), thread_mm=rng.uniform(0.1, 0.5), press_mm_s=min(numbers["press_mm_s"], 6.0))
+    return Scene(move(pressed(numbers, rng).move_arm(), rng), numbers, **devices_of(rng))
+
+
+def knocks(numbers, rng):
+    """Somebody bumps into the arm once before the press and once while the object is held."""
+    numbers.update(play_mm=0.0)
+    plan = Plan(numbers, rng).knock(rng.uniform(0.03, 0.12)).wait(0.8).move_stage(closing(numbers)).wait(0.7)
+    plan.knock(rng.uniform(0.03, 0.12)).wait(rng.uniform(0.6, 1.0)).move_arm()
+    return Scene(move(plan, rng), numbers, **devices_of(rng))
+
+
+def brief_touch(numbers, rng):
+    """The stage touches the object and opens at once, then presses for good."""
+    numbers["press_mm_s"] = max(numbers["press_mm_s"], 5.0)
+    plan = pressed(numbers, rng, 0.05).move_stage(-closing(numbers)).wait(rng.uniform(0.5, 1.0)).move_stage(closing(numbers))
+    return Scene(move(plan.wait(numbers["hold_s"]).move_arm(), rng), numbers, **devices_of(rng))
+
+
 CASES = {f.__name__.replace("_", "-"): f for f in
          (ordinary, second_press, deeper_press, release_before_lift, firm_lift, micro_slips, leaves_early, begins_in_hold, begins_in_press,
-          ends_in_slip, lift_at_once, two_lifts, arm_comes_down, slow_lift, smooth_slip, much_noise, alone, only_a_press)}
+          ends_in_slip, lift_at_once, two_lifts, arm_comes_down, slow_lift, smooth_slip, much_noise, alone, only_a_press,
+          uneven_press, knocks, brief_touch)}

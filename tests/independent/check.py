@@ -61,7 +61,7 @@ class TheArm(unittest.TestCase):
         np.testing.assert_allclose(motion.backlash(np.array([0, 0.05, 0.2, 0.3, 0.25, 0.05]), 0.1), [0, 0, 0.1, 0.2, 0.2, 0.05])
 
     def test_truths_begin_with_the_motion(self):
-        for name in ("ordinary", "second-press", "two-lifts"):
+        for name in ("ordinary", "second-press", "two-lifts", "uneven-press"):
             rng = np.random.default_rng(5)
             scene = cases.CASES[name](numbers_of(5), rng)
             m = scene.motion

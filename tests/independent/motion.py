@@ -133,7 +133,7 @@ class Plan:
 
     def __init__(self, numbers, rng):
         self.numbers, self.rng, self.now = numbers, rng, numbers["rest_s"]
-        self.stage_moves, self.commands, self.arm_moves, self.jolts = [], [], [], []
+        self.stage_moves, self.commands, self.arm_moves, self.jolts, self.knocks = [], [], [], [], []
 
     def move_stage(self, way, speed=None):
         n, speed = self.numbers, speed or self.numbers["press_mm_s"]
@@ -152,6 +152,11 @@ class Plan:
         self.jolts.append((self.now, shear, seconds))
         return self
 
+    def knock(self, way):
+        """Somebody bumps into the arm: its mount rings with this first swing."""
+        self.knocks.append((self.now, way))
+        return self
+
     def move_arm(self, way=None):
         """A lift, or a move down if `way` is negative."""
         n = self.numbers
@@ -166,6 +171,8 @@ def stage_and_presses(plan, t):
     n, stage, truths, speeds = plan.numbers, np.zeros(len(t)), [], []
     for start, way, speed in plan.stage_moves:
         stage += ramp(t, start, way, speed, n["stage_mm_s2"])
+    thread = n.get("thread_mm", 1.0)
+    stage += n.get("uneven", 0.0) * thread / (2 * math.pi) * (np.cos(2 * math.pi * stage / thread) - 1)
     depth = np.maximum(0, stage - n["gap_mm"])
     for start, way, speed in plan.stage_moves:
         end = start + duration(way, speed, n["stage_mm_s2"])
@@ -179,6 +186,16 @@ def stage_and_presses(plan, t):
             gone = first_time(t, (t > start) & (depth == 0), end)
             truths.append(interval("release", start, gone + 3 * n["recovery_s"] if after == 0 else end))
     return stage, depth, truths, speeds
+
+
+def shaken_arm(plan, t, lift):
+    """Ringing of the mount by the arm's own moves and by knocks, and the truths of the knocks."""
+    n, truths = plan.numbers, []
+    acceleration = np.gradient(np.gradient(lift, STEP), STEP)
+    for start, way in plan.knocks:
+        acceleration[int(start / STEP)] -= 2 * math.pi * n["mount_hz"] * way / n["mount_part"] / STEP
+        truths.append(interval("vibration", start, start + 3 / (2 * math.pi * n["mount_hz"] * n["mount_damping"])))
+    return shaken(acceleration, n["mount_hz"], n["mount_damping"], n["mount_part"]), truths
 
 
 def jolted(plan, t, base):
@@ -198,7 +215,7 @@ def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
     lift = np.zeros(len(t))
     for start, way, _ in plan.arm_moves:
         lift += smooth(ramp(t, start, way, n["lift_mm_s"], n["lift_mm_s2"]), n["lift_smooth_s"])
-    shake = shaken(np.gradient(np.gradient(lift, STEP), STEP), n["mount_hz"], n["mount_damping"], n["mount_part"])
+    shake, knocked = shaken_arm(plan, t, lift)
     base, more = jolted(plan, t, n["transmission"] * backlash(lift + shake, n["play_mm"]))
     lifts = [x for x in plan.arm_moves if x[1] > 0]
     if leaves_after is not None:
@@ -207,7 +224,7 @@ def move(plan, rng, firm=False, leaves_after=None, tail=0.8):
         truths = [x for x in truths if x["what"] != "release" or x["start"] < gone]
         truths.append(interval("release", gone, gone + 0.04 + 3 * n["recovery_s"]))
     shear, limit, gross, slid = sheared(base, depth, n, rng, 0.7 * n["shear_mm"] if firm else None)
-    truths += more
+    truths += more + knocked
     for lifted in lifts:
         truths += lift_truths(t, n, lifted, base, depth, gross, slid, firm)
     return Motion(t, followed(wavy(slid, depth, n, rng), n), shear, limit, gross, slid, lift, shake, stage, plan.commands,
