@@ -165,20 +165,16 @@ def main():
     sampled = runs_with_samples(options.tactile, options.folder)
     ordinary = [r for r in runs if r["case"] == "ordinary"]
     special = [r for r in runs if r["case"] != "ordinary"]
-    onsets = [o for r in ordinary for o in r["onsets"]]
     goals = goals_of(ordinary, sampled) if ordinary else []
     print(f"{len(ordinary)} ordinary runs, {len(special)} special ones")
-    print_errors("ordinary runs", onsets)
     print_speeds([o for r in runs for o in r["onsets"]])
-    print_flags("flags of ordinary runs", ordinary)
-    print("\nordinary runs, one by one")
-    print_defects(ordinary)
-    if special:
-        print_errors("special cases", [o for r in special for o in r["onsets"]])
-        print_flags("flags of special cases", special)
-        print("\nspecial cases, one by one")
-        print_defects(special)
-    print("\ngoals, on ordinary runs")
+    for title, some in (("ordinary runs", ordinary), ("special cases", special)):
+        if some:
+            print_errors(title, [o for r in some for o in r["onsets"]])
+            print_flags(f"flags of {title}", some)
+            print(f"\n{title}, one by one")
+            print_defects(some)
+    print("\ngoals, on ordinary runs" if goals else "")
     for name, value, limit, kept in goals:
         print(f"  {'kept  ' if kept else 'MISSED'}  {name:44} {value:8.2f}  {limit}")
     if options.json:
