@@ -87,6 +87,14 @@ class ThePixels(unittest.TestCase):
         np.testing.assert_allclose(np.sort(t[pixel == 7]), 1 + np.array([0.25, 0.5, 0.75, 1.0]) / 1.1, atol=1e-6)
         self.assertTrue(on.all())
 
+    def test_a_pixel_begins_between_its_thresholds(self):
+        camera = pixels.Pixels(numbers_of(1), np.random.default_rng(1))
+        camera.dither[:] = camera.dither.max()
+        for t in range(3):
+            camera.see(t, np.zeros((ranges.HEIGHT, ranges.WIDTH), np.float32))
+        self.assertEqual(len(camera.events()[0]), 0)
+        self.assertLess(camera.dither.max(), 1 - 1e-4)
+
     def test_a_small_swing_makes_no_events(self):
         self.assertEqual(len(self.see([(0, 0.0), (1, 0.2), (2, -0.2), (3, 0.2)])[0]), 0)
 

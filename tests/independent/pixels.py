@@ -31,7 +31,7 @@ class Pixels:
         self.off = numbers["threshold_off"] * spread()
         self.low = -self.off
         self.slow, self.last, self.t = numbers["photoreceptor_s"], None, 0.0
-        self.dither = rng.random(PIXELS).astype(np.float32)
+        self.dither = (0.999 * rng.random(PIXELS)).astype(np.float32)  # never at a threshold: no event before something moves
         self.found = []
         order = np.argsort(background[0]) if background else np.zeros(0, int)
         self.noise_times, self.noise_pixels = (x[order] for x in background[:2]) if background else (np.zeros(0), order)
