@@ -116,6 +116,24 @@ class RiseSearch {
   std::array<CellCounts, window_slots.size()> sums_;
 };
 
+/// Hands each event that counts, its cell and its slot to `use`, in file order.
+template <class Use>
+void for_limited_events(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
+                        std::size_t slot_bins, unsigned most_per_pixel, Use&& use) {
+  const events::SensorSize size = *recording.stream(stream_id).size;
+  const auto width = static_cast<std::size_t>(size.width);
+  struct InSlot {
+    std::uint32_t slot = 0, events = 0;
+  };
+  std::vector<InSlot> pixels(width * static_cast<std::size_t>(size.height));
+  alignment::for_counted_events(recording, stream_id, rate, [&](const events::Event& event, std::size_t bin) {
+    InSlot& pixel = pixels[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)];
+    const auto slot = static_cast<std::uint32_t>(bin / slot_bins);
+    if (pixel.slot != slot) pixel = {slot, 0};
+    if (++pixel.events <= most_per_pixel) use(event, slot);
+  });
+}
+
 /// By slot, whether it lies outside the bursts and their decline.
 std::vector<bool> usable_slots(const alignment::EventRate& rate, std::span<const alignment::Burst> known, std::size_t slot_bins,
                                std::size_t fade_bins) {
@@ -129,10 +147,10 @@ std::vector<bool> usable_slots(const alignment::EventRate& rate, std::span<const
 
 /// Events of each cell in a slot, on average over the usable ones.
 std::vector<double> noise_of(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
-                             const Grid& grid, const std::vector<bool>& usable, std::size_t slot_bins) {
+                             const Grid& grid, const std::vector<bool>& usable, std::size_t slot_bins, unsigned most_per_pixel) {
   std::vector<double> noise(grid.cells());
-  alignment::for_counted_events(recording, stream_id, rate, [&](const events::Event& event, std::size_t bin) {
-    if (bin / slot_bins < usable.size() && usable[bin / slot_bins]) noise[grid.at(event)] += 1.0;
+  for_limited_events(recording, stream_id, rate, slot_bins, most_per_pixel, [&](const events::Event& event, std::size_t slot) {
+    if (slot < usable.size() && usable[slot]) noise[grid.at(event)] += 1.0;
   });
   const auto slots = static_cast<double>(std::max<std::ptrdiff_t>(1, std::count(usable.begin(), usable.end(), true)));
   double mean = 0;
@@ -154,7 +172,7 @@ std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, st
   const std::size_t slot_bins = bins(options.slot);
   const std::vector<bool> usable = usable_slots(rate, known, slot_bins, bins(options.fades_within));
   const Grid grid(*recording.stream(stream_id).size, options.cell_px);
-  RiseSearch search(grid, noise_of(recording, stream_id, rate, grid, usable, slot_bins), options);
+  RiseSearch search(grid, noise_of(recording, stream_id, rate, grid, usable, slot_bins, options.most_per_pixel), options);
   CellCounts counts(grid.cells());
   std::size_t slot = 0;
   const auto finish_until = [&](std::size_t until) {
@@ -163,10 +181,11 @@ std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, st
       std::fill(counts.begin(), counts.end(), 0U);
     }
   };
-  alignment::for_counted_events(recording, stream_id, rate, [&](const events::Event& event, std::size_t bin) {
-    finish_until(bin / slot_bins);
-    if (bin / slot_bins == slot) ++counts[grid.at(event)];
-  });
+  for_limited_events(recording, stream_id, rate, slot_bins, options.most_per_pixel,
+                     [&](const events::Event& event, std::size_t in) {
+                       finish_until(in);
+                       if (in == slot) ++counts[grid.at(event)];
+                     });
   finish_until(usable.size());
 
   std::sort(search.found.begin(), search.found.end());

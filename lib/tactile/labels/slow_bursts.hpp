@@ -12,6 +12,7 @@ namespace tactile::labels {
 struct SlowBurstOptions {
   int cell_px = 8;                     ///< side of a cell; a rise is looked for in 3 x 3 cells
   microseconds slot{50'000};           ///< rises are compared over 2, 6 and 20 slots: 100, 300 and 1000 ms
+  unsigned most_per_pixel = 3;         ///< events of a pixel that count in a slot: one that is stuck for a while is no rise
   double stands_out = 6.0;             ///< [standard deviations] above the noise of the cells, and 10 events
   double dispersion = 1.5;             ///< variance per mean of the noise in a few cells
   microseconds fades_within{150'000};  ///< so long after a burst its own decline is not looked at

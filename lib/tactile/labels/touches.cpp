@@ -13,12 +13,13 @@ microseconds common_time(const alignment::EventRate& rate, const alignment::Burs
 }
 
 /// The burst that has the most events in the lift; nothing if none reaches into it.
+/// @param slow  of the slow bursts; else of the others
 std::optional<std::size_t> slip_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
-                                   const ArmMove& lift) {
+                                   const ArmMove& lift, bool slow) {
   std::optional<std::size_t> best;
   double most = 0;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
-    if (bursts[i].slow) continue;
+    if (bursts[i].slow != slow) continue;
     const auto length = static_cast<double>((rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin)).count());
     const double events = bursts[i].events * static_cast<double>(common_time(rate, bursts[i], lift).count()) / length;
     if (events > most) {
@@ -42,7 +43,7 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
   };
   if (lifts) {
     for (const ArmMove& lift : *lifts) {
-      if (const auto slip = slip_of(rate, bursts, lift)) is_slip(*slip);
+      if (const auto slip = slip_of(rate, bursts, lift, false)) is_slip(*slip);
     }
   } else {
     // By order alone: the last burst that is no after-effect, if there is another before it.
@@ -81,6 +82,15 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     } else {
       standing_press = i;
     }
+  }
+  for (const ArmMove& lift : lifts.value_or(std::vector<ArmMove>())) {
+    // What is held may slip so smoothly that a few places only show it.
+    const auto slow = slip_of(rate, bursts, lift, true);
+    if (slip_of(rate, bursts, lift, false) || !slow) continue;
+    const auto is_hold = [](BurstKind kind) { return kind == BurstKind::press || kind == BurstKind::release; };
+    std::size_t i = *slow;
+    while (i > 0 && !is_hold(kinds[i - 1])) --i;
+    if (i > 0 && kinds[i - 1] == BurstKind::press) kinds[*slow] = BurstKind::slip;
   }
   return kinds;
 }

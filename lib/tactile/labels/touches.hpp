@@ -33,8 +33,8 @@ struct TouchesOptions {
 
 /// Classifies bursts, in order of time:
 ///
-/// - Of each lift, the burst with the most events in it is the slip. If it is not known whether the arm rose, the last burst is
-/// the
+/// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands. If
+/// it is not known whether the arm rose, the last burst is the
 ///   slip.
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
