@@ -44,7 +44,7 @@ Trigger trigger_of(const Evt3Trigger& trigger) {
 Evt3Decoder::Evt3Decoder(SensorSize size) : size_(size), block_(block_words * most_of_word) {}
 
 std::size_t Evt3Decoder::decode(std::span<const std::byte> data, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers,
-                                std::size_t most_events) {
+                                std::size_t most) {
   std::size_t used = 0;
   if (half_word_ && !data.empty()) {
     const std::array<std::byte, 2> word{*half_word_, data.front()};
@@ -52,7 +52,7 @@ std::size_t Evt3Decoder::decode(std::span<const std::byte> data, std::vector<Eve
     decode_words(word.data(), 1, events, triggers);
     used = 1;
   }
-  while (data.size() - used >= 2 && events.size() < most_events) {
+  while (data.size() - used >= 2 && events.size() < most && triggers.size() < most) {
     const std::size_t count = std::min((data.size() - used) / 2, block_words);
     decode_words(data.data() + used, count, events, triggers);
     used += 2 * count;

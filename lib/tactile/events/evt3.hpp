@@ -50,10 +50,10 @@ class Evt3Decoder {
   explicit Evt3Decoder(SensorSize size);
 
   /// Appends the events and triggers of `data`. An odd byte at its end is the first half of the next call's first word.
-  /// @param most_events  of all in `events`; decoding ends within 6144 events above it
-  /// @return  the bytes that were decoded: all, unless `most_events` was reached
+  /// @param most  events, and triggers; decoding ends within 6144 above it
+  /// @return  the bytes that were decoded: all, unless `most` was reached
   std::size_t decode(std::span<const std::byte> data, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers,
-                     std::size_t most_events = std::numeric_limits<std::size_t>::max());
+                     std::size_t most = std::numeric_limits<std::size_t>::max());
 
   /// Continues after lost data: nothing is decoded until time and row are sent again. The count of roll-overs is kept.
   void skip_gap();

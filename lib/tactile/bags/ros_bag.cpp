@@ -1,45 +1,33 @@
-#include "tactile/conversion/ros_bag.hpp"
+#include "tactile/bags/ros_bag.hpp"
 
-#include <bzlib.h>
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <lz4frame.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <string_view>
 #include <vector>
 
+#include "tactile/bags/bag_chunk.hpp"
+#include "tactile/bags/bag_file.hpp"
+#include "tactile/bags/ros_fields.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_compression.hpp"
 
-namespace tactile::conversion {
+namespace tactile::bags {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
 constexpr std::uint32_t most_header = 1U << 20;
-constexpr std::uint64_t most_chunk = std::uint64_t{256} << 20;
-constexpr std::size_t lz4_spare = std::size_t{128} << 10;  // room to decode a chunk's last block in place
 constexpr std::size_t most_connections = 65'536;
 constexpr std::size_t most_name = 4096;  // of a topic or type
 
 enum Operation : unsigned { message_data = 0x02, bag_header = 0x03, chunk = 0x05, connection = 0x07 };
 
 using Bytes = std::span<const std::byte>;
-
-template <class T>
-T number_at(Bytes bytes, std::size_t offset = 0) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 /// The value of a field in a record's header, which is a list of lengths and `name=value`s. Nothing if the field is missing, or a
 /// field before it is broken.
@@ -67,87 +55,26 @@ std::optional<std::string> text_field(Bytes header, std::string_view name) {
   return std::string(reinterpret_cast<const char*>(value->data()), value->size());
 }
 
-/// Decompresses bzip2 to the front of `content`: whole only if it gives exactly `size` bytes; otherwise as much as possible.
-events::Decompressed decompress_bz2(Bytes stored, events::PacketBuffer& content, std::size_t size) {
-  bz_stream stream{};
-  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return {};
-  struct End {
-    bz_stream& stream;
-    ~End() { BZ2_bzDecompressEnd(&stream); }
-  } const end{stream};
-  stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(stored.data()));
-  stream.avail_in = static_cast<unsigned>(stored.size());
-  content.grow(size + 1, 0);  // one byte more shows that it is too long; unused memory costs nothing
-  std::size_t done = 0;
-  while (done <= size) {
-    const std::size_t room = size + 1 - done;
-    stream.next_out = reinterpret_cast<char*>(content.data() + done);
-    stream.avail_out = static_cast<unsigned>(room);
-    const unsigned had_in = stream.avail_in;
-    const int result = BZ2_bzDecompress(&stream);
-    const std::size_t got = room - stream.avail_out;
-    done += got;
-    if (result == BZ_STREAM_END) return {.whole = done == size, .size = done};
-    if (result != BZ_OK || (got == 0 && had_in == stream.avail_in)) break;  // damaged, or cut off
-  }
-  return {.whole = false, .size = done};
-}
-
-/// Decompresses the front of an LZ4 frame to the front of `content`, at most `size` bytes.
-std::size_t decompress_lz4_front(Bytes stored, events::PacketBuffer& content, std::size_t size) {
-  LZ4F_dctx* context = nullptr;
-  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) return 0;
-  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> end(context, LZ4F_freeDecompressionContext);
-  content.grow(size, 0);
-  std::size_t used = 0, done = 0;
-  while (used < stored.size() && done < size) {
-    std::size_t input = stored.size() - used, output = size - done;
-    const std::size_t rest = LZ4F_decompress(context, content.data() + done, &output, stored.data() + used, &input, nullptr);
-    if (LZ4F_isError(rest) != 0U) break;
-    used += input;
-    done += output;
-    if (rest == 0 || (input == 0 && output == 0)) break;
-  }
-  return done;
-}
-
 }  // namespace
 
 struct RosBagReader::State {
-  std::string name;  ///< for errors
-  events::FileDescriptor file;
-  std::uint64_t size = 0;
-  std::uint64_t at = 0;  ///< the next record of the file
+  explicit State(const fs::path& path) : file(path) {
+    std::array<char, magic.size()> line{};
+    file.read(0, std::as_writable_bytes(std::span(line)));
+    if (std::string_view(line.data(), line.size()) == magic) return;
+    throw Error(fmt::format("{}: does not begin with '{}'; expected a ROS 1 bag of version 2.0", file.name(),
+                            magic.substr(0, magic.size() - 1)));
+  }
+
+  BagFile file;
+  std::uint64_t at = magic.size();  ///< the next record of the file
   BagProblems problems;
   std::map<std::uint32_t, BagConnection> connections;
   std::vector<std::byte> header;
-  events::PacketBuffer stored, content;
-  events::PacketDecompressor decompressor;
+  events::PacketBuffer stored;
+  BagChunk chunk_contents;
   Bytes rest;                ///< of the chunk being read
   bool is_rest_cut = false;  ///< the file ends inside that chunk, which is already counted
-
-  void open(const fs::path& path) {
-    name = path.string();
-    file = events::FileDescriptor(fs::is_directory(path) ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    struct stat status {};
-    if (!file.is_open() || ::fstat(file.number(), &status) != 0)
-      throw Error(fmt::format("{}: cannot be opened ({}); expected a readable bag", name,
-                              fs::is_directory(path) ? "a folder" : std::strerror(errno)));
-    size = static_cast<std::uint64_t>(status.st_size);
-    std::array<char, magic.size()> line{};
-    read(0, std::as_writable_bytes(std::span(line)));
-    if (std::string_view(line.data(), line.size()) != magic) {
-      throw Error(fmt::format("{}: does not begin with '{}'; expected a ROS 1 bag of version 2.0", name,
-                              magic.substr(0, magic.size() - 1)));
-    }
-    at = magic.size();
-  }
-
-  /// Reads up to the end of the file.
-  void read(std::uint64_t offset, std::span<std::byte> bytes) const {
-    if (file.read_at(offset, bytes) >= 0) return;
-    throw Error(fmt::format("{}: reading it failed half-way ({}); expected a readable file", name, std::strerror(errno)));
-  }
 
   struct Record {
     Bytes header;
@@ -159,24 +86,24 @@ struct RosBagReader::State {
   /// The next record of the file, without its data; nothing if the file ends or is cut off, except inside a chunk.
   std::optional<Record> next_record() {
     const auto cut_off = [this] {
-      problems.truncated_bytes = size - at;
-      at = size;
+      problems.truncated_bytes = file.size() - at;
+      at = file.size();
       return std::nullopt;
     };
-    if (at >= size) return std::nullopt;
+    if (at >= file.size()) return std::nullopt;
     std::array<std::byte, 4> length{};
-    if (size - at < 8) return cut_off();
-    read(at, length);
+    if (file.size() - at < 8) return cut_off();
+    file.read(at, length);
     const auto header_size = number_at<std::uint32_t>(length);
-    if (header_size > most_header || header_size > size - at - 8) return cut_off();
+    if (header_size > most_header || header_size > file.size() - at - 8) return cut_off();
     header.resize(header_size);
-    read(at + 4, header);
-    read(at + 4 + header_size, length);
+    file.read(at + 4, header);
+    file.read(at + 4 + header_size, length);
     Record record{.header = header, .data_at = at + 8 + header_size, .data_size = number_at<std::uint32_t>(length)};
-    if (record.data_size > size - record.data_at) {
+    if (record.data_size > file.size() - record.data_at) {
       cut_off();
       if (number_field<std::uint8_t>(record.header, "op") != Operation::chunk) return std::nullopt;
-      record.data_size = static_cast<std::uint32_t>(size - record.data_at);
+      record.data_size = static_cast<std::uint32_t>(file.size() - record.data_at);
       record.is_cut = true;
       return record;
     }
@@ -188,7 +115,7 @@ struct RosBagReader::State {
   Bytes data_of(const Record& record, events::PacketBuffer& into) const {
     into.grow(record.data_size, 0);
     const std::span<std::byte> bytes(into.data(), record.data_size);
-    read(record.data_at, bytes);
+    file.read(record.data_at, bytes);
     return bytes;
   }
 
@@ -198,7 +125,8 @@ struct RosBagReader::State {
     if (!id || !topic || !type || !md5sum || connections.size() == most_connections) {
       ++problems.broken_records;
     } else {
-      connections.try_emplace(*id, BagConnection{*topic, *type, *md5sum});  // the index repeats all of them
+      connections.try_emplace(*id,
+                              BagConnection{*topic, *type, *md5sum, ros_message_with(*md5sum)});  // the index repeats all of them
     }
   }
 
@@ -226,27 +154,9 @@ struct RosBagReader::State {
     const auto claimed = number_field<std::uint32_t>(record.header, "size");
     if (!compression || !claimed || *claimed > most_chunk || record.data_size > most_chunk) return false;
     is_rest_cut = record.is_cut;
-    if (*compression == "none") {
-      rest = data_of(record, content);
-      return true;
-    }
-    const Bytes data = data_of(record, stored);
-    std::size_t size_made = *claimed;
-    if (*compression == "lz4" && record.is_cut) {
-      size_made = decompress_lz4_front(data, content, std::min<std::size_t>(*claimed, 255 * data.size()));
-    } else if (*compression == "lz4") {
-      content.grow(std::min<std::size_t>(*claimed, 255 * data.size()) + lz4_spare, 0);  // otherwise it grows by doubling
-      const events::Decompressed made = decompressor.decompress(events::Compression::lz4, data, content, *claimed);
-      if (!made.whole || made.size != *claimed) return false;
-    } else if (*compression == "bz2") {
-      const events::Decompressed made = decompress_bz2(data, content, *claimed);
-      if (!made.whole && !record.is_cut) return false;
-      size_made = std::min<std::size_t>(made.size, *claimed);
-    } else {
-      return false;
-    }
-    rest = {content.data(), size_made};
-    return true;
+    const auto contents = chunk_contents.contents(*compression, data_of(record, stored), *claimed, record.is_cut);
+    rest = contents.value_or(Bytes());
+    return contents.has_value();
   }
 
   /// The next message of the open chunk; nothing at its end.
@@ -284,19 +194,19 @@ struct RosBagReader::State {
       if (!operation) ++problems.broken_records;
       if (operation == Operation::bag_header) {
         if (!text_field(record->header, "encryptor").value_or("").empty())
-          throw Error(name + ": is encrypted; expected a plain bag");
+          throw Error(file.name() + ": is encrypted; expected a plain bag");
       } else if (operation == Operation::chunk) {
         if (!open_chunk(*record) && !record->is_cut) ++problems.broken_chunks;
       } else if (operation == Operation::connection) {
         if (record->data_size > most_header) {
           ++problems.broken_records;
         } else {
-          keep_connection(record->header, data_of(*record, content));
+          keep_connection(record->header, data_of(*record, stored));
         }
       } else if (operation == Operation::message_data) {
         if (record->data_size > most_chunk) {
           ++problems.broken_records;
-        } else if (const auto message = message_of(record->header, data_of(*record, content))) {
+        } else if (const auto message = message_of(record->header, data_of(*record, stored))) {
           return message;
         }
       }
@@ -304,10 +214,8 @@ struct RosBagReader::State {
   }
 };
 
-RosBagReader::RosBagReader(const fs::path& file) : state_(std::make_unique<State>()) { state_->open(file); }
+RosBagReader::RosBagReader(const fs::path& file) : state_(std::make_unique<State>(file)) {}
 RosBagReader::~RosBagReader() = default;
-RosBagReader::RosBagReader(RosBagReader&&) noexcept = default;
-RosBagReader& RosBagReader::operator=(RosBagReader&&) noexcept = default;
 
 std::optional<BagMessage> RosBagReader::next() { return state_->next(); }
 
@@ -318,7 +226,7 @@ void RosBagReader::rewind() {
 }
 
 std::uint64_t RosBagReader::bytes_read() const { return state_->at; }
-std::uint64_t RosBagReader::file_size() const { return state_->size; }
+std::uint64_t RosBagReader::file_size() const { return state_->file.size(); }
 const BagProblems& RosBagReader::problems() const { return state_->problems; }
 
-}  // namespace tactile::conversion
+}  // namespace tactile::bags
