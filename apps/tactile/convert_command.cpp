@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "bag_recording.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
+#include "tactile/bags/bag.hpp"
 #include "tactile/conversion/bag_import.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
@@ -190,10 +192,11 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::BagImport
                       {"use", topic.use.empty() ? nlohmann::json() : nlohmann::json(topic.use)}});
   }
   const conversion::BagImportDrops& drops = summary.drops;
-  const conversion::BagProblems& problems = summary.problems;
+  const bags::BagProblems& problems = summary.problems;
   return {{"in", args.in},
           {"out", args.out},
           {"run", summary.run.name()},
+          {"format", summary.format},
           {"bytes_in", summary.bytes_in},
           {"bytes_out", summary.bytes_out},
           {"topics", topics},
@@ -202,6 +205,7 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::BagImport
           {"events", summary.events},
           {"sorted_events", summary.sorted_events},
           {"imu_samples", summary.imu_samples},
+          {"triggers", summary.triggers},
           {"robot_states", summary.robot_states},
           {"has_joints", summary.has_joints},
           {"frames", summary.frames},
@@ -215,7 +219,9 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::BagImport
             {"other_sensor_messages", drops.other_sensor_messages},
             {"robot_states", drops.robot_states},
             {"frames", drops.frames},
-            {"imu_samples", drops.imu_samples}}},
+            {"imu_samples", drops.imu_samples},
+            {"triggers", drops.triggers},
+            {"unplaced_events", drops.unplaced_events}}},
           {"problems",
            {{"truncated_bytes", problems.truncated_bytes},
             {"broken_chunks", problems.broken_chunks},
@@ -226,12 +232,13 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::BagImport
 std::string text_of(const ConvertArguments& args, const conversion::BagImportSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
-  text += line("from", fmt::format("{}, ROS 1 bag, {}", args.in, bytes_text(summary.bytes_in)));
+  text += line("from", fmt::format("{}, {}, {}", args.in, summary.format, bytes_text(summary.bytes_in)));
   text += line("to", fmt::format("run {}, {}", summary.run.name(), bytes_text(summary.bytes_out)));
   text += line("begin", fmt::format("{} ({} us)", moment_text(summary.first), us_of(summary.first)));
   text += line("duration", duration_text(between(summary.first, summary.last)));
   text += line("events", fmt::format("{}, {}x{}", summary.events, summary.size.width, summary.size.height));
   if (summary.imu_samples > 0) text += line("imu", fmt::format("{}", summary.imu_samples));
+  if (summary.triggers > 0) text += line("triggers", fmt::format("{}", summary.triggers));
   if (summary.robot_states > 0)
     text += line("robot", fmt::format("{}, {}", summary.robot_states, summary.has_joints ? "pose and joints" : "pose"));
   if (summary.frames > 0) text += line("video", counted(summary.frames, "frame"));
@@ -240,27 +247,6 @@ std::string text_of(const ConvertArguments& args, const conversion::BagImportSum
                  fmt::format("{:<8}{}  {}  {}", topic.use.empty() ? "-" : topic.use, topic.name, topic.type, topic.messages));
   }
   return text;
-}
-
-void warn(const ConvertArguments& args, const conversion::BagImportSummary& summary) {
-  for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
-  const auto say = [&](std::uint64_t count, const char* what, const char* happened) {
-    if (count > 0) spdlog::warn("{}: {} {}", args.in, counted(count, what), happened);
-  };
-  const conversion::BagImportDrops& drops = summary.drops;
-  say(drops.events, "event", "outside the sensor dropped");
-  say(drops.late_events, "event", "too far out of order dropped");
-  say(drops.event_packets, "event packet", "lost before the bag");
-  say(drops.broken_messages, "message", "could not be decoded, and are not in the run");
-  say(drops.other_sensor_messages, "message", "of events of a sensor of another size left out");
-  say(drops.robot_states, "robot state", "dropped: no pose, not later than the previous one, or too far from it");
-  say(drops.frames, "frame", "dropped: of another size, or not later than the previous one");
-  say(drops.imu_samples, "IMU sample", "dropped: not later than the previous one");
-  say(summary.problems.truncated_bytes, "byte",
-      "after the last whole record: the bag is cut off, and the run has what could be read of them");
-  say(summary.problems.broken_chunks, "chunk", "could not be read");
-  say(summary.problems.broken_records, "record", "could not be read");
-  say(summary.problems.unknown_messages, "message", "of unknown topics skipped");
 }
 
 /// Converts a bag to a run folder; the options of recordings do not apply.
@@ -274,20 +260,31 @@ void import(const ConvertArguments& args, const CommonArguments& common) {
   conversion::BagImportOptions options = args.bag;
   if (!args.compression.empty()) options.compression = events::compression_named(args.compression);
   const conversion::BagImportSummary summary = conversion::import_bag(args.in, args.out, options, progress_line(common));
-  warn(args, summary);
+  warn_about_import(args.in, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
 
+/// Whether OUT is a recording, and not a run's folder.
+bool is_recording_name(const std::string& out) {
+  const std::string extension = conversion::lower_extension(out);
+  return extension == ".aedat4" || extension == ".csv" || extension == ".h5" || extension == ".hdf5" || extension == ".npz";
+}
+
 void convert(ConvertArguments args, const CommonArguments& common) {
-  conversion::refuse_ros2_bag(args.in);
-  if (std::filesystem::is_directory(args.in)) args.in = recording_in(args.in).string();
-  if (conversion::is_ros_bag(args.in)) return import(args, common);
+  std::optional<BagRecording> from_bag;
+  if (bags::is_bag(args.in)) {
+    if (!is_recording_name(args.out)) return import(args, common);
+    from_bag.emplace(args.in, args.bag, common);
+    args.bag = {};
+  }
+  if (!from_bag && std::filesystem::is_directory(args.in)) args.in = recording_in(args.in).string();
   const conversion::BagImportOptions& bag = args.bag;
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
     if (!topic->empty()) throw Error(args.in + ": is not a bag; expected no options for topics");
   }
   const conversion::ConvertSummary summary =
-      conversion::convert_recording(args.in, args.out, options_of(args, common.threads), progress_line(common));
+      conversion::convert_recording(from_bag ? from_bag->file() : std::filesystem::path(args.in), args.out,
+                                    options_of(args, common.threads), progress_line(common));
   warn(args, summary);
   print_result(common, json_of(args, summary), text_of(args, summary));
 }
@@ -296,12 +293,13 @@ void convert(ConvertArguments args, const CommonArguments& common) {
 
 void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
-  Command command =
-      add_command(app, "convert",
-                  "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; convert ROS 1 bags to run folders",
-                  [args](const CommonArguments& common) { convert(*args, common); });
-  command.add_option("in", args->in, "Input: .aedat4, .csv, .h5, a ROS 1 .bag, or a run folder").type_name("IN").required();
-  command.add_option("out", args->out, "Output: .aedat4, .csv, .h5 or .npz; for a bag a run folder DATA/OBJECT/NN")
+  Command command = add_command(
+      app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; convert ROS bags to run folders",
+      [args](const CommonArguments& common) { convert(*args, common); });
+  command.add_option("in", args->in, "Input: .aedat4, .csv, .h5, a bag (.bag, .db3, .mcap, or a folder of them), or a run folder")
+      .type_name("IN")
+      .required();
+  command.add_option("out", args->out, "Output: .aedat4, .csv, .h5 or .npz; for a bag also a run folder DATA/OBJECT/NN")
       .type_name("OUT")
       .required();
   command.add_option("--compression", args->compression, "Compression of an AEDAT4 output; default: as the input, or lz4")
@@ -328,7 +326,8 @@ void add_convert_command(CLI::App& app) {
   command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
   command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")
       .type_name("TOPIC");
-  command.add_option("--pose-topic", args->bag.pose_topic, "Topic of the transforms with the robot's tool").type_name("TOPIC");
+  command.add_option("--pose-topic", args->bag.pose_topic, "Topic with the poses of the robot's tool, if a bag has several")
+      .type_name("TOPIC");
   command.add_option("--video-topic", args->bag.video_topic, "Topic of the video, if a bag has several").type_name("TOPIC");
   command.add_option("--imu-topic", args->bag.imu_topic, "Topic of the IMU samples, if a bag has several").type_name("TOPIC");
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "bag_report.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
 #include "recording_report.hpp"
+#include "tactile/bags/bag.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/runs_below.hpp"
@@ -25,11 +27,12 @@ struct InfoArguments {
 /// The recordings in the places that the user named, and what is left out.
 struct Places {
   std::vector<RecordingPlace> found;
-  std::vector<std::string> misnamed, unreadable;
+  std::vector<std::string> bags, misnamed, unreadable;
 };
 
 void add_place(const std::string& place, Places& places) {
   std::error_code unknown;
+  if (bags::is_bag(place)) return places.bags.push_back(place);
   if (!fs::is_directory(place, unknown)) return places.found.push_back({place, place, std::nullopt});
   const RunFolder run = run_folder_at(place);
   if (is_there(run.events())) {
@@ -75,8 +78,22 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
       for (const std::string& reason : report.health.reasons) spdlog::error("{}: {}", place.name, reason);
     });
   }
-  if (!recordings.empty() || common.json)
-    print_result(common, {{"recordings", recordings}, {"failed", failed}, {"misnamed", places.misnamed}}, text);
+  nlohmann::json bag_reports = nlohmann::json::array();
+  for (const std::string& bag : places.bags) {
+    attempt(bag, [&] {
+      const bags::BagContents contents = bags::read_bag_contents(bag, progress);
+      bag_reports.push_back(json_of(bag, contents));
+      text += (text.empty() ? "" : "\n") + text_of(bag, contents);
+      const std::vector<std::string> reasons = reasons_of(contents);
+      if (reasons.empty() || !args.report.check) return;
+      sick = true;
+      for (const std::string& reason : reasons) spdlog::error("{}: {}", bag, reason);
+    });
+  }
+  if (!recordings.empty() || !bag_reports.empty() || common.json) {
+    print_result(common, {{"recordings", recordings}, {"bags", bag_reports}, {"failed", failed}, {"misnamed", places.misnamed}},
+                 text);
+  }
   end_with(errors);
   if (sick || (args.report.check && !places.misnamed.empty())) throw CheckFailed{};
 }
@@ -87,7 +104,7 @@ void add_info_command(CLI::App& app) {
   auto args = std::make_shared<InfoArguments>();
   Command command = add_command(app, "info", "Show the contents of recordings: streams, rates, gaps, hot pixels, health",
                                 [args](const CommonArguments& common) { report_on(*args, common); });
-  command.add_option("files", args->places, "Recordings, runs, or folders of runs").type_name("FILE|RUN").required();
+  command.add_option("files", args->places, "Recordings, ROS bags, runs, or folders of runs").type_name("FILE|RUN").required();
   command.add_option("--stream", args->report.stream, "Show only this event stream, given by id or source")
       .type_name("ID|SOURCE");
   command.add_option("--gap-ms", args->report.gap_ms, "Report gaps without data longer than this [ms]")

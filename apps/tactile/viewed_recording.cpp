@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tactile/bags/bag.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
@@ -16,20 +17,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::unique_ptr<BagRecording> recording_of_bag(const std::string& what, const CommonArguments& common) {
+  return bags::is_bag(what) ? std::make_unique<BagRecording>(what, conversion::BagImportOptions{}, common) : nullptr;
+}
+
 }  // namespace
 
 ViewedRecording::ViewedRecording(const std::string& what, const std::string& stream, const CommonArguments& common)
-    : run_(fs::is_directory(what) ? std::optional(run_folder_at(what)) : std::nullopt),
-      reader_(run_ ? recording_in(what) : fs::path(what), common.threads) {
+    : from_bag_(recording_of_bag(what, common)),
+      run_(!from_bag_ && fs::is_directory(what) ? std::optional(run_folder_at(what)) : std::nullopt),
+      reader_(from_bag_ ? from_bag_->file() : (run_ ? recording_in(what) : fs::path(what)), common.threads) {
   const events::Stream& chosen = events::event_stream(reader_, stream);
   const std::string file = reader_.file().string();
   if (!chosen.size) throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", file, chosen.id));
   stream_id_ = chosen.id;
   source_ = chosen.source;
   sensor_ = *chosen.size;
-  name_ = run_ ? run_->name() : reader_.file().filename().string();
+  const fs::path shown = fs::absolute(what).lexically_normal();
+  const fs::path file_shown = shown.has_filename() ? shown : shown.parent_path();
+  name_ = run_ ? run_->name() : file_shown.filename().string();
+  stem_ = file_shown.stem().string();
   const RunFolder around = run_ ? *run_ : run_folder_at(fs::absolute(reader_.file()).parent_path());
-  const bool is_of_run = reader_.file().filename() == around.events().filename();
+  const bool is_of_run = !from_bag_ && reader_.file().filename() == around.events().filename();
   simulated_ = is_of_run ? events::is_simulated(around) : events::is_simulated(reader_.streams());
   if (run_ && fs::exists(run_->labels())) {
     labelled_ = true;
@@ -56,7 +65,7 @@ std::string ViewedRecording::camera() const {
   return fmt::format("{}, {}x{} px", source_.empty() ? "events" : source_, sensor_.width, sensor_.height);
 }
 
-std::string ViewedRecording::file_stem() const { return run_ ? run_->object + "-" + run_->run : reader_.file().stem().string(); }
+std::string ViewedRecording::file_stem() const { return run_ ? run_->object + "-" + run_->run : stem_; }
 
 double ViewedRecording::ms_from_first(CameraTime t) const { return in_ms(between(first_, t)); }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bag_recording.hpp"
 #include "command.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/ticks.hpp"
@@ -19,7 +21,7 @@ namespace tactile::cli {
 /// A recording to look at, read through once: what it spans, how many events it holds and when, and what its run's labels say.
 class ViewedRecording {
  public:
-  /// @param what    a recording, or a run's folder
+  /// @param what    a recording, a bag, or a run's folder
   /// @param stream  as `event_stream` takes it
   /// @throws Error  if there is no such stream, it declares no size, or holds no event
   ViewedRecording(const std::string& what, const std::string& stream, const CommonArguments& common);
@@ -51,12 +53,14 @@ class ViewedRecording {
   nlohmann::json json() const;  ///< the part of every result about the recording
 
  private:
+  std::unique_ptr<BagRecording> from_bag_;
   std::optional<RunFolder> run_;
   events::RecordingReader reader_;
   std::int32_t stream_id_ = 0;
   std::string source_;
   events::SensorSize sensor_;
   std::string name_;
+  std::string stem_;
   bool simulated_ = false;
   bool labelled_ = false;
   std::vector<TouchInterval> intervals_;

@@ -143,12 +143,42 @@ TEST(ConvertCommand, MakesARunOfABag) {
     return refused.err;
   };
   EXPECT_NE(error_of(bags + "run.bag data/mug/01 --force").find("never replaced"), std::string::npos);
-  EXPECT_NE(error_of(bags + "run.bag out.aedat4").find("is not a run folder"), std::string::npos);
+  EXPECT_NE(error_of(bags + "run.bag out.mat").find("is not a run folder"), std::string::npos);
   EXPECT_NE(error_of(bags + "run.bag data/mug/02 --crop 0,0,5x5").find("a bag is converted completely"), std::string::npos);
   EXPECT_NE(error_of(vendor_file + " out.csv --events-topic /a").find("is not a bag"), std::string::npos);
   write_whole(folder / "trip.mcap", "x");
-  EXPECT_NE(error_of("trip.mcap data/mug/02").find("rosbags-convert --src trip.mcap --dst trip.bag"), std::string::npos);
+  EXPECT_NE(error_of("trip.mcap data/mug/02").find("trip.mcap: does not begin as a bag; expected one of ROS 1"),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "data/mug/02"));
+}
+
+TEST(ConvertCommand, MakesARecordingOfABagToo) {
+  const test::TemporaryFolder folder;
+  const std::string bags = std::string(test::data_folder) + "/bags/";
+  for (const char* name : {"mono.bag", "mono.db3", "mono.mcap"}) {
+    ASSERT_EQ(run_tactile("convert " + bags + name + " " + name + ".csv", folder.path()).exit_code, 0) << name;
+    EXPECT_EQ(read_text(folder / (std::string(name) + ".csv")), read_text(folder / "mono.bag.csv")) << name;
+  }
+  const test::CommandResult cut = run_tactile("convert --json " + bags + "run-lz4.mcap part.aedat4 --to-us +5000", folder.path());
+  ASSERT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_EQ(nlohmann::json::parse(cut.out).at("in"), bags + "run-lz4.mcap");
+}
+
+TEST(InfoCommand, ListsTheTopicsOfABag) {
+  const test::TemporaryFolder folder;
+  const std::string bags = std::string(test::data_folder) + "/bags/";
+  for (const char* name : {"run.bag", "run-message.db3", "run-zstd.mcap"}) {
+    const test::CommandResult result = run_tactile("info --json " + bags + name, folder.path());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json bag = nlohmann::json::parse(result.out).at("bags").at(0);
+    ASSERT_EQ(bag.at("topics").size(), 6U) << name;
+    const nlohmann::json& topic = bag.at("topics").at(2);
+    EXPECT_EQ(topic.at("name"), "/dvs/events");
+    EXPECT_EQ(topic.at("events").at("events"), 3000) << name;
+    EXPECT_EQ(topic.at("events").at("width"), 160) << name;
+    EXPECT_TRUE(bag.at("reasons").empty());
+  }
+  EXPECT_EQ(run_tactile("info --check " + bags + "mono.db3", folder.path()).exit_code, 2);  // a packet is lost
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "tactile/bags/ros_events.hpp"
 #include "tactile/conversion/bag_survey.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/conversion/imported_files.hpp"
@@ -21,7 +22,7 @@ namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int32_t events_id = 0, imu_id = 2;  // the vendor's stream ids
+constexpr std::int32_t events_id = 0, imu_id = 2, triggers_id = 3;  // the vendor's stream ids
 
 RunFolder run_named(const fs::path& folder) {
   fs::path plain = folder.lexically_normal();
@@ -35,6 +36,15 @@ RunFolder run_named(const fs::path& folder) {
   return run;
 }
 
+events::Stream further_stream(std::int32_t id, events::StreamType type, const std::string& source) {
+  events::Stream stream;
+  stream.id = id;
+  stream.type = type;
+  stream.name = name_of(type);
+  stream.source = source;
+  return stream;
+}
+
 /// The second reading. It writes the files of `run`.
 class Import {
  public:
@@ -42,14 +52,10 @@ class Import {
          BagImportSummary& summary)
       : choice_(choice), summary_(summary) {
     std::vector<events::Stream> streams{events::event_stream_declaration(summary.size, choice.at(BagTopicKind::events))};
-    if (choice.contains(BagTopicKind::imu)) {
-      events::Stream imu;
-      imu.id = imu_id;
-      imu.type = events::StreamType::imu;
-      imu.name = name_of(events::StreamType::imu);
-      imu.source = streams.front().source;
-      streams.push_back(imu);
-    }
+    if (choice.contains(BagTopicKind::imu))
+      streams.push_back(further_stream(imu_id, events::StreamType::imu, streams.front().source));
+    has_triggers_ = found.topics.at(choice.at(BagTopicKind::events)).encoding == "evt3";
+    if (has_triggers_) streams.push_back(further_stream(triggers_id, events::StreamType::triggers, streams.front().source));
     writer_.emplace(run.events(), streams,
                     events::RecordingWriterOptions{.compression = options.compression.value_or(events::Compression::lz4)});
     sorter_.emplace(*writer_, events_id);
@@ -63,9 +69,9 @@ class Import {
       film_.emplace(run, *found.topics.at(video->second).size);
   }
 
-  void take(const BagMessage& message) {
-    const BagConnection& connection = *message.connection;
-    const RosMessage type = ros_message_with(connection.md5sum);
+  void take(const bags::BagMessage& message) {
+    const bags::BagConnection& connection = *message.connection;
+    const bags::RosMessage type = connection.message;
     const std::optional<BagTopicKind> kind = bag_topic_kind_of(type);
     const auto chosen = kind ? choice_.find(*kind) : choice_.end();
     if (chosen == choice_.end() || chosen->second != connection.topic) return;
@@ -76,17 +82,17 @@ class Import {
         take_events(type, message);
         break;
       case BagTopicKind::joints:
-        if (!decode_joint_state(message.data, joints_)) ++summary_.drops.broken_messages;
+        if (!decode_joint_state(message.serialised(), joints_)) ++summary_.drops.broken_messages;
         if (robot_) robot_->set(joints_);
         break;
       case BagTopicKind::pose:
-        if (!decode_tool_poses(message.data, poses_, summary_.drops.robot_states)) ++summary_.drops.broken_messages;
+        if (!decode_poses(type, message.serialised(), poses_, summary_.drops.robot_states)) ++summary_.drops.broken_messages;
         for (const ToolPose& pose : poses_) {
           if (!robot_->add(pose, message.received)) ++summary_.drops.robot_states;
         }
         break;
       case BagTopicKind::video:
-        if (!decode_image(message.data, image_)) {
+        if (!decode_any_image(type, message.serialised(), image_)) {
           ++summary_.drops.broken_messages;
         } else if (!film_->add(image_, message.received)) {
           ++summary_.drops.frames;
@@ -121,9 +127,9 @@ class Import {
   std::optional<HostTime> begin, end;  ///< times at which the recorder received the used messages
 
  private:
-  void take_events(RosMessage type, const BagMessage& message) {
-    if (type == RosMessage::event_array ? !decode_event_array(message.data, events_)
-                                        : decode_event_packet(message.data, events_) != PacketDecoding::whole) {
+  void take_events(bags::RosMessage type, const bags::BagMessage& message) {
+    if (type == bags::RosMessage::event_array ? !bags::decode_event_array(message.serialised(), events_)
+                                              : packets_.decode(message.serialised(), events_) != bags::PacketDecoding::whole) {
       ++summary_.drops.broken_messages;
       return;
     }
@@ -131,21 +137,30 @@ class Import {
       ++summary_.drops.other_sensor_messages;
       return;
     }
-    if (events_.sequence) {
-      if (sequence_ && *events_.sequence > *sequence_ + 1) {
-        const std::uint64_t missing = *events_.sequence - *sequence_ - 1;
-        if (__builtin_add_overflow(summary_.drops.event_packets, missing, &summary_.drops.event_packets))
-          summary_.drops.event_packets = std::numeric_limits<std::uint64_t>::max();
-      }
-      sequence_ = events_.sequence;
-    }
+    if (__builtin_add_overflow(summary_.drops.event_packets, events_.lost_packets, &summary_.drops.event_packets))
+      summary_.drops.event_packets = std::numeric_limits<std::uint64_t>::max();
+    summary_.drops.unplaced_events += events_.unplaced;
+    take_triggers();
     summary_.drops.events += events_.outside;
     sorter_->add(events_.events);
   }
 
-  void take_imu(const BagMessage& message) {
+  void take_triggers() {
+    for (const events::Evt3Trigger& edge : events_.triggers) {
+      const events::Trigger trigger = events::trigger_of(edge);
+      if (!has_triggers_ || (newest_trigger_ && trigger.t < *newest_trigger_)) {
+        ++summary_.drops.triggers;
+        continue;
+      }
+      writer_->write_triggers(triggers_id, {&trigger, 1});
+      newest_trigger_ = trigger.t;
+      ++summary_.triggers;
+    }
+  }
+
+  void take_imu(const bags::BagMessage& message) {
     events::ImuSample sample;
-    if (!decode_imu_message(message.data, sample)) {
+    if (!decode_imu_message(message.serialised(), sample)) {
       ++summary_.drops.broken_messages;
     } else if (newest_imu_ && sample.t <= *newest_imu_) {
       ++summary_.drops.imu_samples;
@@ -158,19 +173,27 @@ class Import {
 
   const BagTopicChoice& choice_;
   BagImportSummary& summary_;
+  bool has_triggers_ = false;
   std::optional<events::RecordingWriter> writer_;
   std::optional<EventSorter> sorter_;
   std::optional<ImportedRobotLog> robot_;
   std::optional<ImportedFilm> film_;
-  std::optional<std::uint64_t> sequence_;
   std::optional<CameraTime> newest_imu_;
 
+  std::optional<CameraTime> newest_trigger_;
+  bags::EventPacketDecoder packets_;
+
   // Every message is decoded into the same memory.
-  RosEvents events_;
+  bags::RosEvents events_;
   JointPositions joints_;
   std::vector<ToolPose> poses_;
   RosImage image_;
 };
+
+/// The name of a file, or of a folder with or without a slash at its end.
+std::string file_name_of(const fs::path& place) {
+  return (place.has_filename() ? place : place.parent_path()).filename().string();
+}
 
 nlohmann::json run_json_extra(const fs::path& bag, const BagTopicChoice& choice, const BagSurvey& found, const Import& import,
                               const BagImportSummary& summary, const RunFolder& written) {
@@ -194,19 +217,26 @@ nlohmann::json run_json_extra(const fs::path& bag, const BagTopicChoice& choice,
                             {"robot_packages", drops.robot_states},
                             {"frames", drops.frames},
                             {"imu_samples", drops.imu_samples},
+                            {"triggers", drops.triggers},
+                            {"unplaced_events", drops.unplaced_events},
                             {"broken_messages", drops.broken_messages},
                             {"other_sensor_messages", drops.other_sensor_messages}}},
                           {"files", files_json(files)},
                           {"bag",
-                           {{"file", bag.filename().string()},
-                            {"bytes", fs::file_size(bag)},
-                            {"sha256", sha256_of_file(bag)},
+                           {{"file", file_name_of(bag)},
+                            {"format", summary.format},
+                            {"bytes", summary.bytes_in},
                             {"topics", topics},
                             {"problems",
                              {{"truncated_bytes", summary.problems.truncated_bytes},
                               {"broken_chunks", summary.problems.broken_chunks},
                               {"broken_records", summary.problems.broken_records},
                               {"unknown_messages", summary.problems.unknown_messages}}}}}};
+  if (fs::is_directory(bag)) {
+    extra["bag"]["files"] = files_json(bags::files_of_bag(bag));
+  } else {
+    extra["bag"]["sha256"] = sha256_of_file(bag);
+  }
   if (choice.contains(BagTopicKind::pose)) {
     extra["robot_clock"] = "host";
     extra["robot_speed"] = "differences of the pose";
@@ -217,28 +247,17 @@ nlohmann::json run_json_extra(const fs::path& bag, const BagTopicChoice& choice,
 
 }  // namespace
 
-bool is_ros_bag(const fs::path& file) { return lower_extension(file) == ".bag"; }
-
-void refuse_ros2_bag(const fs::path& file) {
-  const std::string extension = lower_extension(file);
-  if (extension != ".db3" && extension != ".mcap" && !fs::exists(file / "metadata.yaml")) return;
-  const fs::path plain = file.has_filename() ? file : file.parent_path();
-  throw Error(fmt::format(
-      "{0}: is a ROS 2 bag; expected a ROS 1 bag. 'rosbags-convert --src {0} --dst {1}.bag' of the Python package rosbags "
-      "makes one",
-      plain.string(), plain.stem().string()));
-}
-
 BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const BagImportOptions& options,
                             const ProgressCallback& progress) {
   BagImportSummary summary;
   summary.run = run_named(folder);
   if (fs::exists(fs::symlink_status(summary.run.folder)))
     throw Error(summary.run.folder.string() + ": exists already; expected a new run, runs are never replaced");
-  if (!fs::is_regular_file(bag)) throw Error(bag.string() + ": no such file; expected a ROS 1 bag");
   const std::string name = bag.string();
-  RosBagReader reader(bag);
-  const BagSurvey found = survey_bag(reader, progress, bag.filename().string());
+  const std::unique_ptr<bags::BagReader> reader = bags::open_bag(bag);
+  summary.format = reader->format();
+  summary.bytes_in = reader->file_size();
+  const BagSurvey found = survey_bag(*reader, progress, file_name_of(bag));
   const BagTopicChoice choice = choose_topics(name, found, options, summary.warnings);
   summary.size = *found.topics.at(choice.at(BagTopicKind::events)).size;
   for (const auto& [topic, surveyed] : found.topics) {
@@ -253,13 +272,13 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   fs::create_directory(whole.path());
   const RunFolder written{whole.path(), summary.run.object, summary.run.run};
   Import import(found, choice, options, written, summary);
-  reader.rewind();
-  while (const auto message = reader.next()) {
+  reader->rewind();
+  while (const auto message = reader->next()) {
     import.take(*message);
-    tell(progress, reader.file_size() / 2 + reader.bytes_read() / 2, reader.file_size(), summary.run.name());
+    tell(progress, reader->file_size() / 2 + reader->bytes_read() / 2, reader->file_size(), summary.run.name());
   }
   import.finish();
-  summary.problems = reader.problems();
+  summary.problems = reader->problems();
   if (summary.events == 0)
     throw Error(fmt::format("{}: topic {} has no event; expected events{}", name, choice.at(BagTopicKind::events),
                             damage_text(summary.problems)));
@@ -273,7 +292,6 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
                            .height = summary.size.height,
                            .extra = run_json_extra(bag, choice, found, import, summary, written)});
   whole.commit();
-  summary.bytes_in = fs::file_size(bag);
   for (const fs::directory_entry& file : fs::directory_iterator(summary.run.folder)) summary.bytes_out += file.file_size();
   return summary;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/conversion/ros_bag.hpp"
+#include "tactile/bags/bag.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/event.hpp"
@@ -16,11 +16,11 @@ namespace tactile::conversion {
 
 /// The topics to use. Empty: the only topic of its kind. "none": no topic; not allowed for events.
 struct BagImportOptions {
-  std::string events_topic{};                        ///< dvs_msgs/EventArray or event_camera_msgs/EventPacket
-  std::string joints_topic{};                        ///< sensor_msgs/JointState that names the UR's joints
-  std::string pose_topic{};                          ///< tf2_msgs/TFMessage that has base -> tool0_controller
-  std::string video_topic{};                         ///< sensor_msgs/Image
-  std::string imu_topic{};                           ///< sensor_msgs/Imu
+  std::string events_topic{};  ///< dvs_msgs/EventArray or event_camera_msgs/EventPacket
+  std::string joints_topic{};  ///< sensor_msgs/JointState that names the UR's joints
+  std::string pose_topic{};    ///< tf2_msgs/TFMessage that has base -> tool0_controller, or geometry_msgs/PoseStamped in base
+  std::string video_topic{};   ///< sensor_msgs/Image or CompressedImage
+  std::string imu_topic{};     ///< sensor_msgs/Imu
   std::optional<events::Compression> compression{};  ///< of events.aedat4; default LZ4
 };
 
@@ -34,6 +34,8 @@ struct BagImportDrops {
   std::uint64_t robot_states = 0;           ///< not a pose, not later than the one before, or too far from it
   std::uint64_t frames = 0;                 ///< of another size, or not later than the one before
   std::uint64_t imu_samples = 0;            ///< not later than the one before
+  std::uint64_t triggers = 0;               ///< earlier than the one before
+  std::uint64_t unplaced_events = 0;        ///< before the first time and row of `evt3`
 };
 
 struct BagTopic {
@@ -46,24 +48,20 @@ struct BagTopic {
 struct BagImportSummary {
   RunFolder run;
   std::vector<BagTopic> topics;  ///< of the bag, by name
+  std::string format;            ///< "ROS 2 bag (MCAP)"
   events::SensorSize size;
-  std::uint64_t events = 0, sorted_events = 0, imu_samples = 0, robot_states = 0, frames = 0;
+  std::uint64_t events = 0, sorted_events = 0, imu_samples = 0, triggers = 0, robot_states = 0, frames = 0;
   CameraTime first{}, last{};  ///< of the events
   bool has_joints = false;     ///< robot.csv has `actual_q_0` to `_5`
   BagImportDrops drops;
-  BagProblems problems;
+  bags::BagProblems problems;
   std::vector<std::string> warnings;  ///< a sentence each
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
-bool is_ros_bag(const std::filesystem::path& file);  ///< ends in .bag, in upper or lower case
-
-/// @throws Error  with the command that converts it, if `file` is a ROS 2 bag: .db3, .mcap, or their folder
-void refuse_ros2_bag(const std::filesystem::path& file);
-
-/// Makes a run folder of a ROS 1 bag: `events.aedat4` (with the IMU), `robot.csv`, `video.mp4`, `video.csv` and `run.json`, as
-/// far as the bag has the data. The folder appears only when it is complete. The bag is read twice; memory follows the chunk and
-/// the message.
+/// Makes a run folder of a bag of ROS 1 or ROS 2: `events.aedat4` (with the IMU), `robot.csv`, `video.mp4`, `video.csv` and
+/// `run.json`, as far as the bag has the data. The folder appears only when it is complete. The bag is read twice; memory follows
+/// the chunk and the message.
 ///
 /// - `complete` in run.json is false if the bag is cut off or has a chunk that cannot be read.
 /// - Events keep their own stamps as camera time. Events up to 20 ms out of order are sorted; earlier ones are dropped and

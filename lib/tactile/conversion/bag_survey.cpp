@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tactile/bags/ros_events.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile::conversion {
@@ -14,51 +15,54 @@ constexpr std::size_t most_topics = 4096;
 constexpr int most_video_side = 16'384;  // [px], the limit of H.264
 
 /// The types that we decode. One of these with another MD5 sum is another version.
-constexpr std::array<std::string_view, 6> known_types{"dvs_msgs/EventArray",    "event_camera_msgs/EventPacket",
-                                                      "sensor_msgs/JointState", "tf2_msgs/TFMessage",
-                                                      "sensor_msgs/Image",      "sensor_msgs/Imu"};
+constexpr std::array<std::string_view, 8> known_types{"dvs_msgs/EventArray",         "event_camera_msgs/EventPacket",
+                                                      "sensor_msgs/JointState",      "tf2_msgs/TFMessage",
+                                                      "geometry_msgs/PoseStamped",   "sensor_msgs/Image",
+                                                      "sensor_msgs/CompressedImage", "sensor_msgs/Imu"};
 
 /// Memory that every message is decoded into.
 struct Decoded {
-  RosEvents events;
+  bags::RosEvents events;
   JointPositions joints;
   std::vector<ToolPose> poses;
   RosImage image;
 };
 
-void look_at(SurveyedTopic& topic, std::span<const std::byte> data, Decoded& decoded) {
+void look_at(SurveyedTopic& topic, bags::SerialisedMessage data, Decoded& decoded) {
   switch (topic.message) {
-    case RosMessage::event_array:
+    case bags::RosMessage::event_array:
       if (topic.size && topic.useful > 0) return;  // the second reading counts the rest
-      if (!decode_event_array(data, decoded.events)) return;
+      if (!bags::decode_event_array(data, decoded.events)) return;
       topic.size = decoded.events.size;
       if (!decoded.events.events.empty()) ++topic.useful;
       break;
-    case RosMessage::event_packet: {
+    case bags::RosMessage::event_packet: {
       if (topic.size && topic.useful > 0) return;
-      const PacketDecoding decoding = decode_event_packet(data, decoded.events);
-      if (decoding == PacketDecoding::broken) return;
-      if (decoding == PacketDecoding::other_encoding && topic.other_encoding.empty())
+      const bags::PacketDecoding decoding = bags::EventPacketDecoder().decode(data, decoded.events);
+      if (decoding == bags::PacketDecoding::broken) return;
+      if (decoding == bags::PacketDecoding::other_encoding && topic.other_encoding.empty())
         topic.other_encoding = decoded.events.encoding.substr(0, 64);
       topic.size = decoded.events.size;
       topic.encoding = decoded.events.encoding.substr(0, 64);
       if (!decoded.events.events.empty()) ++topic.useful;
       break;
     }
-    case RosMessage::joint_state:
+    case bags::RosMessage::joint_state:
       if (!decode_joint_state(data, decoded.joints)) return;
       for (std::size_t i = 0; i < decoded.joints.size(); ++i) {
         if (!topic.first_joints.at(i)) topic.first_joints.at(i) = decoded.joints.at(i);
       }
       if (std::any_of(decoded.joints.begin(), decoded.joints.end(), [](const auto& q) { return q.has_value(); })) ++topic.useful;
       break;
-    case RosMessage::transforms: {
+    case bags::RosMessage::transforms:
+    case bags::RosMessage::pose: {
       std::uint64_t unusable = 0;
-      if (decode_tool_poses(data, decoded.poses, unusable) && !decoded.poses.empty()) ++topic.useful;
+      if (decode_poses(topic.message, data, decoded.poses, unusable) && !decoded.poses.empty()) ++topic.useful;
       break;
     }
-    case RosMessage::image:
-      if (topic.size || !decode_image(data, decoded.image)) return;
+    case bags::RosMessage::image:
+    case bags::RosMessage::compressed_image:
+      if (topic.size || !decode_any_image(topic.message, data, decoded.image)) return;
       topic.encoding = decoded.image.encoding;
       if (decoded.image.pixels.empty()) return;
       if (std::max(decoded.image.pixels.cols, decoded.image.pixels.rows) > most_video_side) {
@@ -68,10 +72,10 @@ void look_at(SurveyedTopic& topic, std::span<const std::byte> data, Decoded& dec
       topic.size = events::SensorSize{decoded.image.pixels.cols, decoded.image.pixels.rows};
       ++topic.useful;
       break;
-    case RosMessage::imu:
+    case bags::RosMessage::imu:
       ++topic.useful;
       break;
-    case RosMessage::other:
+    case bags::RosMessage::other:
       break;
   }
 }
@@ -100,12 +104,13 @@ std::string unusable_text(const SurveyedTopic& topic) {
 
 /// @throws Error if the topic's type is one of ours in another version, or its events come in an encoding that is not known
 void check_topic(const std::string& bag, const std::string& name, const SurveyedTopic& topic) {
-  if (topic.message == RosMessage::other && std::find(known_types.begin(), known_types.end(), topic.type) != known_types.end()) {
+  if (topic.message == bags::RosMessage::other &&
+      std::find(known_types.begin(), known_types.end(), topic.type) != known_types.end()) {
     throw Error(fmt::format("{}: topic {} has a definition of {} that is not known (MD5 {}); expected the released one", bag,
                             name, topic.type, topic.md5sum.substr(0, 32)));
   }
   if (!topic.other_encoding.empty()) {
-    throw Error(fmt::format("{}: topic {} has events encoded as '{}'; expected libcaer, libcaer_cmp or mono", bag, name,
+    throw Error(fmt::format("{}: topic {} has events encoded as '{}'; expected libcaer, libcaer_cmp, mono or evt3", bag, name,
                             topic.other_encoding));
   }
 }
@@ -130,6 +135,10 @@ std::optional<std::string> choose_topic(const std::string& bag, const BagSurvey&
     if (there != found.topics.end()) check_topic(bag, asked, there->second);
     throw Error(
         fmt::format("{}: has no topic {} with {}; expected one of its own: {}", bag, asked, kind.what, topics_text(found)));
+  }
+  if (kind.kind == BagTopicKind::pose && able.size() > 1) {  // the driver of ROS 2 publishes the tool twice
+    const auto is_stamped = [&](const std::string& name) { return found.topics.at(name).message == bags::RosMessage::pose; };
+    if (!std::all_of(able.begin(), able.end(), is_stamped)) std::erase_if(able, is_stamped);
   }
   if (able.size() > 1) {
     throw Error(fmt::format("{}: {} topics have {}: {}; expected a choice by {}", bag, able.size(), kind.what, list_of(able),
@@ -163,46 +172,48 @@ void drop_unusable_joints(const std::string& bag, const BagSurvey& found, BagTop
 
 }  // namespace
 
-std::optional<BagTopicKind> bag_topic_kind_of(RosMessage message) {
+std::optional<BagTopicKind> bag_topic_kind_of(bags::RosMessage message) {
   switch (message) {
-    case RosMessage::event_array:
-    case RosMessage::event_packet:
+    case bags::RosMessage::event_array:
+    case bags::RosMessage::event_packet:
       return BagTopicKind::events;
-    case RosMessage::joint_state:
+    case bags::RosMessage::joint_state:
       return BagTopicKind::joints;
-    case RosMessage::transforms:
+    case bags::RosMessage::transforms:
+    case bags::RosMessage::pose:
       return BagTopicKind::pose;
-    case RosMessage::image:
+    case bags::RosMessage::image:
+    case bags::RosMessage::compressed_image:
       return BagTopicKind::video;
-    case RosMessage::imu:
+    case bags::RosMessage::imu:
       return BagTopicKind::imu;
-    case RosMessage::other:
+    case bags::RosMessage::other:
       break;
   }
   return std::nullopt;
 }
 
-BagSurvey survey_bag(RosBagReader& bag, const ProgressCallback& progress, const std::string& name) {
+BagSurvey survey_bag(bags::BagReader& bag, const ProgressCallback& progress, const std::string& name) {
   BagSurvey found;
   Decoded decoded;
   while (const auto message = bag.next()) {
-    const BagConnection& connection = *message->connection;
+    const bags::BagConnection& connection = *message->connection;
     if (found.topics.size() == most_topics && !found.topics.contains(connection.topic))
       throw Error(fmt::format("{}: has more than {} topics; expected fewer", name, most_topics));
     SurveyedTopic& topic = found.topics[connection.topic];
     if (topic.messages++ == 0) {
       topic.type = connection.type;
       topic.md5sum = connection.md5sum;
-      topic.message = ros_message_with(connection.md5sum);
+      topic.message = connection.message;
     }
-    if (connection.md5sum == topic.md5sum) look_at(topic, message->data, decoded);
+    if (connection.md5sum == topic.md5sum && connection.message == topic.message) look_at(topic, message->serialised(), decoded);
     tell(progress, bag.bytes_read() / 2, bag.file_size(), name);
   }
   found.problems = bag.problems();
   return found;
 }
 
-std::string damage_text(const BagProblems& problems) {
+std::string damage_text(const bags::BagProblems& problems) {
   std::string text;
   if (problems.truncated_bytes > 0) text += fmt::format("; {} bytes cut off", problems.truncated_bytes);
   if (problems.broken_chunks > 0)

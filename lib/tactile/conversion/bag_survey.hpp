@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tactile/bags/bag.hpp"
 #include "tactile/conversion/bag_import.hpp"
-#include "tactile/conversion/ros_bag.hpp"
 #include "tactile/conversion/ros_messages.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/events/event.hpp"
@@ -28,17 +28,17 @@ inline constexpr std::array bag_topic_kinds{
     BagTopicKindNames{BagTopicKind::events, "events", "--events-topic", "events", &BagImportOptions::events_topic},
     BagTopicKindNames{BagTopicKind::joints, "joints", "--joints-topic", "joint states of the robot",
                       &BagImportOptions::joints_topic},
-    BagTopicKindNames{BagTopicKind::pose, "pose", "--pose-topic", "transforms from base to tool0_controller",
+    BagTopicKindNames{BagTopicKind::pose, "pose", "--pose-topic", "poses of the tool in the frame base",
                       &BagImportOptions::pose_topic},
     BagTopicKindNames{BagTopicKind::video, "video", "--video-topic", "images", &BagImportOptions::video_topic},
     BagTopicKindNames{BagTopicKind::imu, "imu", "--imu-topic", "samples of an IMU", &BagImportOptions::imu_topic}};
 
-std::optional<BagTopicKind> bag_topic_kind_of(RosMessage message);
+std::optional<BagTopicKind> bag_topic_kind_of(bags::RosMessage message);
 
 /// A topic as the first reading found it.
 struct SurveyedTopic {
   std::string type, md5sum;
-  RosMessage message = RosMessage::other;
+  bags::RosMessage message = bags::RosMessage::other;
   std::uint64_t messages = 0;
   std::uint64_t useful = 0;                         ///< that have events, a known joint, or the pose
   JointPositions first_joints{};                    ///< the first known of each
@@ -50,11 +50,11 @@ struct SurveyedTopic {
 
 struct BagSurvey {
   std::map<std::string, SurveyedTopic> topics;
-  BagProblems problems;
+  bags::BagProblems problems;
 };
 
 /// Reads the bag to its end. @throws Error  if it cannot be read, or has more than 4096 topics
-BagSurvey survey_bag(RosBagReader& bag, const ProgressCallback& progress, const std::string& name);
+BagSurvey survey_bag(bags::BagReader& bag, const ProgressCallback& progress, const std::string& name);
 
 /// The topic used for each kind.
 using BagTopicChoice = std::map<BagTopicKind, std::string>;
@@ -65,6 +65,6 @@ BagTopicChoice choose_topics(const std::string& bag, const BagSurvey& found, con
                              std::vector<std::string>& warnings);
 
 /// The damage to a bag, as the end of a sentence; empty if there is none.
-std::string damage_text(const BagProblems& problems);
+std::string damage_text(const bags::BagProblems& problems);
 
 }  // namespace tactile::conversion

@@ -10,35 +10,13 @@
 #include <string_view>
 #include <vector>
 
+#include "tactile/bags/ros_types.hpp"
 #include "tactile/core/time.hpp"
-#include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
 
-// Decoders for the messages of a run, in ROS 1's serialisation. They check every length before use. They fail if the bytes are
-// not such a message, or have more than 8 million events.
+// Decoders for the messages of a run that have no events. They check every length before use. They fail if the bytes are not such
+// a message.
 namespace tactile::conversion {
-
-/// The type of a message. The MD5 sum identifies the definition, whatever its name: tf/tfMessage is tf2_msgs/TFMessage.
-enum class RosMessage : std::uint8_t { other, event_array, event_packet, joint_state, transforms, image, imu };
-
-RosMessage ros_message_with(std::string_view md5sum);  ///< `other` if it is unknown
-
-/// The events of a message, in its order.
-struct RosEvents {
-  events::SensorSize size;
-  std::vector<events::Event> events;
-  std::uint64_t outside = 0;              ///< events outside the sensor; dropped
-  std::optional<std::uint64_t> sequence;  ///< of an EventPacket: each is one above the last
-  std::string encoding;                   ///< of an EventPacket
-};
-
-/// dvs_msgs/EventArray.
-bool decode_event_array(std::span<const std::byte> message, RosEvents& into);
-
-/// event_camera_msgs/EventPacket in the encodings libcaer, libcaer_cmp and mono. Of a packet in another encoding, or with
-/// big-endian numbers, only the part up to `encoding` is decoded.
-enum class PacketDecoding : std::uint8_t { whole, broken, other_encoding };
-PacketDecoding decode_event_packet(std::span<const std::byte> message, RosEvents& into);
 
 /// The UR's six joints, from the base to the wrist, as RTDE numbers them.
 inline constexpr std::array<std::string_view, 6> joint_names{"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
@@ -46,7 +24,7 @@ inline constexpr std::array<std::string_view, 6> joint_names{"shoulder_pan_joint
 
 /// Positions of those joints that the sensor_msgs/JointState names [rad].
 using JointPositions = std::array<std::optional<double>, 6>;
-bool decode_joint_state(std::span<const std::byte> message, JointPositions& into);
+bool decode_joint_state(bags::SerialisedMessage message, JointPositions& into);
 
 /// The tool's place in the robot's base frame.
 struct ToolPose {
@@ -56,7 +34,13 @@ struct ToolPose {
 };
 
 /// Every transform base -> tool0_controller of a tf2_msgs/TFMessage. `unusable` counts those that are not a valid pose.
-bool decode_tool_poses(std::span<const std::byte> message, std::vector<ToolPose>& into, std::uint64_t& unusable);
+bool decode_tool_poses(bags::SerialisedMessage message, std::vector<ToolPose>& into, std::uint64_t& unusable);
+
+/// A geometry_msgs/PoseStamped in the frame `base`, as the driver of ROS 2 publishes the tool's; others are omitted.
+bool decode_stamped_pose(bags::SerialisedMessage message, std::vector<ToolPose>& into, std::uint64_t& unusable);
+
+/// One of the two, by the message's type.
+bool decode_poses(bags::RosMessage type, bags::SerialisedMessage message, std::vector<ToolPose>& into, std::uint64_t& unusable);
 
 /// The rotation as axis times angle [rad], the angle at most pi.
 std::array<double, 3> rotation_vector(const std::array<double, 4>& turn);
@@ -70,9 +54,16 @@ struct RosImage {
 };
 
 /// sensor_msgs/Image: mono8, 8UC1, mono16, 16UC1 (the upper 8 bits), bgr8, 8UC3, rgb8, bgra8, 8UC4, rgba8.
-bool decode_image(std::span<const std::byte> message, RosImage& into);
+bool decode_image(bags::SerialisedMessage message, RosImage& into);
+
+/// sensor_msgs/CompressedImage: JPEG and PNG, which become BGR. `pixels` is empty for other formats, and for images with more
+/// than 64 million pixels.
+bool decode_compressed_image(bags::SerialisedMessage message, RosImage& into);
+
+/// One of the two, by the message's type.
+bool decode_any_image(bags::RosMessage type, bags::SerialisedMessage message, RosImage& into);
 
 /// sensor_msgs/Imu, which has neither temperature nor magnetic field: they are 0.
-bool decode_imu_message(std::span<const std::byte> message, events::ImuSample& into);
+bool decode_imu_message(bags::SerialisedMessage message, events::ImuSample& into);
 
 }  // namespace tactile::conversion

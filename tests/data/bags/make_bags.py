@@ -219,8 +219,8 @@ def main():
           [(f"/{side}/events", "dvs_msgs/msg/EventArray", START_US, packet) for side in ("left", "right")])
     write(os.path.join(folder, "no-events.bag"), [("/joint_states", "sensor_msgs/msg/JointState", START_US, joint_state(START_US))])
     prophesee = event_packet(events, 0, "mono")
-    prophesee.encoding = "evt3"
-    write(os.path.join(folder, "evt3.bag"), [("/event_camera/events", "event_camera_msgs/msg/EventPacket", START_US, prophesee)])
+    prophesee.encoding = "evt2"
+    write(os.path.join(folder, "evt2.bag"), [("/event_camera/events", "event_camera_msgs/msg/EventPacket", START_US, prophesee)])
 
     with open(os.path.join(folder, "truth.json"), "w", encoding="utf-8") as file:
         json.dump(truth, file, indent=2, sort_keys=True)

@@ -1,4 +1,4 @@
-#include "tactile/conversion/ros_bag.hpp"
+#include "tactile/bags/ros_bag.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
-namespace tactile::conversion {
+namespace tactile::bags {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,4 +164,4 @@ TEST(RosBagReader, RefusesAnEncryptedBag) {
 }
 
 }  // namespace
-}  // namespace tactile::conversion
+}  // namespace tactile::bags
