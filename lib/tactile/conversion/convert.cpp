@@ -55,12 +55,12 @@ bool can_hold(RecordingFormat format, events::StreamType type) {
 void check_options(const ConvertOptions& options, RecordingFormat from, RecordingFormat to) {
   if (from == RecordingFormat::npz)
     throw Error("NPZ can be written, but not read; expected an input that ends in .aedat4, .csv or .h5");
-  if (from == RecordingFormat::csv && to == RecordingFormat::csv)
-    throw Error("CSV to CSV converts nothing; expected an input or an output of another format");
   if (from == RecordingFormat::csv && !options.streams.empty())
     throw Error("--stream selects a stream of an AEDAT4 or HDF5 input; omit it for CSV");
   if (from == RecordingFormat::aedat4 && (options.size || options.source))
     throw Error("--size and --source describe a CSV or HDF5 input; omit them for AEDAT4");
+  if (from != RecordingFormat::csv && (!options.csv.columns.empty() || options.csv.time_unit))
+    throw Error(fmt::format("--columns and --time-unit describe a CSV input; omit them for {}", name_of(from)));
   if (to != RecordingFormat::aedat4 && options.compression)
     throw Error(fmt::format("--compression is for an AEDAT4 output; omit it for {}", name_of(to)));
   if (holds_one_stream(to) && options.streams.size() > 1)
@@ -280,8 +280,8 @@ void convert_from_hdf5(const fs::path& in, const fs::path& out, const ConvertOpt
 }
 
 /// The smallest sensor that contains a CSV's events, 0x0 without events. Checks every line.
-events::SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
-  events::EventCsvReader csv(in);
+events::SensorSize extent_of(const fs::path& in, const events::EventCsvOptions& options, const ProgressCallback& progress) {
+  events::EventCsvReader csv(in, std::nullopt, options);
   int last_x = -1, last_y = -1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
     for (const events::Event& event : events) {
@@ -297,7 +297,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
                       const ProgressCallback& progress) {
   std::optional<events::SensorSize> size = options.size;
   if (!size) {
-    const events::SensorSize extent = extent_of(in, progress);
+    const events::SensorSize extent = extent_of(in, options.csv, progress);
     if (extent.width == 0)
       throw Error(in.string() + ": has no events, so the sensor's size is unknown; expected events, or --size WxH");
     size = size_that_holds(extent);
@@ -307,7 +307,9 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
   choose_streams({&stream, 1}, in, options, summary);
   if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(events::Compression::lz4);
 
-  events::EventCsvReader csv(in, size);
+  events::EventCsvReader csv(in, size, options.csv);
+  summary.time_unit = csv.time_unit();
+  summary.time_unit_guessed = csv.time_unit_guessed();
   Passage passage(in, out, options, summary);
   const std::uint64_t passes = summary.size_guessed ? 2 : 1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
@@ -334,7 +336,7 @@ std::string lower_extension(const fs::path& file) {
 RecordingFormat recording_format_of(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".aedat4") return RecordingFormat::aedat4;
-  if (extension == ".csv") return RecordingFormat::csv;
+  if (extension == ".csv" || extension == ".txt") return RecordingFormat::csv;
   if (extension == ".h5" || extension == ".hdf5") return RecordingFormat::hdf5;
   if (extension == ".npz") return RecordingFormat::npz;
   throw Error(fmt::format("{}: {}; expected .aedat4, .csv, .h5 or .npz", file.string(),
