@@ -1,0 +1,145 @@
+#include "tactile/events/evt3.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace tactile::events {
+namespace {
+
+using Words = std::vector<std::uint16_t>;
+
+struct Decoded {
+  std::vector<Event> events;
+  std::vector<Evt3Trigger> triggers;
+  Evt3Problems problems;
+};
+
+Decoded decoded(const Words& words, SensorSize size = {1280, 720}) {
+  Evt3Decoder decoder(size);
+  Decoded made;
+  EXPECT_EQ(decoder.decode(std::as_bytes(std::span(words)), made.events, made.triggers), 2 * words.size());
+  made.problems = decoder.problems();
+  return made;
+}
+std::vector<std::int64_t> times_of(const Decoded& made) {
+  std::vector<std::int64_t> times;
+  for (const Event& event : made.events) times.push_back(us_of(event.t));
+  return times;
+}
+Event event(std::int64_t t_us, int x, int y, int on) {
+  return {.t = camera_time(t_us),
+          .x = static_cast<std::int16_t>(x),
+          .y = static_cast<std::int16_t>(y),
+          .on = static_cast<std::uint8_t>(on)};
+}
+
+TEST(Evt3Decoder, ReadsSingleEventsAndVectorsOfARow) {
+  // Time 2 * 4096 + 5; row 7: x 3 on, x 4 off; from x 100 on: pixels 0 and 11, then 112 and 119, then 120.
+  const Decoded made = decoded({0x8002, 0x6005, 0x0007, 0x2803, 0x2004, 0x3864, 0x4801, 0x5081, 0x4001});
+  EXPECT_EQ(made.events,
+            (std::vector<Event>{event(8197, 3, 7, 1), event(8197, 4, 7, 0), event(8197, 100, 7, 1), event(8197, 111, 7, 1),
+                                event(8197, 112, 7, 1), event(8197, 119, 7, 1), event(8197, 120, 7, 1)}));
+  EXPECT_EQ(made.problems, Evt3Problems{});
+}
+
+TEST(Evt3Decoder, ReadsBothEdgesOfEveryTriggerChannel) {
+  const Decoded made = decoded({0x8000, 0x6009, 0xA001, 0xA600});
+  EXPECT_EQ(made.triggers, (std::vector<Evt3Trigger>{{camera_time(9), 0, true}, {camera_time(9), 6, false}}));
+  EXPECT_EQ(trigger_of(made.triggers[0]).type, 1);
+  EXPECT_EQ(trigger_of(made.triggers[1]).type, 2);
+}
+
+TEST(Evt3Decoder, CarriesTheTimeOverItsRollOver) {
+  const Decoded made = decoded({0x8FFF, 0x6FFF, 0x0000, 0x2000, 0x8000, 0x6001, 0x2000, 0x8FFF, 0x6002, 0x2000, 0x8000, 0x6003,
+                                0x2000, 0x8800, 0x6000, 0x2000, 0x8000, 0x6000, 0x2000});
+  constexpr std::int64_t turn = 1 << 24;
+  EXPECT_EQ(times_of(made), (std::vector<std::int64_t>{turn - 1, turn + 1, turn - 4096 + 2, turn + 3,  // a step back is no turn
+                                                       turn + turn / 2, 2 * turn}));
+}
+
+TEST(Evt3Decoder, TakesAStepBackOf16UpperHalvesForDisorderAnd17ForARollOver) {
+  EXPECT_EQ(times_of(decoded({0x8020, 0x6000, 0x0000, 0x2000, 0x8010, 0x6000, 0x2000})),
+            (std::vector<std::int64_t>{0x20000, 0x10000}));
+  EXPECT_EQ(times_of(decoded({0x8020, 0x6000, 0x0000, 0x2000, 0x800F, 0x6000, 0x2000})),
+            (std::vector<std::int64_t>{0x20000, 0x100F000}));
+}
+
+TEST(Evt3Decoder, StartsANewUpperHalfAtItsBegin) {
+  EXPECT_EQ(times_of(decoded({0x8001, 0x6FF0, 0x0000, 0x2000, 0x8001, 0x2000, 0x8002, 0x2000})),
+            (std::vector<std::int64_t>{0x1FF0, 0x1FF0, 0x2000}));
+}
+
+TEST(Evt3Decoder, CountsWhatComesBeforeTimeAndRow) {
+  const Decoded made = decoded({0x6001, 0x0001, 0x2001, 0xA001, 0x8001, 0x2001, 0x6002, 0x2005});
+  EXPECT_EQ(made.events, std::vector<Event>{event(4098, 5, 1, 0)});
+  EXPECT_EQ(made.problems, (Evt3Problems{.unplaced = 3}));
+  EXPECT_EQ(decoded({0x8001, 0x6002, 0x3000, 0x4003, 0x0001, 0x4001}).problems, (Evt3Problems{.unplaced = 2}));
+}
+
+TEST(Evt3Decoder, CountsEventsOutsideTheSensorAndUnknownWords) {
+  // The sensor has 110 columns: of a vector from 100, ten pixels are inside. Then a row below the sensor.
+  const Decoded made = decoded(
+      {0x8000, 0x6000, 0x0000, 0x3064, 0x4FFF, 0x50FF, 0x206E, 0x206D, 0x000A, 0x2000, 0x1000, 0x9000, 0xE014, 0xF000, 0x7000},
+      {110, 10});
+  ASSERT_EQ(made.events.size(), 11U);
+  EXPECT_EQ(made.events[9], event(0, 109, 0, 0));
+  EXPECT_EQ(made.problems, (Evt3Problems{.unknown_words = 2, .outside = 2 + 8 + 1 + 1}));
+}
+
+/// Words of all types in no order.
+Words any_words(std::size_t count) {
+  Words words{0x8000, 0x6000, 0x0000, 0x3000};
+  std::uint32_t state = 1;
+  while (words.size() < count) {
+    state = state * 1664525 + 1013904223;
+    words.push_back(static_cast<std::uint16_t>(state >> 16));
+  }
+  return words;
+}
+
+TEST(Evt3Decoder, GivesTheSameWhereverItsInputIsDivided) {
+  const Words words = any_words(5'000);
+  const Decoded whole = decoded(words);
+  const auto bytes = std::as_bytes(std::span(words));
+  for (const std::size_t piece : {1U, 2U, 3U, 7U, 1023U, 1024U}) {
+    Evt3Decoder decoder({1280, 720});
+    Decoded made;
+    for (std::size_t at = 0; at < bytes.size(); at += piece)
+      decoder.decode(bytes.subspan(at, std::min<std::size_t>(piece, bytes.size() - at)), made.events, made.triggers);
+    EXPECT_EQ(made.events, whole.events) << piece;
+    EXPECT_EQ(made.triggers, whole.triggers) << piece;
+    EXPECT_EQ(decoder.problems(), whole.problems) << piece;
+  }
+}
+
+TEST(Evt3Decoder, StopsAtTheMostEventsAndContinuesThere) {
+  const Words words = any_words(50'000);
+  const Decoded whole = decoded(words);
+  auto rest = std::as_bytes(std::span(words));
+  Evt3Decoder decoder({1280, 720});
+  Decoded made;
+  std::vector<Event> part;
+  while (!rest.empty()) {
+    part.clear();
+    rest = rest.subspan(decoder.decode(rest, part, made.triggers, 100));
+    EXPECT_LT(part.size(), 100U + 6144U);
+    made.events.insert(made.events.end(), part.begin(), part.end());
+  }
+  EXPECT_EQ(made.events, whole.events);
+}
+
+TEST(Evt3Decoder, WaitsForTimeAndRowAfterAGapAndKeepsTheRollOvers) {
+  Evt3Decoder decoder({10, 10});
+  Decoded made;
+  const auto decode = [&](const Words& words) { decoder.decode(std::as_bytes(std::span(words)), made.events, made.triggers); };
+  decode({0x8FFF, 0x6000, 0x0001, 0x2001});
+  decoder.skip_gap();
+  decode({0x2002, 0x8000, 0x6004, 0x2002, 0x0002, 0x2003});
+  EXPECT_EQ(made.events, (std::vector<Event>{event(0xFFF000, 1, 1, 0), event(0x1000004, 3, 2, 0)}));
+  EXPECT_EQ(decoder.problems().unplaced, 2U);
+}
+
+}  // namespace
+}  // namespace tactile::events
