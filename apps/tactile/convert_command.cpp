@@ -308,9 +308,11 @@ void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
   Command command =
       add_command(app, "convert",
-                  "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; convert ROS 1 bags to run folders",
+                  "Convert recordings between AEDAT4, CSV, HDF5, NPZ and from RAW, cut and crop them; ROS 1 bags to run folders",
                   [args](const CommonArguments& common) { convert(*args, common); });
-  command.add_option("in", args->in, "Input: .aedat4, .csv, .h5, a ROS 1 .bag, or a run folder").type_name("IN").required();
+  command.add_option("in", args->in, "Input: .aedat4, Prophesee .raw, .csv, .h5, a ROS 1 .bag, or a run folder")
+      .type_name("IN")
+      .required();
   command.add_option("out", args->out, "Output: .aedat4, .csv, .h5 or .npz; for a bag a run folder DATA/OBJECT/NN")
       .type_name("OUT")
       .required();

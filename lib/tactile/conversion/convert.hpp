@@ -18,10 +18,10 @@
 namespace tactile::conversion {
 
 /// The formats of a conversion, given by the extension in upper or lower case: .aedat4, .csv or .txt, .h5 or .hdf5, .npz (output
-/// only).
-enum class RecordingFormat : std::uint8_t { aedat4, csv, hdf5, npz };
+/// only), .raw (input only).
+enum class RecordingFormat : std::uint8_t { aedat4, csv, hdf5, npz, raw };
 
-std::string_view name_of(RecordingFormat format);  ///< "AEDAT4", "CSV", "HDF5", "NPZ"
+std::string_view name_of(RecordingFormat format);  ///< "AEDAT4", "CSV", "HDF5", "NPZ", "RAW"
 
 /// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& file);
@@ -73,7 +73,7 @@ struct ConvertSummary {
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
-/// Converts AEDAT4, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ contain the
+/// Converts AEDAT4, Prophesee RAW, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ contain the
 /// events of one stream; HDF5 several streams, IMU and triggers; AEDAT4 also frames. Every packet is read even with a cut,
 /// because the times in a data table may be wrong. The output appears only when it is complete. Memory follows the packet or the
 /// chunk.

@@ -1,0 +1,111 @@
+#include "tactile/events/raw_pieces.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "tactile/events/evt2.hpp"
+#include "tactile/events/evt3.hpp"
+#include "tactile/events/recording_file.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/events/stream_time.hpp"
+
+namespace tactile::events {
+namespace {
+
+constexpr std::size_t piece_bytes = std::size_t{64} << 10;
+constexpr SensorSize widest_sensor{2048, 2048};
+
+template <class Decoder>
+class Pieces final : public RawPieces {
+ public:
+  Pieces(const RecordingFile& file, const RawHeader& header)
+      : file_(&file), begin_(header.data_begin), decoder_(header.size.value_or(widest_sensor)) {}
+
+  std::vector<PacketRecord> find(RecordingProblems& problems) override {
+    std::vector<PacketRecord> records;
+    const std::uint64_t size = (file_->size() - begin_) / Decoder::word_bytes * Decoder::word_bytes;
+    for (std::uint64_t at = 0; at < size; at += piece_bytes) {
+      states_.push_back(decoder_.state());
+      const PacketRecord piece{.stream_id = event_stream_id,
+                               .payload_offset = begin_ + at,
+                               .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
+      decode(piece);
+      add_record(records, piece, event_stream_id, std::span<const Event>(events_));
+      add_record(records, piece, trigger_stream_id, std::span<const Evt3Trigger>(triggers_));
+    }
+    problems.truncated_bytes = file_->size() - begin_ - size;
+    problems.skipped_bytes = Decoder::word_bytes * decoder_.problems().unknown_words;
+    problems.out_of_range_events = decoder_.problems().outside;
+    return records;
+  }
+
+  std::span<Event> events(const PacketRecord& record) override {
+    decode_again(record);
+    return events_;
+  }
+
+  std::vector<Trigger> triggers(const PacketRecord& record) override {
+    decode_again(record);
+    std::vector<Trigger> triggers;
+    std::transform(triggers_.begin(), triggers_.end(), std::back_inserter(triggers), trigger_of);
+    return triggers;
+  }
+
+ private:
+  void decode_again(const PacketRecord& record) {
+    decoder_.resume(states_.at(static_cast<std::size_t>((record.payload_offset - begin_) / piece_bytes)));
+    decode(record);
+  }
+
+  void decode(const PacketRecord& piece) {
+    bytes_.resize(piece_bytes);
+    const std::span<std::byte> bytes = std::span(bytes_).first(piece.payload_size);
+    file_->read(piece.payload_offset, bytes);
+    events_.clear();
+    triggers_.clear();
+    decoder_.decode(bytes, events_, triggers_);
+  }
+
+  template <class Element>
+  static void add_record(std::vector<PacketRecord>& records, PacketRecord record, std::int32_t stream_id,
+                         std::span<const Element> elements) {
+    if (elements.empty()) return;
+    record.stream_id = stream_id;
+    record.elements = static_cast<std::int64_t>(elements.size());
+    const auto [first, last] = time_extent_of(elements);
+    record.first = first;
+    record.last = last;
+    records.push_back(record);
+  }
+
+  const RecordingFile* file_;
+  std::uint64_t begin_;  ///< of the words [B]
+  Decoder decoder_;
+  std::vector<typename Decoder::State> states_;  ///< at the begin of each piece
+  std::vector<std::byte> bytes_;
+  std::vector<Event> events_;
+  std::vector<Evt3Trigger> triggers_;
+};
+
+}  // namespace
+
+std::unique_ptr<RawPieces> open_raw_pieces(const RecordingFile& file, const RawHeader& header) {
+  if (header.encoding == RecordingEncoding::evt2) return std::make_unique<Pieces<Evt2Decoder>>(file, header);
+  return std::make_unique<Pieces<Evt3Decoder>>(file, header);
+}
+
+std::vector<Stream> raw_streams(const RawHeader& header) {
+  Stream events = event_stream_declaration(header.size.value_or(widest_sensor), header.camera);
+  events.id = RawPieces::event_stream_id;
+  events.size = header.size;
+  Stream triggers;
+  triggers.id = RawPieces::trigger_stream_id;
+  triggers.type = StreamType::triggers;
+  triggers.type_identifier = identifier_of(StreamType::triggers);
+  triggers.source = header.camera;
+  return {std::move(events), completed(std::move(triggers))};
+}
+
+}  // namespace tactile::events
