@@ -6,6 +6,7 @@
 
 #include "tactile/events/evt2.hpp"
 #include "tactile/events/evt3.hpp"
+#include "tactile/events/evt3_survey.hpp"
 #include "tactile/events/recording_file.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -17,23 +18,43 @@ namespace {
 constexpr std::size_t piece_bytes = std::size_t{64} << 10;
 constexpr SensorSize widest_sensor{2048, 2048};
 
+/// As `survey` of EVT3, for EVT2, whose decoding is fast enough.
+Evt3Survey survey(Evt2Decoder& decoder, SensorSize, std::span<const std::byte> data, std::vector<Evt3Trigger>& triggers) {
+  std::vector<Event> events;
+  decoder.decode(data, events, triggers);
+  if (events.empty()) return {};
+  const auto [first, last] = time_extent_of(std::span<const Event>(events));
+  return {.events = static_cast<std::int64_t>(events.size()), .first = first, .last = last};
+}
+
 template <class Decoder>
 class Pieces final : public RawPieces {
  public:
   Pieces(const RecordingFile& file, const RawHeader& header)
-      : file_(&file), begin_(header.data_begin), decoder_(header.size.value_or(widest_sensor)) {}
+      : file_(&file), begin_(header.data_begin), sensor_(header.size.value_or(widest_sensor)), decoder_(sensor_) {}
 
   std::vector<PacketRecord> find(RecordingProblems& problems) override {
     std::vector<PacketRecord> records;
     const std::uint64_t size = (file_->size() - begin_) / Decoder::word_bytes * Decoder::word_bytes;
     for (std::uint64_t at = 0; at < size; at += piece_bytes) {
       states_.push_back(decoder_.state());
-      const PacketRecord piece{.stream_id = event_stream_id,
-                               .payload_offset = begin_ + at,
-                               .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
-      decode(piece);
-      add_record(records, piece, event_stream_id, std::span<const Event>(events_));
-      add_record(records, piece, trigger_stream_id, std::span<const Evt3Trigger>(triggers_));
+      PacketRecord piece{.stream_id = event_stream_id,
+                         .payload_offset = begin_ + at,
+                         .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
+      triggers_.clear();
+      const Evt3Survey found = survey(decoder_, sensor_, bytes_of(piece), triggers_);
+      piece.elements = found.events;
+      piece.first = found.first;
+      piece.last = found.last;
+      if (found.events > 0) records.push_back(piece);
+      if (triggers_.empty()) continue;
+      const auto [first, last] = time_extent_of(std::span<const Evt3Trigger>(triggers_));
+      records.push_back({.stream_id = trigger_stream_id,
+                         .payload_offset = piece.payload_offset,
+                         .payload_size = piece.payload_size,
+                         .elements = static_cast<std::int64_t>(triggers_.size()),
+                         .first = first,
+                         .last = last});
     }
     problems.truncated_bytes = file_->size() - begin_ - size;
     problems.skipped_bytes = Decoder::word_bytes * decoder_.problems().unknown_words;
@@ -42,46 +63,36 @@ class Pieces final : public RawPieces {
   }
 
   std::span<Event> events(const PacketRecord& record) override {
-    decode_again(record);
+    decode(record);
     return events_;
   }
 
   std::vector<Trigger> triggers(const PacketRecord& record) override {
-    decode_again(record);
+    decode(record);
     std::vector<Trigger> triggers;
     std::transform(triggers_.begin(), triggers_.end(), std::back_inserter(triggers), trigger_of);
     return triggers;
   }
 
  private:
-  void decode_again(const PacketRecord& record) {
-    decoder_.resume(states_.at(static_cast<std::size_t>((record.payload_offset - begin_) / piece_bytes)));
-    decode(record);
-  }
-
-  void decode(const PacketRecord& piece) {
+  /// Valid until the next call.
+  std::span<const std::byte> bytes_of(const PacketRecord& piece) {
     bytes_.resize(piece_bytes);
     const std::span<std::byte> bytes = std::span(bytes_).first(piece.payload_size);
     file_->read(piece.payload_offset, bytes);
-    events_.clear();
-    triggers_.clear();
-    decoder_.decode(bytes, events_, triggers_);
+    return bytes;
   }
 
-  template <class Element>
-  static void add_record(std::vector<PacketRecord>& records, PacketRecord record, std::int32_t stream_id,
-                         std::span<const Element> elements) {
-    if (elements.empty()) return;
-    record.stream_id = stream_id;
-    record.elements = static_cast<std::int64_t>(elements.size());
-    const auto [first, last] = time_extent_of(elements);
-    record.first = first;
-    record.last = last;
-    records.push_back(record);
+  void decode(const PacketRecord& piece) {
+    decoder_.resume(states_.at(static_cast<std::size_t>((piece.payload_offset - begin_) / piece_bytes)));
+    events_.clear();
+    triggers_.clear();
+    decoder_.decode(bytes_of(piece), events_, triggers_);
   }
 
   const RecordingFile* file_;
   std::uint64_t begin_;  ///< of the words [B]
+  SensorSize sensor_;
   Decoder decoder_;
   std::vector<typename Decoder::State> states_;  ///< at the begin of each piece
   std::vector<std::byte> bytes_;
