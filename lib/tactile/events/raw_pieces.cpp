@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <type_traits>
 #include <utility>
 
 #include "tactile/events/evt2.hpp"
@@ -18,15 +19,6 @@ namespace {
 constexpr std::size_t piece_bytes = std::size_t{64} << 10;
 constexpr SensorSize widest_sensor{2048, 2048};
 
-/// As `survey` of EVT3, for EVT2, whose decoding is fast enough.
-Evt3Survey survey(Evt2Decoder& decoder, SensorSize, std::span<const std::byte> data, std::vector<Evt3Trigger>& triggers) {
-  std::vector<Event> events;
-  decoder.decode(data, events, triggers);
-  if (events.empty()) return {};
-  const auto [first, last] = time_extent_of(std::span<const Event>(events));
-  return {.events = static_cast<std::int64_t>(events.size()), .first = first, .last = last};
-}
-
 template <class Decoder>
 class Pieces final : public RawPieces {
  public:
@@ -42,7 +34,7 @@ class Pieces final : public RawPieces {
                          .payload_offset = begin_ + at,
                          .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
       triggers_.clear();
-      const Evt3Survey found = survey(decoder_, sensor_, bytes_of(piece), triggers_);
+      const Evt3Survey found = survey_of(bytes_of(piece));
       piece.elements = found.events;
       piece.first = found.first;
       piece.last = found.last;
@@ -75,6 +67,19 @@ class Pieces final : public RawPieces {
   }
 
  private:
+  /// What the next bytes hold; EVT2 is decoded fast enough to be counted afterwards.
+  Evt3Survey survey_of(std::span<const std::byte> bytes) {
+    if constexpr (std::is_same_v<Decoder, Evt3Decoder>) {
+      return survey(decoder_, sensor_, bytes, triggers_);
+    } else {
+      events_.clear();
+      decoder_.decode(bytes, events_, triggers_);
+      if (events_.empty()) return {};
+      const auto [first, last] = time_extent_of(std::span<const Event>(events_));
+      return {.events = static_cast<std::int64_t>(events_.size()), .first = first, .last = last};
+    }
+  }
+
   /// Valid until the next call.
   std::span<const std::byte> bytes_of(const PacketRecord& piece) {
     bytes_.resize(piece_bytes);
