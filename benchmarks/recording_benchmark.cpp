@@ -61,8 +61,7 @@ void compare(benchmark::State& state, const Step& ours, const Step& alone, const
   seconds_of(ours), seconds_of(alone);
   for (bool ours_first = true; auto _ : state) {
     static_cast<void>(_);
-    const double first = seconds_of(ours_first ? ours : alone),
-                 second = seconds_of(ours_first ? alone : ours);
+    const double first = seconds_of(ours_first ? ours : alone), second = seconds_of(ours_first ? alone : ours);
     ours_s.push_back(ours_first ? first : second);
     alone_s.push_back(ours_first ? second : first);
     ratios.push_back(alone_s.back() / ours_s.back());

@@ -344,18 +344,6 @@ TEST(Convert, RefusesOptionsThatDoNotApply) {
   EXPECT_THROW(convert_recording(folder / "none.aedat4", folder / "out.csv"), Error);
 }
 
-TEST(Convert, ReadsTheColumnsAndTimesOfOtherPrograms) {
-  const test::TemporaryFolder folder;
-  write_whole(folder / "in.txt", "0.000001 1 2 0\n0.5 3 4 1\n");
-  const ConvertSummary summary = convert_recording(folder / "in.txt", folder / "out.csv", {.csv = {.columns = "t,x,y,p"}});
-  EXPECT_EQ(read_text(folder / "out.csv"), "t_us,x,y,on\n1,1,2,0\n500000,3,4,1\n");
-  EXPECT_EQ(summary.time_unit, events::TimeUnit::s);
-  EXPECT_TRUE(summary.time_unit_guessed);
-  convert_recording(folder / "in.txt", folder / "out.aedat4", {.csv = {.columns = "t,y,x,p", .time_unit = events::TimeUnit::ms}});
-  convert_recording(folder / "out.aedat4", folder / "turned.csv");
-  EXPECT_EQ(read_text(folder / "turned.csv"), "t_us,x,y,on\n0,2,1,0\n500,4,3,1\n");
-}
-
 TEST(Convert, NeverWritesOverItsInputNorUnaskedOverAnother) {
   const test::TemporaryFolder folder;
   fs::copy_file(vendor_files / "dv-lz4.aedat4", folder / "in.aedat4");

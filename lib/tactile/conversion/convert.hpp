@@ -73,10 +73,10 @@ struct ConvertSummary {
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
-/// Converts AEDAT4, Prophesee RAW, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ contain the
-/// events of one stream; HDF5 several streams, IMU and triggers; AEDAT4 also frames. Every packet is read even with a cut,
-/// because the times in a data table may be wrong. The output appears only when it is complete. Memory follows the packet or the
-/// chunk.
+/// Converts AEDAT4, Prophesee RAW, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ
+/// contain the events of one stream; HDF5 several streams, IMU and triggers; AEDAT4 also frames. Every packet is read even with a
+/// cut, because the times in a data table may be wrong. The output appears only when it is complete. Memory follows the packet or
+/// the chunk.
 /// @throws Error  if input and output are the same file, the output exists, a format is unknown, an option does not apply, cut or
 ///                crop contain nothing, or the output format cannot represent the input: CSV and NPZ have one event stream,
 ///                AEDAT4 and HDF5 no steps back in time, AEDAT4 and NPZ no events without a sensor size
