@@ -58,11 +58,10 @@ void compare(benchmark::State& state, const Step& ours, const Step& alone, const
     return now() - begin;
   };
   std::vector<double> ours_s, alone_s, ratios;
-  simulation::seconds_of(ours), simulation::seconds_of(alone);
+  seconds_of(ours), seconds_of(alone);
   for (bool ours_first = true; auto _ : state) {
     static_cast<void>(_);
-    const double first = simulation::seconds_of(ours_first ? ours : alone),
-                 second = simulation::seconds_of(ours_first ? alone : ours);
+    const double first = seconds_of(ours_first ? ours : alone), second = seconds_of(ours_first ? alone : ours);
     ours_s.push_back(ours_first ? first : second);
     alone_s.push_back(ours_first ? second : first);
     ratios.push_back(alone_s.back() / ours_s.back());

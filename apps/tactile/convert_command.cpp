@@ -31,6 +31,7 @@ struct ConvertArguments {
   std::string compression, size, source, crop;
   std::vector<std::string> streams;
   std::string from_us, to_us;
+  std::string columns, time_unit;
   conversion::BagImportOptions bag;
   bool force = false;
 };
@@ -101,6 +102,8 @@ conversion::ConvertOptions options_of(const ConvertArguments& args, unsigned thr
   if (!args.crop.empty()) options.crop = pixel_region_in(args.crop);
   if (!args.size.empty()) options.size = size_in(args.size);
   if (!args.source.empty()) options.source = args.source;
+  options.csv.columns = args.columns;
+  if (!args.time_unit.empty()) options.csv.time_unit = events::time_unit_named(args.time_unit);
   options.replace = args.force;
   options.threads = threads;
   return options;
@@ -111,6 +114,10 @@ void warn(const ConvertArguments& args, const conversion::ConvertSummary& summar
   if (summary.size_guessed) {
     spdlog::info("{}: assuming a sensor of {}x{} pixels, which contains all events; use --size WxH for another size", args.in,
                  summary.size->width, summary.size->height);
+  }
+  if (summary.time_unit_guessed) {
+    spdlog::info("{}: assuming times in {}, because they have a fraction; use --time-unit for another unit", args.in,
+                 name_of(*summary.time_unit));
   }
   const auto from = moment_in(args.from_us);
   if (from && !from->counts_from_first && summary.first_in && from->t < *summary.first_in) {
@@ -156,6 +163,7 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSu
           {"width", summary.size ? nlohmann::json(summary.size->width) : nlohmann::json()},
           {"height", summary.size ? nlohmann::json(summary.size->height) : nlohmann::json()},
           {"size_guessed", summary.size_guessed},
+          {"time_unit", summary.time_unit ? nlohmann::json(name_of(*summary.time_unit)) : nlohmann::json()},
           {"first_us", summary.first ? nlohmann::json(us_of(*summary.first)) : nlohmann::json()},
           {"last_us", summary.last ? nlohmann::json(us_of(*summary.last)) : nlohmann::json()},
           {"cropped_events", summary.cropped_events},
@@ -252,10 +260,11 @@ std::string text_of(const ConvertArguments& args, const conversion::BagImportSum
 /// Converts a bag to a run folder; the options of recordings do not apply.
 void import(const ConvertArguments& args, const CommonArguments& common) {
   if (!args.from_us.empty() || !args.to_us.empty() || !args.crop.empty() || !args.streams.empty() || !args.size.empty() ||
-      !args.source.empty()) {
-    throw Error(args.in +
-                ": a bag is converted completely; expected no --from-us, --to-us, --crop, --stream, --size and --source: " +
-                "the run's events.aedat4 can be cut and cropped afterwards");
+      !args.source.empty() || !args.columns.empty() || !args.time_unit.empty()) {
+    throw Error(
+        args.in +
+        ": a bag is converted completely; expected no --from-us, --to-us, --crop, --stream, --size, --source, --columns and " +
+        "--time-unit: " + "the run's events.aedat4 can be cut and cropped afterwards");
   }
   conversion::BagImportOptions options = args.bag;
   if (!args.compression.empty()) options.compression = events::compression_named(args.compression);
@@ -294,9 +303,12 @@ void convert(ConvertArguments args, const CommonArguments& common) {
 void add_convert_command(CLI::App& app) {
   auto args = std::make_shared<ConvertArguments>();
   Command command = add_command(
-      app, "convert", "Convert recordings between AEDAT4, CSV, HDF5 and NPZ, cut and crop them; convert ROS bags to run folders",
+      app, "convert",
+      "Convert recordings between AEDAT4, CSV, HDF5, NPZ and from RAW, cut and crop them; convert ROS bags to run folders",
       [args](const CommonArguments& common) { convert(*args, common); });
-  command.add_option("in", args->in, "Input: .aedat4, .csv, .h5, a bag (.bag, .db3, .mcap, or a folder of them), or a run folder")
+  command
+      .add_option("in", args->in,
+                  "Input: .aedat4, Prophesee .raw, .csv, .h5, a bag (.bag, .db3, .mcap, or a folder of them), or a run folder")
       .type_name("IN")
       .required();
   command.add_option("out", args->out, "Output: .aedat4, .csv, .h5 or .npz; for a bag also a run folder DATA/OBJECT/NN")
@@ -323,6 +335,14 @@ void add_convert_command(CLI::App& app) {
       .type_name("WxH")
       .check(Check{check_size, ""});
   command.add_option("--source", args->source, "Camera name, for CSV and for HDF5 without a name").type_name("NAME");
+  command
+      .add_option("--columns", args->columns,
+                  "Columns of a CSV in their order: t, x, y, p, and - for one to skip; default: by its header row")
+      .type_name("NAMES");
+  command
+      .add_option("--time-unit", args->time_unit,
+                  "Unit of a CSV's times; default: as its header row, or us for whole numbers and s for others")
+      .check(one_of({"s", "ms", "us", "ns"}));
   command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
   command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")
       .type_name("TOPIC");

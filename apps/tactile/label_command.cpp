@@ -20,6 +20,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/pictures/run_picture.hpp"
+#include "tactile/robot/log_table.hpp"
 #include "truth_tables.hpp"
 
 namespace tactile::cli {
@@ -35,6 +36,7 @@ struct LabelArguments {
   bool strict = false;
   bool no_pictures = false;
   std::string roi;
+  std::string robot_columns;
   LabelExchangeArguments exchange;
 };
 
@@ -63,6 +65,15 @@ Check is_region() {
                                               text);
                },
                "x,y,width,height [px]"};
+}
+
+std::string check_columns(const std::string& text) {
+  try {
+    robot::column_names(text);
+    return {};
+  } catch (const Error& e) {
+    return e.what();
+  }
 }
 
 bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
@@ -179,6 +190,7 @@ CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
 Outcome label_all(const CommonArguments& common, const LabelArguments& arguments, const std::vector<RunFolder>& runs) {
   labels::LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
+  options.label.signals.robot.columns = arguments.robot_columns;
   Pictures pictures;
   if (!arguments.no_pictures) {
     // A picture that is older than the labels shows what they were before somebody edited them.
@@ -285,6 +297,12 @@ void add_label_command(CLI::App& app) {
   command.add_option("--roi", arguments->roi, "Part of the video that shows press and slip")
       .type_name("X,Y,W,H")
       .check(is_region())
+      .excludes(summary);
+  command
+      .add_option("--robot-columns", arguments->robot_columns,
+                  "Columns of robot logs without header row, in their order: timestamp, actual_q*6 for six, - to skip one")
+      .type_name("NAMES")
+      .check(Check{check_columns, ""})
       .excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")

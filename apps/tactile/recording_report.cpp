@@ -91,6 +91,7 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
 
 std::string table_state(const events::RecordingHealth& health) {
   if (health.index == events::PacketIndex::table) return "used";
+  if (health.index == events::PacketIndex::pieces) return "none";
   return health.problems.table.empty() ? "missing" : "unusable";
 }
 

@@ -43,7 +43,7 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
 nlohmann::json json_of(const RecordingReport& report, const ReportOptions& options);
 std::string text_of(const RecordingReport& report, const ReportOptions& options);
 
-/// State of the data table: "used", "missing" or "unusable".
+/// State of the data table: "used", "missing" or "unusable"; "none" if the format has none.
 std::string table_state(const events::RecordingHealth& health);
 /// The first event stream, which names the camera; null if there is none.
 const events::StreamHealth* main_stream(const events::RecordingHealth& health);

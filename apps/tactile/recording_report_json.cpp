@@ -89,6 +89,7 @@ nlohmann::json json_of(const RecordingReport& report, const ReportOptions& optio
   nlohmann::json json = {
       {"file", health.file.string()},
       {"file_bytes", health.file_size},
+      {"format", name_of(health.encoding)},
       {"compression", name_of(health.compression)},
       {"data_table", {{"state", table_state(health)}, {"why", problems.table}}},
       {"camera", camera != nullptr ? nlohmann::json(camera->stream.source) : nlohmann::json()},

@@ -143,8 +143,11 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   }
   if (report.robot) head.add("robot", text_of(*report.robot, "row"));
   if (report.video) head.add("video", text_of(*report.video, "frame"));
-  head.add("file", fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
-                               counted(health.packets(), "packet"), table_state(health)));
+  const bool has_packets = health.encoding == events::RecordingEncoding::aedat4;
+  head.add("file", has_packets
+                       ? fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
+                                     counted(health.packets(), "packet"), table_state(health))
+                       : fmt::format("{}, Prophesee RAW, {}", bytes_text(health.file_size), name_of(health.encoding)));
   std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health);
   for (const events::StreamHealth& stream : health.streams) {
     if (!stream.events || stream.stamps.elements == 0) continue;

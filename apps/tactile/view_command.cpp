@@ -86,7 +86,7 @@ void add_view_command(CLI::App& app) {
   auto args = std::make_shared<ViewArguments>();
   Command command = add_command(app, "view", "Show events, heatmaps and labels of a recording as a picture or video",
                                 [args](const CommonArguments& common) { view(*args, common); });
-  command.add_option("what", args->what, "Recording (AEDAT4), ROS bag, or run folder")
+  command.add_option("what", args->what, "Recording (AEDAT4 or RAW), ROS bag, or run folder")
       .type_name("FILE|RUN")
       .required()
       .check(Check{[](std::string& text) {

@@ -259,6 +259,31 @@ TEST_F(LabelCommand, RefusesARegionThatIsNone) {
   EXPECT_NE(larger.err.find("is not inside its frames"), std::string::npos) << larger.err;
 }
 
+TEST_F(LabelCommand, ReadsARobotLogWithoutHeaderByTheNamesThatAreGiven) {
+  const auto file = folder / "data/fan/01/robot.csv";
+  const auto labels = [&](const std::string& options) {
+    const auto result = run_tactile("label data/fan/01 --no-pictures --json " + options, folder.path());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out).at("runs").at(0);
+  };
+  const auto exported = [&] {
+    EXPECT_EQ(run_tactile("label data/fan/01 --export out.json --format label-studio --force", folder.path()).exit_code, 0);
+    return read_text(folder / "out.json");
+  };
+  const nlohmann::json expected = labels("");
+  const std::string expected_export = exported();
+  const std::string text = read_text(file);
+  const std::size_t header = text.find('\n');
+  write_whole(file, text.substr(header + 1), IfThere::replace);
+  const auto refused = run_tactile("label data/fan/01 --no-pictures", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("has no header; expected a header row with RTDE's names, or --robot-columns"), std::string::npos)
+      << refused.err;
+  EXPECT_EQ(labels("--robot-columns " + text.substr(0, header)).at("intervals"), expected.at("intervals"));
+  EXPECT_EQ(exported(), expected_export);
+  EXPECT_GE(run_tactile("label data/fan/01 --robot-columns 'a,,b'", folder.path()).exit_code, 100);
+}
+
 TEST_F(LabelCommand, RefusesAFormatThatNothingIsExchangedIn) {
   for (const std::string wrong : {"--format elan", "--origin camera"}) {
     const auto result = run_tactile("label " + wrong, folder.path());

@@ -28,7 +28,8 @@ TEST(RecordingFormatOf, GoesByTheExtension) {
   EXPECT_EQ(recording_format_of("a/b.h5"), RecordingFormat::hdf5);
   EXPECT_EQ(recording_format_of("a/b.HDF5"), RecordingFormat::hdf5);
   EXPECT_EQ(recording_format_of("a/b.npz"), RecordingFormat::npz);
-  EXPECT_THROW(recording_format_of("a/b.txt"), Error);
+  EXPECT_EQ(recording_format_of("a/b.txt"), RecordingFormat::csv);
+  EXPECT_THROW(recording_format_of("a/b.mat"), Error);
   EXPECT_THROW(recording_format_of("a/b"), Error);
 }
 
@@ -337,8 +338,9 @@ TEST(Convert, RefusesOptionsThatDoNotApply) {
   EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.size = events::SensorSize{64, 48}}), Error);
   EXPECT_THROW(convert_recording(recording, folder / "out.aedat4", {.source = "camera"}), Error);
   EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.aedat4", {.streams = {"0"}}), Error);
-  EXPECT_THROW(convert_recording(folder / "in.csv", folder / "out.csv"), Error);
-  EXPECT_THROW(convert_recording(recording, folder / "out.txt"), Error);
+  EXPECT_THROW(convert_recording(recording, folder / "out.csv", {.csv = {.columns = "t,x,y,p"}}), Error);
+  EXPECT_THROW(convert_recording(recording, folder / "out.csv", {.csv = {.time_unit = events::TimeUnit::s}}), Error);
+  EXPECT_THROW(convert_recording(recording, folder / "out.mat"), Error);
   EXPECT_THROW(convert_recording(folder / "none.aedat4", folder / "out.csv"), Error);
 }
 

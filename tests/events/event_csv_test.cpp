@@ -15,19 +15,21 @@ namespace {
 
 using test::event_at;
 
-std::vector<Event> events_in_csv(const std::string& text, std::optional<SensorSize> size = std::nullopt) {
+std::vector<Event> events_in_csv(const std::string& text, const EventCsvOptions& options = {},
+                                 std::optional<SensorSize> size = std::nullopt) {
   const test::TemporaryFolder folder;
   write_whole(folder / "events.csv", text);
-  EventCsvReader reader(folder / "events.csv", size);
+  EventCsvReader reader(folder / "events.csv", size, options);
   std::vector<Event> events;
   for (auto chunk = reader.next(); !chunk.empty(); chunk = reader.next()) events.insert(events.end(), chunk.begin(), chunk.end());
   return events;
 }
 
 /// What reading the text throws, from the line number on.
-std::string error_of(const std::string& text, std::optional<SensorSize> size = std::nullopt) {
+std::string error_of(const std::string& text, const EventCsvOptions& options = {},
+                     std::optional<SensorSize> size = std::nullopt) {
   try {
-    events_in_csv(text, size);
+    events_in_csv(text, options, size);
   } catch (const Error& e) {
     const std::string what = e.what();
     return what.substr(what.find("events.csv:") + 11);
@@ -93,23 +95,75 @@ TEST(EventCsvReader, ReadsTimesAtTheEndsOfTheClock) {
 
 TEST(EventCsvReader, NamesTheLineTheFaultAndTheRemedy) {
   const std::string head = "t_us,x,y,on\n1,2,3,1\n";
-  EXPECT_EQ(error_of("1,2,3,1\n"), "1: '1,2,3,1' is not the header; expected 't_us,x,y,on'");
-  EXPECT_EQ(error_of(head + "2,3,1\n"), "3: '2,3,1' has 3 fields; expected the four of 't_us,x,y,on'");
-  EXPECT_EQ(error_of(head + "2,3,4,1,9\n"), "3: '2,3,4,1,9' has 5 fields; expected the four of 't_us,x,y,on'");
-  EXPECT_EQ(error_of(head + "\n"), "3: the line is empty; expected an event, 't_us,x,y,on'");
-  EXPECT_EQ(error_of(head + "2.5,3,4,1\n"),
-            "3: t_us is '2.5'; expected a whole number from -9223372036854775808 to 9223372036854775807");
-  EXPECT_EQ(error_of(head + "9223372036854775808,3,4,1\n"),
-            "3: t_us is '9223372036854775808'; expected a whole number from -9223372036854775808 to 9223372036854775807");
-  EXPECT_EQ(error_of(head + "2, 3,4,1\n"), "3: x is ' 3'; expected a whole number from 0 to 32767");
+  EXPECT_EQ(error_of(head + "2,3,1\n"), "3: '2,3,1' does not have 4 cells; expected the columns 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "2,3,4,1,9\n"), "3: '2,3,4,1,9' does not have 4 cells; expected the columns 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "\n"), "3: the line is empty; expected an event, the columns 't_us,x,y,on'");
+  EXPECT_EQ(error_of(head + "2s,3,4,1\n"), "3: t_us is '2s'; expected a time in us");
+  EXPECT_EQ(error_of(head + "9223372036854775808,3,4,1\n"), "3: t_us is '9223372036854775808'; expected a time in us");
+  EXPECT_EQ(error_of(head + "2,3.5,4,1\n"), "3: x is '3.5'; expected a whole number from 0 to 32767");
   EXPECT_EQ(error_of(head + "2,-3,4,1\n"), "3: x is '-3'; expected a whole number from 0 to 32767");
   EXPECT_EQ(error_of(head + "2,3,32768,1\n"), "3: y is '32768'; expected a whole number from 0 to 32767");
-  EXPECT_EQ(error_of(head + "2,3,4,2\n"), "3: on is '2'; expected 0 or 1");
-  EXPECT_EQ(error_of(head + "2,3,4,\n"), "3: on is ''; expected 0 or 1");
+  EXPECT_EQ(error_of(head + "2,3,4,2\n"), "3: on is '2'; expected 0 and 1, or -1 and 1");
+  EXPECT_EQ(error_of(head + "2,3,4,10\n"), "3: on is '10'; expected 0 and 1, or -1 and 1");
+  EXPECT_EQ(error_of(head + "2,3,4,\n"), "3: on is ''; expected 0 and 1, or -1 and 1");
   EXPECT_EQ(error_of(head + "0,3,4,1\n"), "3: time goes back from 1 to 0; expected times that never go back");
-  EXPECT_EQ(error_of(head + "2,3,4,1\n2,640,4,1\n", SensorSize{640, 480}),
+  EXPECT_EQ(error_of(head + "2,3,4,1\n2,640,4,1\n", {}, SensorSize{640, 480}),
             "4: x is '640'; expected a whole number from 0 to 639");
-  EXPECT_EQ(error_of(head + "2,3,480,1\n", SensorSize{640, 480}), "3: y is '480'; expected a whole number from 0 to 479");
+  EXPECT_EQ(error_of(head + "2,3,480,1\n", {}, SensorSize{640, 480}), "3: y is '480'; expected a whole number from 0 to 479");
+}
+
+TEST(EventCsvReader, ReadsColumnsInAnyOrderByTheirNames) {
+  const std::vector<Event> expected{event_at(1, 2, 3, 0), event_at(9, 4, 5, 1)};
+  for (const char* text :
+       {"x,y,p,t\n2,3,0,1\n4,5,1,9\n", "timestamp, x, y, polarity\n1, 2, 3, 0\n9, 4, 5, 1\n",
+        "\"Time [us]\";\"X\";\"Y\";\"Pol\"\n1;2;3;-1\n9;4;5;1\n", "ts\tpolarity\ty\tx\n1\tFalse\t3\t2\n9\tTrue\t5\t4\n",
+        "id,t_us,frame,x,y,on,note\n0,1,,2,3,0,first\n1,9,,4,5,1,\n", "%geometry:640,480\n# x y p t\n2 3 0 1\n4 5 1  9\n"}) {
+    EXPECT_EQ(events_in_csv(text), expected) << text;
+  }
+}
+
+TEST(EventCsvReader, ReadsColumnsInTheOrderThatIsGiven) {
+  const std::vector<Event> expected{event_at(1, 2, 3, 0), event_at(9, 4, 5, 1)};
+  EXPECT_EQ(events_in_csv("1,2,3,0\n9,4,5,1\n", {.columns = "t,x,y,p"}), expected);
+  EXPECT_EQ(events_in_csv("a,b,c,d\n1,2,3,0\n9,4,5,1\n", {.columns = "t,x,y,p"}), expected);
+  EXPECT_EQ(events_in_csv("%geometry:640,480\n2 7 3 0 1\n4 7 5 1 9\n", {.columns = "x,-,y,polarity,t"}), expected);
+  EXPECT_EQ(error_of("1,2,3,0\n"),
+            "1: '1,2,3,0' does not name a column of times once; expected a header row such as "
+            "'t_us,x,y,on', or --columns with t, x, y and p in the file's order");
+  EXPECT_EQ(error_of("1,2,3,0\n", {.columns = "t,x,y"}),
+            "1: --columns t,x,y: does not have p once; expected t, x, y and p, and - for one to skip");
+  EXPECT_EQ(error_of("1,2,3,0\n", {.columns = "t,x,y,p,q"}),
+            "1: --columns t,x,y,p,q: 'q' is no column of events; expected t, x, y and p, and - for one to skip");
+  EXPECT_EQ(error_of("1,2,3,0,0\n", {.columns = "t,x,y,p"}),
+            "1: --columns t,x,y,p: names 4 columns, but the first row has 5; expected a name or - for each");
+}
+
+TEST(EventCsvReader, TakesTheUnitOfTimesFromOptionHeaderOrNumbers) {
+  const auto times = [](const std::string& text, const EventCsvOptions& options = {}) {
+    std::vector<std::int64_t> result;
+    for (const Event& event : events_in_csv(text, options)) result.push_back(us_of(event.t));
+    return result;
+  };
+  using Times = std::vector<std::int64_t>;
+  EXPECT_EQ(times("t,x,y,p\n7,0,0,1\n"), Times{7});
+  EXPECT_EQ(times("t,x,y,p\n0.0,0,0,1\n-0.0,0,0,1\n1605537493.718345,0,0,1\n"), (Times{0, 0, 1'605'537'493'718'345}));
+  EXPECT_EQ(times("t,x,y,p\n1.5e-05,0,0,1\n"), Times{15});
+  EXPECT_EQ(times("t_s,x,y,p\n7,0,0,1\n"), Times{7'000'000});
+  EXPECT_EQ(times("time (ms),x,y,p\n-1.5,0,0,1\n"), Times{-1'500});
+  EXPECT_EQ(times("t_ns,x,y,p\n1605537493718345499,0,0,1\n1605537493718345500,0,0,1\n"),
+            (Times{1'605'537'493'718'345, 1'605'537'493'718'346}));
+  EXPECT_EQ(times("t_us,x,y,p\n7.0,0,0,1\n", {.time_unit = TimeUnit::ms}), Times{7'000});
+  EXPECT_EQ(error_of("t,x,y,p\n7.0,0,0,1\n8.0,0,0,1\n"),
+            "1: the first times have a decimal point, but no fraction, so their unit is unknown; expected --time-unit s, ms, us "
+            "or ns");
+  EXPECT_EQ(error_of("t,x,y,p\n1605537493718345000,0,0,1\n"),
+            "1: the time 1605537493718345000 is no time in microseconds; expected --time-unit ns, or another unit");
+  EXPECT_EQ(error_of("t_s,x,y,p\n1e18,0,0,1\n"), "2: t_s is '1e18'; expected a time in s");
+}
+
+TEST(EventCsvReader, RefusesPolaritiesOfTwoKinds) {
+  EXPECT_EQ(error_of("t,x,y,p\n1,0,0,1\n2,0,0,0\n3,0,0,-1\n"),
+            "4: the polarity is -1, and 0 in a row above; expected 0 and 1, or -1 and 1");
 }
 
 TEST(EventCsvReader, RefusesWhatIsNoCsv) {

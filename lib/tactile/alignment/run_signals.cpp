@@ -136,9 +136,9 @@ std::optional<CoarseOffset> coarse_offset(const RunSignals& signals, const robot
   return CoarseOffset{.offset_us = saturating_add(*camera, *host), .within = host_times_within};
 }
 
-void read_robot(RunSignals& signals) {
+void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
   signals.has_robot = true;
-  robot::RobotLogFile file = robot::read_robot_log(signals.run.robot());
+  robot::RobotLogFile file = robot::read_robot_log(signals.run.robot(), options);
   signals.speed_from = file.speed_from;
   signals.arm = file.arm;
   if (robot::is_target(file.speed_from)) {
@@ -191,7 +191,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   }
   signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
-  if (std::filesystem::exists(run.robot())) read_robot(signals);
+  if (std::filesystem::exists(run.robot())) read_robot(signals, options.robot);
   if (std::filesystem::exists(run.video())) {
     try {
       const std::vector<VideoTime> times =

@@ -217,7 +217,7 @@ class FileSource final : public CameraSource {
 std::unique_ptr<CameraSource> open_file_source(std::string name, const fs::path& path, const CameraSourceOptions& options) {
   const fs::path file = fs::is_directory(path) ? recording_in(path) : path;
   if (!fs::is_regular_file(file))
-    throw Error(name + ": there is no " + file.string() + "; expected an AEDAT4 file or a run's folder");
+    throw Error(name + ": there is no " + file.string() + "; expected an AEDAT4 or RAW file, or a run's folder");
   return std::make_unique<FileSource>(std::move(name), file, options);
 }
 

@@ -54,13 +54,15 @@ bool can_hold(RecordingFormat format, events::StreamType type) {
 
 void check_options(const ConvertOptions& options, RecordingFormat from, RecordingFormat to) {
   if (from == RecordingFormat::npz)
-    throw Error("NPZ can be written, but not read; expected an input that ends in .aedat4, .csv or .h5");
-  if (from == RecordingFormat::csv && to == RecordingFormat::csv)
-    throw Error("CSV to CSV converts nothing; expected an input or an output of another format");
+    throw Error("NPZ can be written, but not read; expected an input that ends in .aedat4, .raw, .csv or .h5");
+  if (to == RecordingFormat::raw)
+    throw Error("RAW can be read, but not written; expected an output that ends in .aedat4, .csv, .h5 or .npz");
   if (from == RecordingFormat::csv && !options.streams.empty())
     throw Error("--stream selects a stream of an AEDAT4 or HDF5 input; omit it for CSV");
-  if (from == RecordingFormat::aedat4 && (options.size || options.source))
-    throw Error("--size and --source describe a CSV or HDF5 input; omit them for AEDAT4");
+  if ((from == RecordingFormat::aedat4 || from == RecordingFormat::raw) && (options.size || options.source))
+    throw Error(fmt::format("--size and --source describe a CSV or HDF5 input; omit them for {}", name_of(from)));
+  if (from != RecordingFormat::csv && (!options.csv.columns.empty() || options.csv.time_unit))
+    throw Error(fmt::format("--columns and --time-unit describe a CSV input; omit them for {}", name_of(from)));
   if (to != RecordingFormat::aedat4 && options.compression)
     throw Error(fmt::format("--compression is for an AEDAT4 output; omit it for {}", name_of(to)));
   if (holds_one_stream(to) && options.streams.size() > 1)
@@ -227,11 +229,14 @@ class Passage {
   std::vector<events::Trigger> triggers_kept_;
 };
 
-void convert_from_aedat4(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
-                         const ProgressCallback& progress) {
+void convert_from_packets(const fs::path& in, const fs::path& out, const ConvertOptions& options, ConvertSummary& summary,
+                          const ProgressCallback& progress) {
   events::RecordingReader recording(in, options.threads);
   choose_streams(recording.streams(), in, options, summary);
-  if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(recording.compression());
+  if (summary.to == RecordingFormat::aedat4) {
+    const bool is_aedat4 = recording.encoding() == events::RecordingEncoding::aedat4;
+    summary.compression = options.compression.value_or(is_aedat4 ? recording.compression() : events::Compression::lz4);
+  }
   Passage passage(in, out, options, summary);
   std::optional<CameraTime> first;
   for (const events::PacketRecord& packet : recording.packets()) {
@@ -280,8 +285,8 @@ void convert_from_hdf5(const fs::path& in, const fs::path& out, const ConvertOpt
 }
 
 /// The smallest sensor that contains a CSV's events, 0x0 without events. Checks every line.
-events::SensorSize extent_of(const fs::path& in, const ProgressCallback& progress) {
-  events::EventCsvReader csv(in);
+events::SensorSize extent_of(const fs::path& in, const events::EventCsvOptions& options, const ProgressCallback& progress) {
+  events::EventCsvReader csv(in, std::nullopt, options);
   int last_x = -1, last_y = -1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
     for (const events::Event& event : events) {
@@ -297,7 +302,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
                       const ProgressCallback& progress) {
   std::optional<events::SensorSize> size = options.size;
   if (!size) {
-    const events::SensorSize extent = extent_of(in, progress);
+    const events::SensorSize extent = extent_of(in, options.csv, progress);
     if (extent.width == 0)
       throw Error(in.string() + ": has no events, so the sensor's size is unknown; expected events, or --size WxH");
     size = size_that_holds(extent);
@@ -307,7 +312,9 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
   choose_streams({&stream, 1}, in, options, summary);
   if (summary.to == RecordingFormat::aedat4) summary.compression = options.compression.value_or(events::Compression::lz4);
 
-  events::EventCsvReader csv(in, size);
+  events::EventCsvReader csv(in, size, options.csv);
+  summary.time_unit = csv.time_unit();
+  summary.time_unit_guessed = csv.time_unit_guessed();
   Passage passage(in, out, options, summary);
   const std::uint64_t passes = summary.size_guessed ? 2 : 1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
@@ -320,7 +327,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
 }  // namespace
 
 std::string_view name_of(RecordingFormat format) {
-  constexpr std::array<std::string_view, 4> names{"AEDAT4", "CSV", "HDF5", "NPZ"};
+  constexpr std::array<std::string_view, 5> names{"AEDAT4", "CSV", "HDF5", "NPZ", "RAW"};
   return names.at(static_cast<std::size_t>(format));
 }
 
@@ -334,10 +341,11 @@ std::string lower_extension(const fs::path& file) {
 RecordingFormat recording_format_of(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".aedat4") return RecordingFormat::aedat4;
-  if (extension == ".csv") return RecordingFormat::csv;
+  if (extension == ".csv" || extension == ".txt") return RecordingFormat::csv;
   if (extension == ".h5" || extension == ".hdf5") return RecordingFormat::hdf5;
   if (extension == ".npz") return RecordingFormat::npz;
-  throw Error(fmt::format("{}: {}; expected .aedat4, .csv, .h5 or .npz", file.string(),
+  if (extension == ".raw") return RecordingFormat::raw;
+  throw Error(fmt::format("{}: {}; expected .aedat4, .csv, .h5 or .npz, or .raw as input", file.string(),
                           extension.empty() ? "no extension that names a format" : "unknown extension '" + extension + "'"));
 }
 
@@ -358,7 +366,7 @@ ConvertSummary convert_recording(const fs::path& in, const fs::path& out, const 
       convert_from_hdf5(in, out, options, summary, progress);
       break;
     default:
-      convert_from_aedat4(in, out, options, summary, progress);
+      convert_from_packets(in, out, options, summary, progress);
       break;
   }
   summary.bytes_in = fs::file_size(in);

@@ -11,15 +11,17 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
+#include "tactile/events/event_csv_layout.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile::conversion {
 
-/// The formats of a conversion, given by the extension in upper or lower case: .aedat4, .csv, .h5 or .hdf5, .npz (output only).
-enum class RecordingFormat : std::uint8_t { aedat4, csv, hdf5, npz };
+/// The formats of a conversion, given by the extension in upper or lower case: .aedat4, .csv or .txt, .h5 or .hdf5, .npz (output
+/// only), .raw (input only).
+enum class RecordingFormat : std::uint8_t { aedat4, csv, hdf5, npz, raw };
 
-std::string_view name_of(RecordingFormat format);  ///< "AEDAT4", "CSV", "HDF5", "NPZ"
+std::string_view name_of(RecordingFormat format);  ///< "AEDAT4", "CSV", "HDF5", "NPZ", "RAW"
 
 /// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& file);
@@ -42,6 +44,7 @@ struct ConvertOptions {
   /// contains the events, or their extent if none does.
   std::optional<events::SensorSize> size{};
   std::optional<std::string> source{};  ///< the camera to declare for such an input; default "csv" or "hdf5"
+  events::EventCsvOptions csv{};        ///< the columns of a CSV input, and the unit of its times
   bool replace = false;                 ///< whether an existing output may be replaced
   unsigned threads = 1;                 ///< threads that read an AEDAT4 input, > 0
 };
@@ -59,6 +62,8 @@ struct ConvertSummary {
   std::vector<events::Stream> left_out;            ///< other event streams, and types that the output format lacks
   std::optional<events::SensorSize> size;          ///< of the first stream of events, as written
   bool size_guessed = false;                       ///< derived from a CSV's events
+  std::optional<events::TimeUnit> time_unit;       ///< of a CSV input
+  bool time_unit_guessed = false;                  ///< because the times of a CSV have a fraction
   std::optional<CameraTime> first, last;           ///< of the elements written, over all streams
   std::optional<CameraTime> first_in;              ///< of the elements read, cut or not
   std::uint64_t cropped_events = 0;                ///< inside the cut, but outside the crop
@@ -68,10 +73,10 @@ struct ConvertSummary {
   std::uint64_t bytes_in = 0, bytes_out = 0;
 };
 
-/// Converts AEDAT4, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ contain the
-/// events of one stream; HDF5 several streams, IMU and triggers; AEDAT4 also frames. Every packet is read even with a cut,
-/// because the times in a data table may be wrong. The output appears only when it is complete. Memory follows the packet or the
-/// chunk.
+/// Converts AEDAT4, Prophesee RAW, CSV or HDF5 to AEDAT4, CSV, HDF5 or NPZ, with an optional cut by time and a crop. CSV and NPZ
+/// contain the events of one stream; HDF5 several streams, IMU and triggers; AEDAT4 also frames. Every packet is read even with a
+/// cut, because the times in a data table may be wrong. The output appears only when it is complete. Memory follows the packet or
+/// the chunk.
 /// @throws Error  if input and output are the same file, the output exists, a format is unknown, an option does not apply, cut or
 ///                crop contain nothing, or the output format cannot represent the input: CSV and NPZ have one event stream,
 ///                AEDAT4 and HDF5 no steps back in time, AEDAT4 and NPZ no events without a sensor size

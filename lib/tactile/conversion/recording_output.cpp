@@ -77,6 +77,7 @@ std::unique_ptr<RecordingOutput> open_output(const fs::path& file, const fs::pat
       return std::make_unique<EventOutput<EventNpzWriter>>(file, *summary.size);
     case RecordingFormat::hdf5:
       return std::make_unique<Hdf5Output>(file, streams);
+    case RecordingFormat::raw:  // is never an output
     case RecordingFormat::aedat4:
       std::for_each(streams.begin(), streams.end(), check_size);
       break;

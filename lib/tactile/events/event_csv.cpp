@@ -10,9 +10,9 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile::events {
@@ -44,13 +44,35 @@ std::string shown(std::string_view text) {
   return "'" + plain + (text.size() > 40 ? "...'" : "'");
 }
 
-/// Reads a whole number and the comma after it; false if there is none.
-template <class T>
-bool take(const char*& at, const char* end, T& value) {
-  const auto [rest, error] = std::from_chars(at, end, value);
-  if (error != std::errc{} || rest == end || *rest != ',') return false;
-  at = rest + 1;
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+/// Moves to the next cell, past blanks around the separator; false if there is none.
+bool pass_separator(const char*& at, const char* end, char separator) {
+  while (at < end && is_blank(*at) && *at != separator) ++at;
+  if (at == end || *at != separator) return false;
+  for (++at; at < end && (*at == ' ' || (*at == '\t' && separator == ' ')); ++at) continue;
   return true;
+}
+
+/// Reads a coordinate; false if there is none, or it is not below `limit`.
+bool take_coordinate(const char*& at, const char* end, int limit, std::int16_t& value) {
+  int number = 0;
+  const auto [rest, error] = std::from_chars(at, end, number);
+  if (error != std::errc{} || number < 0 || number >= limit) return false;
+  value = static_cast<std::int16_t>(number);
+  at = rest;
+  return true;
+}
+
+/// Reads a polarity: 1, 0, -1, True or False; nothing if it is none.
+std::optional<int> take_polarity(const char*& at, const char* end) {
+  const std::string_view text(at, static_cast<std::size_t>(end - at));
+  constexpr std::array<std::pair<std::string_view, int>, 7> known{
+      {{"1", 1}, {"0", 0}, {"-1", -1}, {"True", 1}, {"False", 0}, {"true", 1}, {"false", 0}}};
+  const auto* const found = std::find_if(known.begin(), known.end(), [&](const auto& k) { return text.starts_with(k.first); });
+  if (found == known.end()) return std::nullopt;
+  at += found->first.size();
+  return found->second;
 }
 
 }  // namespace
@@ -114,12 +136,18 @@ void EventCsvWriter::close() {
 }
 
 struct EventCsvReader::State {
-  State(const std::filesystem::path& csv, SensorSize size)
-      : path(csv), file(open_file(csv, "rbe", "a readable file")), sensor(size) {}
+  State(const std::filesystem::path& csv, SensorSize size, const EventCsvOptions& csv_options)
+      : path(csv), file(open_file(csv, "rbe", "a readable file")), sensor(size), options(csv_options) {}
 
   std::filesystem::path path;
   File file;
   SensorSize sensor;
+  EventCsvOptions options;
+  std::optional<EventCsvLayout> layout;          ///< once the first row was read
+  std::optional<EventCsvLayout> comment_layout;  ///< of a comment that names the columns
+  TimeUnit unit = TimeUnit::us;
+  bool unit_guessed = false;
+  int lowest_polarity = 1;  ///< 0 or -1 once one was read
   std::uint64_t size_bytes = 0;
   std::vector<char> buffer = std::vector<char>(chunk_bytes + longest_line);
   std::size_t waiting = 0;  ///< bytes at the buffer's begin that are not parsed yet
@@ -132,52 +160,125 @@ struct EventCsvReader::State {
 
   [[noreturn]] void refuse(const std::string& what) const { throw Error(fmt::format("{}:{}: {}", path.string(), line, what)); }
 
-  void read_header(std::string_view text) {
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-    if (text != event_csv_header) refuse(fmt::format("{} is not the header; expected '{}'", shown(text), event_csv_header));
+  /// Reads the first row that is no comment. @param rest  the chunk from this row on
+  void read_first_row(std::string_view text, std::string_view rest) {
+    if (text.starts_with('#') || text.starts_with('%')) {
+      if (options.columns.empty() && !comment_layout) comment_layout = layout_in_comment(text);
+      return;
+    }
+    try {
+      layout = comment_layout ? comment_layout : layout_of(text, options);
+      if (comment_layout) layout->has_header = false;
+      if (options.time_unit) layout->unit = options.time_unit;
+      unit = layout->unit ? *layout->unit : unit_of_times(rest, *layout);
+      unit_guessed = !layout->unit && unit != TimeUnit::us;
+    } catch (const Error& e) {
+      refuse(e.what());
+    }
+    if (!layout->has_header) read_event(text);
   }
 
   void read_event(std::string_view text) {
     const char* at = text.data();
     const char* const end = at + text.size();
-    std::int64_t t = 0;
-    int x = 0, y = 0;
-    if (!take(at, end, t) || !take(at, end, x) || !take(at, end, y) || end - at != 1 || (*at != '0' && *at != '1') || x < 0 ||
-        y < 0 || x >= sensor.width || y >= sensor.height) {
-      refuse_event(text);
+    const std::vector<EventColumn>& columns = layout->columns;
+    Cells cells;
+    while (at < end && is_blank(*at)) ++at;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (i > 0 && !pass_separator(at, end, layout->separator)) refuse_event(text);
+      if (!read_cell(columns[i], at, end, cells)) refuse_event(text);
     }
-    const CameraTime time = camera_time(t);
-    if (time < latest) refuse(fmt::format("time goes back from {} to {}; expected times that never go back", us_of(latest), t));
-    latest = time;
-    Event event{.t = time, .x = static_cast<std::int16_t>(x), .y = static_cast<std::int16_t>(y)};
-    event.on = *at == '1' ? 1 : 0;
+    while (at < end && is_blank(*at)) ++at;
+    if (at != end) refuse_event(text);
+    Event& event = cells.event;
+    event.t = camera_time(cells.t);
+    if (event.t < latest)
+      refuse(fmt::format("time goes back from {} to {}; expected times that never go back", us_of(latest), cells.t));
+    latest = event.t;
+    event.on = cells.polarity > 0 ? 1 : 0;
+    if (cells.polarity <= 0 && cells.polarity != lowest_polarity) note_polarity(cells.polarity);
     events.push_back(event);
+  }
+
+  /// The values of a row while it is read.
+  struct Cells {
+    Event event;
+    std::int64_t t = 0;
+    int polarity = 0;
+  };
+
+  bool read_cell(EventColumn column, const char*& at, const char* end, Cells& cells) const {
+    switch (column) {
+      case EventColumn::t: {
+        const std::size_t length = read_microseconds({at, static_cast<std::size_t>(end - at)}, unit, cells.t);
+        at += length;
+        return length > 0;
+      }
+      case EventColumn::x:
+        return take_coordinate(at, end, sensor.width, cells.event.x);
+      case EventColumn::y:
+        return take_coordinate(at, end, sensor.height, cells.event.y);
+      case EventColumn::on: {
+        const std::optional<int> polarity = take_polarity(at, end);
+        cells.polarity = polarity.value_or(0);
+        return polarity.has_value();
+      }
+      case EventColumn::skipped:
+        at = std::find(at, end, layout->separator);
+        return true;
+    }
+    return false;
+  }
+
+  void note_polarity(int polarity) {
+    if (lowest_polarity <= 0) {
+      refuse(fmt::format("the polarity is {}, and {} in a row above; expected 0 and 1, or -1 and 1", polarity, lowest_polarity));
+    }
+    lowest_polarity = polarity;
   }
 
   /// Finds the error for the message; slow.
   [[noreturn]] void refuse_event(std::string_view text) const {
-    const std::vector<std::string_view> fields = split_cells(text);
-    if (text.empty()) refuse("the line is empty; expected an event, 't_us,x,y,on'");
-    if (fields.size() != 4)
-      refuse(fmt::format("{} has {} field{}; expected the four of '{}'", shown(text), fields.size(),
-                         fields.size() == 1 ? "" : "s", event_csv_header));
-    const auto check = [&](std::string_view name, std::string_view field, std::int64_t least, std::int64_t most) {
-      std::int64_t value = 0;
-      const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-      if (error != std::errc{} || rest != field.data() + field.size() || value < least || value > most) {
-        refuse(fmt::format("{} is {}; expected a whole number from {} to {}", name, shown(field), least, most));
-      }
-    };
-    check("t_us", fields[0], std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
-    check("x", fields[1], 0, sensor.width - 1);
-    check("y", fields[2], 0, sensor.height - 1);
-    refuse(fmt::format("on is {}; expected 0 or 1", shown(fields[3])));
+    if (text.empty()) refuse(fmt::format("the line is empty; expected an event, {}", columns_text()));
+    const std::size_t count = layout->columns.size();
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    while (at < end && is_blank(*at)) ++at;
+    for (std::size_t i = 0; i < count; ++i) {
+      const char* const cell_end =
+          layout->separator == ' ' ? std::find_if(at, end, is_blank) : std::find(at, end, layout->separator);
+      const char* rest = at;
+      Cells cells;
+      const bool is_read = read_cell(layout->columns[i], rest, cell_end, cells);
+      while (rest < cell_end && is_blank(*rest)) ++rest;
+      if (!is_read || rest != cell_end) refuse_cell(i, {at, static_cast<std::size_t>(cell_end - at)});
+      at = cell_end;
+      if (i + 1 < count && !pass_separator(at, end, layout->separator)) break;
+    }
+    refuse(fmt::format("{} does not have {} cells; expected {}", shown(text), count, columns_text()));
   }
 
-  void read_line(std::string_view text) {
-    ++line;
+  [[noreturn]] void refuse_cell(std::size_t i, std::string_view cell) const {
+    const auto whole_up_to = [](int most) { return fmt::format("a whole number from 0 to {}", most); };
+    std::string expected = "0 and 1, or -1 and 1";
+    if (layout->columns[i] == EventColumn::t) expected = fmt::format("a time in {}", name_of(unit));
+    if (layout->columns[i] == EventColumn::x) expected = whole_up_to(sensor.width - 1);
+    if (layout->columns[i] == EventColumn::y) expected = whole_up_to(sensor.height - 1);
+    refuse(fmt::format("{} is {}; expected {}", layout->names[i], shown(cell), expected));
+  }
+
+  /// "the columns 't_us,x,y,on'".
+  std::string columns_text() const {
+    std::string text;
+    for (const std::string& name : layout->names) text += (text.empty() ? "" : ",") + name;
+    return "the columns " + shown(text);
+  }
+
+  /// @param rest  the chunk from this line on
+  void read_line(std::string_view text, std::string_view rest) {
+    if (++line == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     if (text.ends_with('\r')) text.remove_suffix(1);
-    line == 1 ? read_header(text) : read_event(text);
+    layout ? read_event(text) : read_first_row(text, rest);
   }
 
   /// Parses the whole lines of the next chunk, and moves the rest to the front.
@@ -193,29 +294,29 @@ struct EventCsvReader::State {
     while (at < end) {
       const auto* newline = static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)));
       if (newline == nullptr) break;
-      read_line({at, static_cast<std::size_t>(newline - at)});
+      read_line({at, static_cast<std::size_t>(newline - at)}, {at, static_cast<std::size_t>(end - at)});
       at = newline + 1;
     }
     waiting = static_cast<std::size_t>(end - at);
     if (waiting > longest_line) {
       ++line;
-      refuse(fmt::format("the line is longer than {} bytes; expected lines of '{}'", longest_line, event_csv_header));
+      refuse(fmt::format("the line is longer than {} bytes; expected one event a line", longest_line));
     }
     if (at_end && waiting > 0) {
-      read_line({at, waiting});
+      read_line({at, waiting}, {at, waiting});
       waiting = 0;
     }
     std::memmove(buffer.data(), at, waiting);
   }
 };
 
-EventCsvReader::EventCsvReader(const std::filesystem::path& file, std::optional<SensorSize> size)
-    : state_(std::make_unique<State>(file, size.value_or(widest_sensor))) {
+EventCsvReader::EventCsvReader(const std::filesystem::path& file, std::optional<SensorSize> size, const EventCsvOptions& options)
+    : state_(std::make_unique<State>(file, size.value_or(widest_sensor), options)) {
   std::error_code unknown;
   const std::uintmax_t bytes = std::filesystem::file_size(file, unknown);
   state_->size_bytes = unknown ? 0 : bytes;
-  while (state_->line == 0 && !state_->at_end) state_->read_chunk();
-  if (state_->line == 0)
+  while (!state_->layout && !state_->at_end) state_->read_chunk();
+  if (!state_->layout && !state_->comment_layout)
     throw Error(fmt::format("{}: the file is empty; expected '{}' and one event a line", file.string(), event_csv_header));
 }
 
@@ -231,6 +332,8 @@ std::span<const Event> EventCsvReader::next() {
   return state.events;
 }
 
+TimeUnit EventCsvReader::time_unit() const { return state_->unit; }
+bool EventCsvReader::time_unit_guessed() const { return state_->unit_guessed; }
 std::uint64_t EventCsvReader::bytes_read() const { return state_->bytes; }
 std::uint64_t EventCsvReader::file_size() const { return state_->size_bytes; }
 

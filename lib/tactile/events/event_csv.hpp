@@ -8,12 +8,12 @@
 #include <string_view>
 
 #include "tactile/events/event.hpp"
+#include "tactile/events/event_csv_layout.hpp"
 
 namespace tactile::events {
 
 /// Events as text: this header line, then one event per line, four whole numbers without spaces: camera time [us], pixel from the
-/// left, pixel from the top, 1 brighter or 0 darker. Lines end in LF (CR LF can be read too). Steps back in time are written, but
-/// refused when reading.
+/// left, pixel from the top, 1 brighter or 0 darker. Lines end in LF. Steps back in time are written, but refused when reading.
 inline constexpr std::string_view event_csv_header = "t_us,x,y,on";
 
 class EventCsvWriter {
@@ -32,12 +32,15 @@ class EventCsvWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Reads such a file in chunks; memory follows the chunk.
+/// Reads such a file, and those of other programs, in chunks; memory follows the chunk. The columns may have any order
+/// (`layout_of`); times may be in seconds; polarities may be 0 and 1, -1 and 1, or False and True. Comments (`#`, `%`) before the
+/// first row are skipped. Lines end in LF or CR LF.
 class EventCsvReader {
  public:
   /// @param size  of the sensor; without it, coordinates are limited to 0 to 32767
-  /// @throws Error  if the file cannot be read or does not begin with the header
-  explicit EventCsvReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt);
+  /// @throws Error  if the file cannot be read, or its columns or the unit of its times are unknown
+  explicit EventCsvReader(const std::filesystem::path& file, std::optional<SensorSize> size = std::nullopt,
+                          const EventCsvOptions& options = {});
   ~EventCsvReader();
   EventCsvReader(EventCsvReader&&) noexcept;
   EventCsvReader& operator=(EventCsvReader&&) noexcept;
@@ -46,6 +49,8 @@ class EventCsvReader {
   /// @throws Error  with the line, what is wrong and what is expected
   std::span<const Event> next();
 
+  TimeUnit time_unit() const;
+  bool time_unit_guessed() const;  ///< from the numbers alone, and it is not microseconds
   std::uint64_t bytes_read() const;
   std::uint64_t file_size() const;
 

@@ -149,6 +149,11 @@ void Evt3Decoder::decode_words(const std::byte* words, std::size_t count, std::v
   state_ = state;
 }
 
+void Evt3Decoder::resume(const State& state) {
+  half_word_.reset();
+  state_ = state;
+}
+
 void Evt3Decoder::skip_gap() {
   half_word_.reset();
   state_.has_high = state_.has_low = state_.has_row = false;

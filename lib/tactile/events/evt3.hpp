@@ -46,21 +46,9 @@ struct Evt3Problems {
 /// Source: Prophesee, EVT 3.0 Format, docs.prophesee.ai.
 class Evt3Decoder {
  public:
-  /// @param size  of the sensor, 1 to 2048 pixels in each direction; a larger one has no pixel that the format can address
-  explicit Evt3Decoder(SensorSize size);
+  static constexpr std::size_t word_bytes = 2;
 
-  /// Appends the events and triggers of `data`. An odd byte at its end is the first half of the next call's first word.
-  /// @param most  events, and triggers; decoding ends within 6144 above it
-  /// @return  the bytes that were decoded: all, unless `most` was reached
-  std::size_t decode(std::span<const std::byte> data, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers,
-                     std::size_t most = std::numeric_limits<std::size_t>::max());
-
-  /// Continues after lost data: nothing is decoded until time and row are sent again. The count of roll-overs is kept.
-  void skip_gap();
-
-  const Evt3Problems& problems() const { return problems_; }  ///< so far
-
- private:
+  /// What the words so far say of those that follow.
   struct State {
     std::int64_t high_us = 0;  ///< the time without its lower half, with the roll-overs
     std::int64_t t_us = 0;
@@ -69,6 +57,25 @@ class Evt3Decoder {
     bool has_clock = false;  ///< a time was seen, so a step can be told from the begin
     bool has_high = false, has_low = false, has_row = false;
   };
+
+  /// @param size  of the sensor, 1 to 2048 pixels in each direction; a larger one has no pixel that the format can address
+  explicit Evt3Decoder(SensorSize size);
+
+  /// Appends the events and triggers of `data`. An odd byte at its end is the first half of the next call's first word.
+  /// @param most  of all in `events`, and in `triggers`; decoding ends within 6144 above it
+  /// @return  the bytes that were decoded: all, unless `most` was reached
+  std::size_t decode(std::span<const std::byte> data, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers,
+                     std::size_t most = std::numeric_limits<std::size_t>::max());
+
+  /// Continues after lost data: nothing is decoded until time and row are sent again. The count of roll-overs is kept.
+  void skip_gap();
+
+  const State& state() const { return state_; }
+  void resume(const State& state);  ///< continues where a decoder had this state, after whole words
+
+  const Evt3Problems& problems() const { return problems_; }  ///< so far
+
+ private:
   void decode_words(const std::byte* words, std::size_t count, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers);
   State after_rare_word(unsigned word, State state, std::vector<Evt3Trigger>& triggers);
 

@@ -36,7 +36,7 @@ void refuse_magic(std::string_view start, const std::string& name) {
     throw Error(name + ": is of AEDAT version " + quoted(version) + "; expected version 4.0");
   }
   throw Error(name + ": starts with " + quoted(start.substr(0, magic_line.size())) +
-              "; expected the line #!AER-DAT4.0 of an AEDAT4 recording");
+              "; expected the line #!AER-DAT4.0 of an AEDAT4 recording, or '% ' of a Prophesee RAW file");
 }
 
 }  // namespace
@@ -56,6 +56,14 @@ void RecordingFile::read(std::uint64_t offset, std::span<std::byte> bytes) const
   if (got < 0) throw Error(name_ + ": cannot be read (" + std::strerror(errno) + "); expected a readable file");
   if (static_cast<std::size_t>(got) != bytes.size())
     throw Error(name_ + ": became shorter while it was read; expected it to stay as it is");
+}
+
+std::optional<RawHeader> raw_header_of(const RecordingFile& file) {
+  std::array<std::byte, 2> start{};
+  if (file.size() < start.size()) return std::nullopt;
+  file.read(0, start);
+  const bool is_it = is_raw({reinterpret_cast<const char*>(start.data()), start.size()});
+  return is_it ? std::optional(read_raw_header(file)) : std::nullopt;
 }
 
 RecordingStart read_start(const RecordingFile& file) {

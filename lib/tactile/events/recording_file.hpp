@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/file_window.hpp"
+#include "tactile/events/raw_header.hpp"
 #include "tactile/events/recording_header.hpp"
 
 namespace tactile::events {
@@ -39,6 +41,9 @@ inline std::uint32_t u32_at(std::span<const std::byte> bytes, std::size_t at) {
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
 }
+
+/// The header of a Prophesee RAW file; nothing if the file is none. @throws Error  as `read_raw_header`
+std::optional<RawHeader> raw_header_of(const RecordingFile& file);
 
 /// A recording's header, checked, and where the packets begin [B].
 struct RecordingStart {

@@ -201,7 +201,7 @@ bool table_agrees(const RecordingReader& recording, const PacketRecord& packet, 
 /// Reads a packet into the meters of its stream. @return  whether the data table agrees with it
 bool examine_packet(RecordingReader& recording, const PacketRecord& packet, Examination& examination) {
   ++examination.health.packets;
-  examination.health.bytes += packet_header_size + packet.payload_size;
+  examination.health.bytes += (recording.index() == PacketIndex::pieces ? 0 : packet_header_size) + packet.payload_size;
   examination.stamps.begin_packet();
   const auto add = [&]<class Element>(std::span<const Element> elements) {
     for (const Element& element : elements) examination.stamps.add(element.t);
@@ -419,6 +419,7 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
 
   health.file = file;
   health.file_size = recording.file_size();
+  health.encoding = recording.encoding();
   health.compression = recording.compression();
   health.index = recording.index();
   health.problems = recording.problems();

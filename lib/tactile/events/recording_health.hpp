@@ -172,6 +172,7 @@ struct ChecksumHealth {
 struct RecordingHealth {
   std::filesystem::path file;
   std::uint64_t file_size = 0;
+  RecordingEncoding encoding = RecordingEncoding::aedat4;
   Compression compression = Compression::none;
   PacketIndex index = PacketIndex::table;
   RecordingProblems problems;

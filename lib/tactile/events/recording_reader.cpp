@@ -13,6 +13,7 @@
 #include "tactile/events/event_read_ahead.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
+#include "tactile/events/raw_pieces.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_index.hpp"
 #include "tactile/events/stream_time.hpp"
@@ -52,6 +53,8 @@ struct RecordingReader::State {
   fs::path path;
   unsigned threads;
   RecordingFile file;
+  std::optional<RawHeader> raw;
+  std::unique_ptr<RawPieces> pieces;  ///< of a RAW file
   RecordingStart start;
   PacketIndex index = PacketIndex::scan;
   RecordingProblems problems;
@@ -72,8 +75,13 @@ struct RecordingReader::State {
       : path(std::move(recording)),
         threads(thread_count),
         file(path),
-        start(read_start(file)),
+        raw(raw_header_of(file)),
+        start(raw ? RecordingStart{.header = {.streams = raw_streams(*raw)}, .data_begin = raw->data_begin} : read_start(file)),
         decoder(file, start.header.compression) {
+    if (raw) {
+      find_pieces();
+      return;
+    }
     PacketList list = find_packets(file, start);
     index = list.index;
     problems = std::move(list.problems);
@@ -83,6 +91,7 @@ struct RecordingReader::State {
   }
 
   SensorSize sensor_of(const PacketRecord& record) const;
+  void find_pieces();
   void follow_table_times();
   void scan();
 
@@ -105,6 +114,18 @@ struct RecordingReader::State {
 
 SensorSize RecordingReader::State::sensor_of(const PacketRecord& record) const {
   return bounds_of(start.header.declared(record.stream_id)->size);
+}
+
+/// Reads a RAW file once. A stream of triggers is declared only if there are any.
+void RecordingReader::State::find_pieces() {
+  index = PacketIndex::pieces;
+  pieces = open_raw_pieces(file, *raw);
+  records = pieces->find(problems);
+  notes.resize(records.size());
+  const bool has_triggers = std::any_of(records.begin(), records.end(), [](const PacketRecord& record) {
+    return record.stream_id == RawPieces::trigger_stream_id;
+  });
+  if (!has_triggers) start.header.streams.resize(1);
 }
 
 /// Corrects overflows in the times of a table.
@@ -171,9 +192,11 @@ void RecordingReader::State::note_elements(std::size_t i, std::span<const Elemen
 }
 
 std::size_t RecordingReader::State::index_of(const PacketRecord& packet) const {
-  const auto by_offset = [](const PacketRecord& a, std::uint64_t offset) { return a.payload_offset < offset; };
-  const auto found = std::lower_bound(records.begin(), records.end(), packet.payload_offset, by_offset);
-  if (found == records.end() || found->payload_offset != packet.payload_offset) {
+  // A piece of a RAW file has a record for each of its streams.
+  const auto place_of = [](const PacketRecord& a) { return std::pair(a.payload_offset, a.stream_id); };
+  const auto is_before = [&](const PacketRecord& a, const PacketRecord& b) { return place_of(a) < place_of(b); };
+  const auto found = std::lower_bound(records.begin(), records.end(), packet, is_before);
+  if (found == records.end() || place_of(*found) != place_of(packet)) {
     throw Error(fmt::format("{}: has no packet at byte {}; expected one of its own", file.name(), packet.payload_offset));
   }
   return static_cast<std::size_t>(found - records.begin());
@@ -268,6 +291,7 @@ std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i)
 }
 
 std::span<Event> RecordingReader::State::events(std::size_t i) {
+  if (pieces) return pieces->events(records[i]);
   std::optional<DecodedEvents> decoded = events_ahead(i);
   if (!decoded) decoded = decoder.decode(records[i], sensor_of(records[i]), content);
   if (!is_whole(i, decoded->contents)) return {};
@@ -289,6 +313,7 @@ std::vector<ImuSample> RecordingReader::State::imu(std::size_t i) {
 }
 
 std::vector<Trigger> RecordingReader::State::triggers(std::size_t i) {
+  if (pieces) return pieces->triggers(records[i]);
   std::vector<Trigger> result;
   if (!decode(i, [&](std::size_t length) { return decode_triggers(content, length, result); })) return {};
   correct_times(i, std::span<Trigger>(result), is_ascending(std::span<const Trigger>(result)));
@@ -311,6 +336,7 @@ RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = defaul
 
 const fs::path& RecordingReader::file() const { return state_->path; }
 std::uint64_t RecordingReader::file_size() const { return state_->file.size(); }
+RecordingEncoding RecordingReader::encoding() const { return state_->raw ? state_->raw->encoding : RecordingEncoding::aedat4; }
 Compression RecordingReader::compression() const { return state_->start.header.compression; }
 std::span<const Stream> RecordingReader::streams() const { return state_->start.header.streams; }
 std::span<const PacketRecord> RecordingReader::packets() const { return state_->records; }

@@ -12,6 +12,7 @@
 
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
+#include "tactile/events/raw_header.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile::events {
@@ -26,8 +27,9 @@ struct PacketRecord {
   CameraTime first{}, last{};  ///< meaningless if `elements` is 0
 };
 
-/// The origin of the list of packets: a data table that agrees with every packet's header, or one reading of every packet.
-enum class PacketIndex : std::uint8_t { table, scan };
+/// The origin of the list of packets: a data table that agrees with every packet's header, or one reading of every packet; or the
+/// recording has no packets, and is divided into pieces that are read as packets are.
+enum class PacketIndex : std::uint8_t { table, scan, pieces };
 
 /// What is wrong with a recording; all 0 in a sound one. Counts that depend on the packets' contents are complete once every
 /// packet has been read.
@@ -47,8 +49,9 @@ struct RecordingProblems {
   std::uint64_t missing_elements = 0;     ///< of those, according to the table
 };
 
-/// An AEDAT4 recording. Opening reads the header and the list of packets. Packets are read one at a time, so memory follows the
-/// packet, not the file. Every size is checked before memory is allocated for it; a packet may decompress to at most 256 MiB.
+/// An AEDAT4 recording, or a Prophesee RAW file of EVT2 or EVT3. Opening reads the header and the list of packets. Packets are
+/// read one at a time, so memory follows the packet, not the file. Every size is checked before memory is allocated for it; a
+/// packet may decompress to at most 256 MiB.
 ///
 /// Without a sound data table the packets are found by a scan, as `find_packets` does. A step back of a stream by more than
 /// 2^31 us and at most 2^32 us is a writer's overflow: 2^32 us are added from there on, until a step forward of such a size. Any
@@ -58,11 +61,14 @@ struct RecordingProblems {
 /// With several threads, packets of events that are read in sequence are decoded ahead. The result does not depend on the number
 /// of threads.
 ///
-/// Source: the AEDAT 4.0 format of iniVation's DV.
+/// A RAW file is read once when it is opened, and divided into pieces of 64 KiB. Its problems are counted then: words of unknown
+/// types (`skipped_bytes`), a word that is cut off (`truncated_bytes`), events outside the sensor.
+///
+/// Sources: the AEDAT 4.0 format of iniVation's DV; Prophesee, EVT 2.0 and EVT 3.0 Format.
 class RecordingReader {
  public:
   /// @param threads  threads that decode, the caller's included, > 0
-  /// @throws Error  if the file is not AEDAT4, or declares no stream
+  /// @throws Error  if the file is neither AEDAT4 nor RAW, or declares no stream
   explicit RecordingReader(std::filesystem::path file, unsigned threads = 1);
   ~RecordingReader();
   RecordingReader(RecordingReader&&) noexcept;
@@ -70,6 +76,7 @@ class RecordingReader {
 
   const std::filesystem::path& file() const;
   std::uint64_t file_size() const;
+  RecordingEncoding encoding() const;
   Compression compression() const;
   std::span<const Stream> streams() const;
   const Stream& stream(std::int32_t id) const;    ///< @throws Error if no stream has this id

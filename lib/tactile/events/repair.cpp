@@ -213,6 +213,10 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
   if (out.extension() != ".aedat4")
     throw Error(out.string() + ": a repaired recording is AEDAT4; expected a name that ends in .aedat4");
   RecordingReader recording(in, threads);
+  if (recording.encoding() != RecordingEncoding::aedat4)
+    throw Error(in.string() +
+                ": is a Prophesee RAW file, which has no packets to repair; expected an AEDAT4 recording: 'tactile "
+                "convert' makes one");
   check_target(out, in, replace);
   WholeFile whole(out, replace ? IfThere::replace : IfThere::refuse);
   PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());

@@ -26,4 +26,7 @@ struct LabelOptions {
 
 nlohmann::json settings_of(const LabelOptions& options);
 
+/// How the robot log was read that these labels were made from: by the settings in their provenance.
+robot::RobotLogOptions robot_log_options_of(const nlohmann::json& provenance);
+
 }  // namespace tactile::labels

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
@@ -39,7 +41,30 @@ std::string shown(std::string_view cell) {
 
 }  // namespace
 
-LogTable::LogTable(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
+std::vector<std::string> column_names(std::string_view list) {
+  constexpr std::int64_t most_columns = 1000;  // of one name
+  std::vector<std::string> names;
+  for (const std::string_view part : split_cells(list)) {
+    const std::size_t star = part.find('*');
+    const std::string_view name = trimmed(part.substr(0, star));
+    const std::optional<std::int64_t> count =
+        star == std::string_view::npos ? 1 : whole_number_in(trimmed(part.substr(star + 1)));
+    if (name.empty() || !count || *count < 1 || *count > most_columns) {
+      throw Error(
+          fmt::format("'{}' names no column of a robot log; expected names such as timestamp, actual_q*6 for actual_q_0 "
+                      "to actual_q_5, and - or -*18 for columns to skip",
+                      shown(part)));
+    }
+    for (std::int64_t i = 0; i < *count; ++i) {
+      const std::string suffix = star == std::string_view::npos ? "" : fmt::format("_{}", i);
+      names.push_back(name == "-" ? "" : std::string(name) + suffix);
+    }
+  }
+  return names;
+}
+
+LogTable::LogTable(const std::filesystem::path& file, std::string_view columns)
+    : file_(file.string()), in_(file, std::ios::binary) {
   if (!in_ || std::filesystem::is_directory(file)) throw Error(file_ + ": cannot be read; expected a robot log");
   while (read_line()) {
     std::string_view text = line_;
@@ -49,10 +74,33 @@ LogTable::LogTable(const std::filesystem::path& file) : file_(file.string()), in
     if (text.empty()) continue;
     separator_ = separator_of(text);
     split();
-    names_.assign(cells_.begin(), cells_.end());
+    take_names(columns);
     return;
   }
   throw Error(file_ + ": is empty; expected a header row with RTDE's names");
+}
+
+void LogTable::take_names(std::string_view columns) {
+  const bool has_numbers =
+      std::any_of(cells_.begin(), cells_.end(), [](std::string_view cell) { return number_in(cell).has_value(); });
+  if (columns.empty()) {
+    const bool all_numbers =
+        std::all_of(cells_.begin(), cells_.end(), [](std::string_view cell) { return number_in(cell).has_value(); });
+    if (all_numbers) {
+      throw Error(
+          fmt::format("{}: begins with a row of {} numbers, and has no header; expected a header row with RTDE's names, or "
+                      "--robot-columns with a name or - for each column",
+                      file_, cells_.size()));
+    }
+    names_.assign(cells_.begin(), cells_.end());
+    return;
+  }
+  names_ = column_names(columns);
+  if (names_.size() != cells_.size()) {
+    throw Error(fmt::format("{}: row {} has {} values, but --robot-columns names {}; expected a name or - for each", file_,
+                            number_, cells_.size(), names_.size()));
+  }
+  is_read_ = has_numbers;
 }
 
 std::optional<std::size_t> LogTable::find(std::string_view name) const {
@@ -64,6 +112,7 @@ std::optional<std::size_t> LogTable::find(std::string_view name) const {
 }
 
 bool LogTable::next() {
+  if (std::exchange(is_read_, false)) return true;
   if (!read_line()) return false;
   split();
   return true;

@@ -12,15 +12,22 @@
 
 namespace tactile::robot {
 
-/// A text file of rows, as recorders of robots write it; the first row names the columns. Cells are separated by commas,
-/// semicolons, tabs or blanks, as in the header, and quoted where they hold that separator. Rows end with LF, CR LF, CR CR LF
-/// (which Windows makes of CR LF) or CR. Memory follows the longest row.
+/// The names in a list such as "timestamp,actual_q*6,-*18": `*6` stands for six columns, actual_q_0 to actual_q_5, and `-` for
+/// one to skip, whose name is empty. @throws Error  if a part of it is no name
+std::vector<std::string> column_names(std::string_view list);
+
+/// A text file of rows, as recorders of robots write it; the first row names the columns, or they are given. Cells are separated
+/// by commas, semicolons, tabs or blanks, as in the header, and quoted where they hold that separator. Rows end with LF, CR LF,
+/// CR CR LF (which Windows makes of CR LF) or CR. Memory follows the longest row.
 class LogTable {
  public:
   static constexpr std::size_t longest_row = std::size_t{1} << 20;  ///< [bytes]
 
-  /// Opens the file and reads its header. @throws Error  naming it, if it cannot be read, is empty or is not text in rows
-  explicit LogTable(const std::filesystem::path& file);
+  /// Opens the file and reads its header.
+  /// @param columns  names for the columns, as `column_names` takes them; a first row without numbers is then skipped. Empty: the
+  ///                 first row is the header
+  /// @throws Error  naming the file, if it cannot be read, is empty, is not text in rows or has another number of columns
+  explicit LogTable(const std::filesystem::path& file, std::string_view columns = {});
 
   const std::string& file() const { return file_; }
   const std::vector<std::string>& names() const { return names_; }  ///< of the columns, in their order
@@ -50,6 +57,7 @@ class LogTable {
   bool read_line();
   int next_byte();
   void split();
+  void take_names(std::string_view columns);
 
   std::string file_;
   std::ifstream in_;
@@ -57,6 +65,7 @@ class LogTable {
   std::size_t chunk_at_ = 0, chunk_size_ = 0;
   std::string line_;
   bool is_ended_ = true;
+  bool is_read_ = false;  ///< the next row was read already, because there is no header
   std::size_t number_ = 0;
   char separator_ = ',';
   std::vector<std::string> names_;

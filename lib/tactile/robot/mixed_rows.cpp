@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace tactile::robot {
 namespace {
@@ -47,16 +48,30 @@ double pose_off_curve(const RobotState& before, const RobotState& row, const Rob
   return distance(row.tcp_pose, between);
 }
 
+/// The smallest step of a pose from row to row: the last digit of a log with few digits, and nearly 0 in any other.
+double resolution_of_poses(const std::vector<RobotState>& states) {
+  double resolution = std::numeric_limits<double>::max();
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double step = std::abs(states[i].tcp_pose[k] - states[i - 1].tcp_pose[k]);
+      if (step > 0) resolution = std::min(resolution, step);
+    }
+  }
+  return resolution;
+}
+
 }  // namespace
 
 void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
   const std::vector<RobotState>& states = log.states;
   std::vector<bool> dropped(states.size(), false);
+  const double by_rounding = 6.0 * resolution_of_poses(states);  // a slower arm has equal rows, because they were rounded
   for (std::size_t i = 1; i + 2 < states.size(); ++i) {
     const RobotState &before = states[i - 1], &first = states[i], &second = states[i + 1], &after = states[i + 2];
     if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_row_step) continue;
-    const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
-                            distance(before.tcp_pose, after.tcp_pose) > moving * seconds_between(before, after);
+    const bool pose_twice =
+        is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
+        distance(before.tcp_pose, after.tcp_pose) > std::max(moving * seconds_between(before, after), by_rounding);
     const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
                              distance(before.tcp_speed, first.tcp_speed) > least_change &&
                              distance(second.tcp_speed, after.tcp_speed) > least_change &&

@@ -205,6 +205,8 @@ class Pieces {
 
   /// @return false if the row repeats the one before
   bool add(const RobotState& state) {
+    ++rows_;
+    if (us_of(state.t) % 1'000'000 != 0) whole_seconds_ = false;
     const bool was_lost = std::exchange(lost_, false);
     if (pieces_.empty() || starts_again(state, was_lost)) {
       pieces_.emplace_back().states.push_back(state);
@@ -215,6 +217,8 @@ class Pieces {
     const RobotState& before = piece.states.back();
     if (state.t == before.t) {
       lost_ = was_lost;
+      ++repeated_rows_;
+      if (!same_motion(state, before)) ++moved_rows_;
       repair_by_repetition(piece, state);
       return false;
     }
@@ -246,6 +250,16 @@ class Pieces {
 
   std::vector<RobotLog> take() { return std::move(pieces_); }
 
+  /// @throws Error  if the times were rounded. A recorder that is faster than the controller repeats times too, with the motion
+  void refuse_rounded_times(const std::string& file) const {
+    constexpr std::size_t fewest_rows = 10;
+    if (rows_ < fewest_rows || 2 * repeated_rows_ < rows_ || (!whole_seconds_ && 2 * moved_rows_ < repeated_rows_)) return;
+    throw Error(fmt::format(
+        "{}: {} of {} rows have the time of the row before{}: the times were rounded{} when the log was written, "
+        "so the time of a row is not known; expected times as the controller gives them, such as 83.456",
+        file, repeated_rows_, rows_, moved_rows_ > 0 ? ", and another motion" : "", whole_seconds_ ? " to whole seconds" : ""));
+  }
+
  private:
   bool starts_again(const RobotState& state, bool was_lost) const {
     const RobotState& before = pieces_.back().states.back();
@@ -276,6 +290,8 @@ class Pieces {
   std::vector<RobotLog> pieces_;
   std::vector<std::int64_t> outputs_;  ///< in the last row
   bool lost_ = false;
+  std::size_t rows_ = 0, repeated_rows_ = 0, moved_rows_ = 0;  ///< with the time of the row before, and those with another motion
+  bool whole_seconds_ = true;                                  ///< all times so far
 };
 
 /// Makes what the columns lack: poses from joints, speeds from poses.
@@ -340,7 +356,7 @@ std::size_t RobotLogFile::rows_elsewhere() const {
 }
 
 RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOptions& options) {
-  LogTable table(path);
+  LogTable table(path, options.columns);
   const Columns columns = columns_of(table);
   Pieces pieces;
   RobotLogFile file;
@@ -366,6 +382,7 @@ RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOpt
       file.cut_off = true;
     }
   }
+  pieces.refuse_rounded_times(table.file());
   file.pieces = pieces.take();
   complete(file, columns, options);
   return file;

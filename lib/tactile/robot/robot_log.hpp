@@ -72,6 +72,8 @@ struct RobotLogFile {
 struct RobotLogOptions {
   /// Nothing: by the rate. A UR10e sends more than 250 rows a second, unless a client asks for less, as record.py does.
   std::optional<ArmModel> arm{};
+  /// Names of the columns of a log without header row, as `column_names` takes them.
+  std::string columns{};
 };
 
 /// Rows per second, from the median step; 125 of a CB controller, 500 of an e-Series one. 0 with fewer than two rows.
@@ -80,9 +82,9 @@ double rate_hz(const RobotLog& log);
 /// Lost packages: steps of more than 1.5 periods miss one or more, gaps included.
 std::uint64_t lost_packages(const RobotLog& log);
 
-/// Reads a log of `tactile record`, UR's record.py, ur_rtde's startFileRecording or a bag's import: a header row, and columns by
-/// RTDE's names in any order. Other columns are ignored. Cells are separated by commas, blanks, tabs or semicolons, as in the
-/// header; rows end with LF, CR LF, CR CR LF or CR.
+/// Reads a log of `tactile record`, UR's record.py, ur_rtde's startFileRecording or a bag's import: a header row, or
+/// `options.columns`, and columns by RTDE's names in any order. Other columns are ignored. Cells are separated by commas, blanks,
+/// tabs or semicolons, as in the header; rows end with LF, CR LF, CR CR LF or CR.
 ///
 /// Needed are `timestamp` and one of `actual_TCP_speed_0..5`, `actual_TCP_pose_0..5`, `actual_q_0..5`, or, with none of them,
 /// of the same three with `target_`. Speeds come from the first of these that exists: directly, from poses
@@ -98,7 +100,9 @@ std::uint64_t lost_packages(const RobotLog& log);
 /// the
 ///   length of a lost connection; and, without host times, where it leaps by more than a minute.
 ///
-/// @throws Error  naming the file, the row and the column that cannot be read; for record.py --binary, how to convert the file
+/// @throws Error  naming the file, the row and the column that cannot be read; for record.py --binary, how to convert the file;
+/// if times were rounded when the log was written: half of the rows or more repeat the time of the row before, and the motion
+/// goes on, or all times are whole seconds
 /// Sources: RTDE Python client library, record.py and csv_writer.py; ur_rtde, RTDEReceiveInterface; UR's RTDE guide.
 RobotLogFile read_robot_log(const std::filesystem::path& file, const RobotLogOptions& options = {});
 

@@ -14,6 +14,7 @@
 #include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
+#include "tactile/labels/label_options.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
@@ -180,7 +181,7 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
     signals.curves[0].second.push_back(rounded(rate.counts[i] * per_s));
   }
   if (labels.labels.robot_clocks.empty() || !fs::exists(run.robot())) return signals;
-  const robot::RobotLogFile file = robot::read_robot_log(run.robot());
+  const robot::RobotLogFile file = robot::read_robot_log(run.robot(), robot_log_options_of(labels.labels.provenance));
   Curve height, speed;
   for (const robot::RobotLog& log : file.pieces) {
     const alignment::FittedClock* clock = labels.labels.robot_clock_of(log.states.front().t);

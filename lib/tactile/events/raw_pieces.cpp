@@ -1,0 +1,127 @@
+#include "tactile/events/raw_pieces.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <type_traits>
+#include <utility>
+
+#include "tactile/events/evt2.hpp"
+#include "tactile/events/evt3.hpp"
+#include "tactile/events/evt3_survey.hpp"
+#include "tactile/events/recording_file.hpp"
+#include "tactile/events/recording_header.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/events/stream_time.hpp"
+
+namespace tactile::events {
+namespace {
+
+constexpr std::size_t piece_bytes = std::size_t{64} << 10;
+constexpr SensorSize widest_sensor{2048, 2048};
+
+template <class Decoder>
+class Pieces final : public RawPieces {
+ public:
+  Pieces(const RecordingFile& file, const RawHeader& header)
+      : file_(&file), begin_(header.data_begin), sensor_(header.size.value_or(widest_sensor)), decoder_(sensor_) {}
+
+  std::vector<PacketRecord> find(RecordingProblems& problems) override {
+    std::vector<PacketRecord> records;
+    const std::uint64_t size = (file_->size() - begin_) / Decoder::word_bytes * Decoder::word_bytes;
+    for (std::uint64_t at = 0; at < size; at += piece_bytes) {
+      states_.push_back(decoder_.state());
+      PacketRecord piece{.stream_id = event_stream_id,
+                         .payload_offset = begin_ + at,
+                         .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
+      triggers_.clear();
+      const Evt3Survey found = survey_of(bytes_of(piece));
+      piece.elements = found.events;
+      piece.first = found.first;
+      piece.last = found.last;
+      if (found.events > 0) records.push_back(piece);
+      if (triggers_.empty()) continue;
+      const auto [first, last] = time_extent_of(std::span<const Evt3Trigger>(triggers_));
+      records.push_back({.stream_id = trigger_stream_id,
+                         .payload_offset = piece.payload_offset,
+                         .payload_size = piece.payload_size,
+                         .elements = static_cast<std::int64_t>(triggers_.size()),
+                         .first = first,
+                         .last = last});
+    }
+    problems.truncated_bytes = file_->size() - begin_ - size;
+    problems.skipped_bytes = Decoder::word_bytes * decoder_.problems().unknown_words;
+    problems.out_of_range_events = decoder_.problems().outside;
+    return records;
+  }
+
+  std::span<Event> events(const PacketRecord& record) override {
+    decode(record);
+    return events_;
+  }
+
+  std::vector<Trigger> triggers(const PacketRecord& record) override {
+    decode(record);
+    std::vector<Trigger> triggers;
+    std::transform(triggers_.begin(), triggers_.end(), std::back_inserter(triggers), trigger_of);
+    return triggers;
+  }
+
+ private:
+  /// What the next bytes hold; EVT2 is decoded fast enough to be counted afterwards.
+  Evt3Survey survey_of(std::span<const std::byte> bytes) {
+    if constexpr (std::is_same_v<Decoder, Evt3Decoder>) {
+      return survey(decoder_, sensor_, bytes, triggers_);
+    } else {
+      events_.clear();
+      decoder_.decode(bytes, events_, triggers_);
+      if (events_.empty()) return {};
+      const auto [first, last] = time_extent_of(std::span<const Event>(events_));
+      return {.events = static_cast<std::int64_t>(events_.size()), .first = first, .last = last};
+    }
+  }
+
+  /// Valid until the next call.
+  std::span<const std::byte> bytes_of(const PacketRecord& piece) {
+    bytes_.resize(piece_bytes);
+    const std::span<std::byte> bytes = std::span(bytes_).first(piece.payload_size);
+    file_->read(piece.payload_offset, bytes);
+    return bytes;
+  }
+
+  void decode(const PacketRecord& piece) {
+    decoder_.resume(states_.at(static_cast<std::size_t>((piece.payload_offset - begin_) / piece_bytes)));
+    events_.clear();
+    triggers_.clear();
+    decoder_.decode(bytes_of(piece), events_, triggers_);
+  }
+
+  const RecordingFile* file_;
+  std::uint64_t begin_;  ///< of the words [B]
+  SensorSize sensor_;
+  Decoder decoder_;
+  std::vector<typename Decoder::State> states_;  ///< at the begin of each piece
+  std::vector<std::byte> bytes_;
+  std::vector<Event> events_;
+  std::vector<Evt3Trigger> triggers_;
+};
+
+}  // namespace
+
+std::unique_ptr<RawPieces> open_raw_pieces(const RecordingFile& file, const RawHeader& header) {
+  if (header.encoding == RecordingEncoding::evt2) return std::make_unique<Pieces<Evt2Decoder>>(file, header);
+  return std::make_unique<Pieces<Evt3Decoder>>(file, header);
+}
+
+std::vector<Stream> raw_streams(const RawHeader& header) {
+  Stream events = event_stream_declaration(header.size.value_or(widest_sensor), header.camera);
+  events.id = RawPieces::event_stream_id;
+  events.size = header.size;
+  Stream triggers;
+  triggers.id = RawPieces::trigger_stream_id;
+  triggers.type = StreamType::triggers;
+  triggers.type_identifier = identifier_of(StreamType::triggers);
+  triggers.source = header.camera;
+  return {std::move(events), completed(std::move(triggers))};
+}
+
+}  // namespace tactile::events
