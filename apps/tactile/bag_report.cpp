@@ -41,7 +41,7 @@ std::string events_text(const bags::TopicContents& topic) {
 
 }  // namespace
 
-nlohmann::json json_of(const std::string& name, const bags::BagContents& contents) {
+nlohmann::json json_of_bag(const std::string& name, const bags::BagContents& contents) {
   nlohmann::json topics = nlohmann::json::array();
   for (const bags::TopicContents& topic : contents.topics) topics.push_back(json_of(topic));
   const bags::BagProblems& problems = contents.problems;
@@ -58,7 +58,7 @@ nlohmann::json json_of(const std::string& name, const bags::BagContents& content
           {"reasons", reasons_of(contents)}};
 }
 
-std::string text_of(const std::string& name, const bags::BagContents& contents) {
+std::string text_of_bag(const std::string& name, const bags::BagContents& contents) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = name + "\n";
   text += line("format", fmt::format("{}, {}, {}", contents.format, counted(contents.files, "file"), bytes_text(contents.bytes)));

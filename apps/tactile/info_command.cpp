@@ -82,8 +82,8 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   for (const std::string& bag : places.bags) {
     attempt(bag, [&] {
       const bags::BagContents contents = bags::read_bag_contents(bag, progress);
-      bag_reports.push_back(json_of(bag, contents));
-      text += (text.empty() ? "" : "\n") + text_of(bag, contents);
+      bag_reports.push_back(json_of_bag(bag, contents));
+      text += (text.empty() ? "" : "\n") + text_of_bag(bag, contents);
       const std::vector<std::string> reasons = reasons_of(contents);
       if (reasons.empty() || !args.report.check) return;
       sick = true;

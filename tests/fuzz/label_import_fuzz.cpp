@@ -54,7 +54,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const test::BytesAsFile file(data, size);
   const std::array<std::vector<labels::ImportedLabels> (*)(const std::filesystem::path&), 4> readers{
       [](const std::filesystem::path& path) { return std::vector{labels::read_audacity(path)}; },
-      [](const std::filesystem::path& path) { return std::vector{labels::read_elan(path)}; }, read_label_studio, read_label_csv};
+      [](const std::filesystem::path& path) { return std::vector{labels::read_elan(path)}; }, labels::read_label_studio,
+      labels::read_label_csv};
   for (const auto read : readers) {
     try {
       for (const labels::ImportedLabels& imported : read(file.path())) {

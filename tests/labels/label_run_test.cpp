@@ -182,6 +182,29 @@ TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {
   EXPECT_TRUE(labels.interval_is_flagged(1));
 }
 
+TEST(LabelRun, FlagsATouchThatTheRecordingBeginsWithin) {
+  const test::TemporaryFolder data;
+  const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{0, 250'000}, {1'503'000, 2'097'000}}}, lift));
+  ASSERT_EQ(labels.intervals.size(), 2U);
+  ASSERT_TRUE(labels.interval_is_flagged(0));
+  EXPECT_EQ(labels.flags.front().reason, "the recording begins within it: its onset lies before the first event");
+  EXPECT_FALSE(labels.interval_is_flagged(1));
+}
+
+TEST(LabelRun, FlagsABurstAfterTheSlipThatNoLabelExplains) {
+  const test::TemporaryFolder data;
+  const auto flags_with = [&](std::string name, test::MadeBurst further) {
+    test::MadeRun made = press_and_slip;
+    made.length_us = 4'000'000;
+    made.bursts.push_back(further);
+    return label_run(write_made_run(data.path(), made, made_lift(1'500'000, 500'000, 0.06, 5, 4'000'000), name)).flags;
+  };
+  const std::vector<LabelFlag> flags = flags_with("01", {3'000'000, 3'300'000});
+  ASSERT_EQ(flags.size(), 1U);
+  EXPECT_EQ(flags.front().reason, "no label explains the burst of events from 3.00 s to 3.30 s");
+  EXPECT_TRUE(flags_with("02", {3'000'000, 3'060'000}).empty()) << "a tip that touches once more";
+}
+
 TEST(LabelRun, GivesTheSameBytesEachTime) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift);

@@ -5,17 +5,19 @@
 namespace tactile::events {
 namespace {
 
-enum Word : unsigned { darker = 0x0, brighter = 0x1, time_high = 0x8, external_trigger = 0xA, others = 0xE, continued = 0xF };
+struct Evt2Word {
+  enum : unsigned { darker = 0x0, brighter = 0x1, time_high = 0x8, external_trigger = 0xA, others = 0xE, continued = 0xF };
+};
 
-constexpr std::uint32_t high_mask = 0xFFF'FFFF;
-constexpr std::uint32_t most_step_back = 1024;  // upper parts of the time, each 64 us
+constexpr std::uint32_t evt2_high_mask = 0xFFF'FFFF;
+constexpr std::uint32_t most_evt2_step_back = 1024;  // upper parts of the time, each 64 us
 
 /// The upper part of the time, after the one before it.
-std::int64_t next_high_us(std::int64_t before_us, std::uint32_t high) {
-  const auto before = static_cast<std::uint32_t>(before_us >> 6) & high_mask;
-  const std::uint32_t forward = (high - before) & high_mask;
+std::int64_t next_evt2_high_us(std::int64_t before_us, std::uint32_t high) {
+  const auto before = static_cast<std::uint32_t>(before_us >> 6) & evt2_high_mask;
+  const std::uint32_t forward = (high - before) & evt2_high_mask;
   const std::int64_t step =
-      forward >= high_mask + 1 - most_step_back ? std::int64_t{forward} - high_mask - 1 : std::int64_t{forward};
+      forward >= evt2_high_mask + 1 - most_evt2_step_back ? std::int64_t{forward} - evt2_high_mask - 1 : std::int64_t{forward};
   return us_of(after(camera_time(before_us), microseconds{step * 64}));
 }
 
@@ -32,7 +34,7 @@ void Evt2Decoder::decode(std::span<const std::byte> data, std::vector<Event>& ev
     std::memcpy(&word, data.data() + word_bytes * i, sizeof word);
     const unsigned type = word >> 28;
     const std::int64_t t_us = state.high_us + (word >> 22 & 0x3F);
-    if (type <= brighter) {
+    if (type <= Evt2Word::brighter) {
       const unsigned x = word >> 11 & 0x7FF, y = word & 0x7FF;
       if (!state.has_high || x >= width || y >= height) {
         ++(state.has_high ? problems_.outside : problems_.unplaced);
@@ -42,18 +44,18 @@ void Evt2Decoder::decode(std::span<const std::byte> data, std::vector<Event>& ev
                       .x = static_cast<std::int16_t>(x),
                       .y = static_cast<std::int16_t>(y),
                       .on = static_cast<std::uint8_t>(type)};
-    } else if (type == time_high) {
-      const std::uint32_t high = word & high_mask;
-      state.high_us = state.has_high ? next_high_us(state.high_us, high) : std::int64_t{high} << 6;
+    } else if (type == Evt2Word::time_high) {
+      const std::uint32_t high = word & evt2_high_mask;
+      state.high_us = state.has_high ? next_evt2_high_us(state.high_us, high) : std::int64_t{high} << 6;
       state.has_high = true;
-    } else if (type == external_trigger) {
+    } else if (type == Evt2Word::external_trigger) {
       if (state.has_high) {
         triggers.push_back(
             {.t = camera_time(t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0x1F), .is_rising = (word & 1) != 0});
       } else {
         ++problems_.unplaced;
       }
-    } else if (type != others && type != continued) {
+    } else if (type != Evt2Word::others && type != Evt2Word::continued) {
       ++problems_.unknown_words;
     }
   }

@@ -5,22 +5,10 @@
 #include <bit>
 #include <cstring>
 
+#include "tactile/events/evt3_words.hpp"
+
 namespace tactile::events {
 namespace {
-
-enum Word : unsigned {
-  address_y = 0x0,
-  address_x = 0x2,
-  vector_base_x = 0x3,
-  vector_12 = 0x4,
-  vector_8 = 0x5,
-  time_low = 0x6,
-  continued_4 = 0x7,
-  time_high = 0x8,
-  external_trigger = 0xA,
-  others = 0xE,
-  continued_12 = 0xF
-};
 
 constexpr std::size_t block_words = 512;
 constexpr std::size_t most_of_word = 12;
@@ -63,7 +51,7 @@ std::size_t Evt3Decoder::decode(std::span<const std::byte> data, std::vector<Eve
 
 Evt3Decoder::State Evt3Decoder::after_rare_word(unsigned word, State state, std::vector<Evt3Trigger>& triggers) {
   switch (word >> 12) {
-    case time_high: {
+    case Evt3Word::time_high: {
       const unsigned high = word & 0xFFF;
       const std::int64_t before_us = state.high_us;
       state.high_us = state.has_clock ? next_high_us(before_us, high) : std::int64_t{high} << 12;
@@ -71,7 +59,7 @@ Evt3Decoder::State Evt3Decoder::after_rare_word(unsigned word, State state, std:
       state.has_clock = state.has_high = true;
       break;
     }
-    case external_trigger:
+    case Evt3Word::external_trigger:
       if (state.has_low) {
         triggers.push_back(
             {.t = camera_time(state.t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0xF), .is_rising = (word & 1) != 0});
@@ -79,9 +67,9 @@ Evt3Decoder::State Evt3Decoder::after_rare_word(unsigned word, State state, std:
         ++problems_.unplaced;
       }
       break;
-    case continued_4:
-    case others:
-    case continued_12:
+    case Evt3Word::continued_4:
+    case Evt3Word::others:
+    case Evt3Word::continued_12:
       break;
     default:
       ++problems_.unknown_words;
@@ -117,25 +105,25 @@ void Evt3Decoder::decode_words(const std::byte* words, std::size_t count, std::v
     std::memcpy(&stored, words + 2 * i, sizeof stored);
     const unsigned word = stored, value = word & 0x7FF, upper_bit = word >> 11 & 1;
     switch (word >> 12) {
-      case address_y:
+      case Evt3Word::address_y:
         state.y = value;
         state.has_row = true;
         is_known = state.has_low;
         break;
-      case address_x:
+      case Evt3Word::address_x:
         (is_known && value < width && state.y < height) ? put(value, upper_bit) : drop(1);
         break;
-      case vector_base_x:
+      case Evt3Word::vector_base_x:
         state.base_x = value;
         state.base_on = upper_bit != 0;
         break;
-      case vector_12:
+      case Evt3Word::vector_12:
         put_vector(word & 0xFFF, 12);
         break;
-      case vector_8:
+      case Evt3Word::vector_8:
         put_vector(word & 0xFF, 8);
         break;
-      case time_low:
+      case Evt3Word::time_low:
         state.t_us = state.high_us + (word & 0xFFF);
         state.has_low = state.has_high;
         is_known = state.has_low && state.has_row;

@@ -5,10 +5,10 @@
 #include <bit>
 #include <cstring>
 
+#include "tactile/events/evt3_words.hpp"
+
 namespace tactile::events {
 namespace {
-
-constexpr unsigned address_y = 0, address_x = 2, vector_base_x = 3, vector_12 = 4, vector_8 = 5, time_low = 6;
 
 /// What a word of each type does, as numbers to calculate with: a branch for each type would often be predicted wrong.
 struct WordType {
@@ -24,15 +24,17 @@ struct WordType {
 constexpr std::array<WordType, 16> word_types = [] {
   constexpr unsigned all = ~0U;
   std::array<WordType, 16> types{};
-  for (const unsigned frequent : {address_y, address_x, vector_base_x, vector_12, vector_8}) types[frequent].is_rare = 0;
-  types[address_y].sets_y = types[vector_base_x].sets_base = all;
-  types[address_x].events = types[address_x].pixels = types[address_x].checks_y = 1;
-  types[address_x].end_by_value = all;
-  types[vector_12].vector_bits = 0xFFF;
-  types[vector_12].pixels = 12;
-  types[vector_8].vector_bits = 0xFF;
-  types[vector_8].pixels = 8;
-  for (const unsigned vector : {vector_12, vector_8}) {
+  for (const unsigned frequent :
+       {Evt3Word::address_y, Evt3Word::address_x, Evt3Word::vector_base_x, Evt3Word::vector_12, Evt3Word::vector_8})
+    types[frequent].is_rare = 0;
+  types[Evt3Word::address_y].sets_y = types[Evt3Word::vector_base_x].sets_base = all;
+  types[Evt3Word::address_x].events = types[Evt3Word::address_x].pixels = types[Evt3Word::address_x].checks_y = 1;
+  types[Evt3Word::address_x].end_by_value = all;
+  types[Evt3Word::vector_12].vector_bits = 0xFFF;
+  types[Evt3Word::vector_12].pixels = 12;
+  types[Evt3Word::vector_8].vector_bits = 0xFF;
+  types[Evt3Word::vector_8].pixels = 8;
+  for (const unsigned vector : {Evt3Word::vector_12, Evt3Word::vector_8}) {
     types[vector].end_by_base = all;
     types[vector].checks_y = 1;
   }
@@ -76,7 +78,7 @@ class Surveyor {
       if ((type.is_rare | is_outside) != 0) {
         note(events, camera_time(state.t_us));
         events = 0;
-        if (word >> 12 == time_low) {
+        if (word >> 12 == Evt3Word::time_low) {
           state.t_us = state.high_us + (word & 0xFFF);
           continue;
         }

@@ -15,8 +15,8 @@
 namespace tactile::events {
 namespace {
 
-constexpr std::size_t longest_header = std::size_t{64} << 10;  // known ones have some hundred bytes [B]
-constexpr std::int64_t most_pixels = 2048;                     // that the words can address, in each direction
+constexpr std::size_t longest_raw_header = std::size_t{64} << 10;  // known ones have some hundred bytes [B]
+constexpr std::int64_t most_pixels = 2048;                         // that the words can address, in each direction
 
 using Fields = std::map<std::string, std::string>;
 
@@ -101,7 +101,7 @@ std::string_view name_of(RecordingEncoding encoding) {
 bool is_raw(std::string_view start) { return start.starts_with("% "); }
 
 RawHeader read_raw_header(const RecordingFile& file) {
-  std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), longest_header)), '\0');
+  std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), longest_raw_header)), '\0');
   file.read(0, std::as_writable_bytes(std::span(bytes)));
   Fields fields;
   std::size_t at = 0;
@@ -111,7 +111,7 @@ RawHeader read_raw_header(const RecordingFile& file) {
     if (line == "% end") break;
     add_line(line, fields);
   }
-  if (at == longest_header)
+  if (at == longest_raw_header)
     throw Error(fmt::format("{}: its header is longer than {} bytes; expected a RAW file", file.name(), at));
   RawHeader header{.encoding = encoding_of(fields, file.name()), .size = {}, .camera = {}, .data_begin = at};
   const std::string geometry = value_of(fields, "geometry");

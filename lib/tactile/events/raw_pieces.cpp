@@ -20,9 +20,9 @@ constexpr std::size_t piece_bytes = std::size_t{64} << 10;
 constexpr SensorSize widest_sensor{2048, 2048};
 
 template <class Decoder>
-class Pieces final : public RawPieces {
+class DecodedPieces final : public RawPieces {
  public:
-  Pieces(const RecordingFile& file, const RawHeader& header)
+  DecodedPieces(const RecordingFile& file, const RawHeader& header)
       : file_(&file), begin_(header.data_begin), sensor_(header.size.value_or(widest_sensor)), decoder_(sensor_) {}
 
   std::vector<PacketRecord> find(RecordingProblems& problems) override {
@@ -108,8 +108,8 @@ class Pieces final : public RawPieces {
 }  // namespace
 
 std::unique_ptr<RawPieces> open_raw_pieces(const RecordingFile& file, const RawHeader& header) {
-  if (header.encoding == RecordingEncoding::evt2) return std::make_unique<Pieces<Evt2Decoder>>(file, header);
-  return std::make_unique<Pieces<Evt3Decoder>>(file, header);
+  if (header.encoding == RecordingEncoding::evt2) return std::make_unique<DecodedPieces<Evt2Decoder>>(file, header);
+  return std::make_unique<DecodedPieces<Evt3Decoder>>(file, header);
 }
 
 std::vector<Stream> raw_streams(const RawHeader& header) {
