@@ -95,6 +95,11 @@ TEST(KindsOf, TakesASlowBurstForAPressOnlyWhereNoneStands) {
   EXPECT_EQ(kinds({burst(300, 500), burst(700, 850), slow}, std::nullopt, {inward, other, other}),
             (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}))
       << "without a lift the slip is the last burst that the whole image shows";
+  alignment::Burst spring_back = burst(900, 1'000, 1'000);
+  spring_back.slow = true;
+  EXPECT_EQ(kinds({spring_back, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other}),
+            (Kinds{BurstKind::brief, BurstKind::slip}))
+      << "no stage presses slowly for so short a time";
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {

@@ -54,9 +54,10 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     if (large.size() > 1) is_slip(large.back());
   }
 
-  const auto is_short = [&](std::size_t i) {
-    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < options.shortest_press;
+  const auto is_shorter = [&](std::size_t i, microseconds than) {
+    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < than;
   };
+  const auto is_short = [&](std::size_t i) { return is_shorter(i, options.shortest_press); };
   std::optional<std::size_t> standing_press;
   // A fast stage needs less time than `shortest_press`, but moves as many markers as before.
   const auto is_like_a_press = [&](std::size_t i) {
@@ -78,6 +79,8 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i)) {
       standing_press = i;  // the stage presses deeper
     } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
+      kinds[i] = BurstKind::brief;
+    } else if (bursts[i].slow && is_shorter(i, options.shortest_slow_press)) {
       kinds[i] = BurstKind::brief;
     } else {
       standing_press = i;
