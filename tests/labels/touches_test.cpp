@@ -78,6 +78,11 @@ TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
             (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
 }
 
+TEST(KindsOf, WithoutLiftsTheSlipIsTheLastBurstThatIsNoRelease) {
+  EXPECT_EQ(kinds({burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'600)}, std::nullopt, {inward, other, outward}),
+            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::release}));
+}
+
 TEST(KindsOf, KnowsTheReleaseAfterASlip) {
   const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'480)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other, outward}),

@@ -11,6 +11,7 @@
 
 #include "tactile/alignment/film_motions.hpp"
 #include "tactile/labels/arm_moves.hpp"
+#include "tactile/labels/felt_moves.hpp"
 #include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/run_bursts.hpp"
 
@@ -64,9 +65,7 @@ class Labeller {
     labels_.remarks = signals_.remarks;
     // A doubt does not matter where another anchor gives the clock, or where there is nothing to place.
     for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
-    if (!signals_.has_robot) {
-      flag("no robot log: press and slip are told apart by their order alone");
-    } else if (!lifts_are_known() && !moves_.rises) {
+    if (signals_.has_robot && !lifts_are_known() && !moves_.rises) {
       flag(fmt::format(
           "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
           "their order alone",
@@ -114,15 +113,35 @@ class Labeller {
   /// Whether the log has every lift: a log that is shorter than the recording may lack one.
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
+  /// By the robot log; without one the last motion that the IMU felt during a burst: a camera on the stage also feels the press.
+  /// Nothing if neither shows whether the arm rose.
+  std::optional<std::vector<ArmMove>> lifts(const std::vector<alignment::Burst>& bursts,
+                                            const std::vector<double>& undoes) const {
+    if (lifts_are_known()) return moves_.lifts;
+    if (signals_.has_robot) return std::nullopt;
+    std::vector<ArmMove> felt = felt_moves(signals_.imu);
+    for (auto move = felt.rbegin(); move != felt.rend(); ++move) {
+      for (std::size_t i = 1; i < bursts.size(); ++i) {
+        const bool may_slip =
+            undoes[i] <= options_.touches.releases && !alignment::is_after_effect(bursts[i], signals_.rate, bursts);
+        if (may_slip && lift_around({*move}, signals_.rate, bursts[i]) != nullptr) return std::vector{*move};
+      }
+    }
+    return std::nullopt;
+  }
+
   void find_intervals() {
     events::RecordingReader recording(signals_.run.events());
     const std::vector<alignment::Burst> bursts = bursts_of_run(recording, signals_, moves_.lifts, options_.signals.activity);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
-    const std::vector<BurstKind> kinds =
-        kinds_of(signals_.rate, bursts, lifts_are_known() ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
-                 options_.touches);
+    const std::optional<std::vector<ArmMove>> slips_in = lifts(bursts, undoes);
+    const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
+    if (!signals_.has_robot) {
+      flag(slips_in ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
+                    : "no robot log: press and slip are told apart by their order alone");
+    }
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
@@ -215,8 +234,8 @@ class Labeller {
     // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
     // may lie far off and soon after the onset. Tips that creep on a little after a press are in its interval.
     const double end_width_ms = ms(between(end.time.low, end.time.high));
-    const bool end_is_wide = end_width_ms > options_.end.too_wide_ms &&
-                             ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
+    const bool end_is_wide =
+        end_width_ms > options_.end.too_wide_ms && ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
     const bool is_worth_a_word = touch == Touch::slip || end_width_ms > 0.5 * options_.end.too_wide_ms;
     if (!end.doubt.empty() && end_is_wide) {
       flag(end.doubt, labels_.intervals.size());

@@ -46,10 +46,11 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
       if (const auto slip = slip_of(rate, bursts, lift, false)) is_slip(*slip);
     }
   } else {
-    // By order alone: the last burst that is no after-effect, if there is another before it.
+    // By order alone: the last burst that is no after-effect and no release, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!bursts[i].slow && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
+      const bool releases = i > 0 && undoes[i] > options.releases;
+      if (!bursts[i].slow && !releases && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }

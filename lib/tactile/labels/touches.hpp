@@ -39,7 +39,7 @@ struct TouchesOptions {
 ///
 /// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands. If
 /// it
-///   is not known whether the arm rose, the last burst is the slip.
+///   is not known whether the arm rose, the last burst that reverses nothing is the slip.
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
