@@ -1,4 +1,6 @@
 // Two public recordings of real cameras, which are not part of this project.
+#include "support/real_recordings.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include "events/aedat4_bytes.hpp"
 #include "events/recording_contents.hpp"
 #include "events/rewrite.hpp"
-#include "support/real_recordings.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/events/recording_reader.hpp"

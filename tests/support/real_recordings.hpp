@@ -7,8 +7,8 @@
 
 namespace tactile::test {
 
-/// A file or folder among recordings of real devices, which are not part of this project. TACTILE_RECORDINGS lists the folders that
-/// may hold it, separated by colons. Empty if none does: then the test is skipped.
+/// A file or folder among recordings of real devices, which are not part of this project. TACTILE_RECORDINGS lists the folders
+/// that may hold it, separated by colons. Empty if none does: then the test is skipped.
 inline std::filesystem::path real_recording(const std::filesystem::path& name) {
   const char* listed = std::getenv("TACTILE_RECORDINGS");
   std::istringstream folders(listed == nullptr ? "" : listed);

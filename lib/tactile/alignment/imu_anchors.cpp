@@ -267,7 +267,8 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
   });
   constexpr double widest_drift = 200e-6, reach_s = 0.012, most_unexplained = 0.25, widest_s = 0.005;
   constexpr double floor_s = 200e-6;
-  // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms more.
+  // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms
+  // more.
   constexpr double common_s = 500e-6;
   for (const Window& window : windows) {
     const KnownShifts::Nearest near = known.nearest(window.middle_s);
