@@ -53,7 +53,7 @@ TEST(PressEnd, IsFoundHoweverThePressSlowsDown) {
     EXPECT_LE(ends.errors_ms[30], 2.0) << power;
     EXPECT_LE(ends.errors_ms[56], 5.0) << power;
     EXPECT_GE(ends.covered, 54) << power;
-    EXPECT_LE(ends.widths_ms[30], 12.0) << power;
+    EXPECT_LE(ends.widths_ms[30], 16.0) << power;
     EXPECT_LE(ends.doubted, 3) << power;
   }
 }

@@ -9,6 +9,7 @@
 
 #include "tactile/alignment/correlation.hpp"
 #include "tactile/alignment/lag_search.hpp"
+#include "tactile/alignment/moving_mean.hpp"
 #include "tactile/core/infinite.hpp"
 
 namespace tactile::alignment {
@@ -19,15 +20,18 @@ constexpr double rests_after_s = 0.3;  // the skin rests so soon after the arm's
 /// The activity of the skin on a grid of whole milliseconds: the root of the events above the quiet rate, 0 where they could be
 /// noise. The root limits the first shear and tips that spring back, which are far above the rest.
 std::vector<double> activity_on_grid(const Milliseconds& ms, microseconds grid) {
+  constexpr std::size_t smoothed = 5;  // points: a faint slip does not stand out of the noise of a single one
   const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, grid / 1ms));
-  std::vector<double> activity(ms.counts.size() / width);
-  const double mean = ms.quiet * static_cast<double>(width);
-  const double limit = 3.0 * std::sqrt(ms.dispersion * std::max(mean, 1.0));
-  for (std::size_t i = 0; i < activity.size(); ++i) {
-    double count = 0;
-    for (std::size_t j = 0; j < width; ++j) count += ms.counts[i * width + j];
-    activity[i] = count - mean > limit ? std::sqrt(count - mean) : 0.0;
+  std::vector<double> counts(ms.counts.size() / width);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    for (std::size_t j = 0; j < width; ++j) counts[i] += ms.counts[i * width + j];
   }
+  const std::vector<double> means = moving_mean(counts, smoothed);
+  const double quiet = ms.quiet * static_cast<double>(width);
+  const double limit = 3.0 * std::sqrt(ms.dispersion * std::max(quiet, 1.0) / static_cast<double>(smoothed));
+  std::vector<double> activity(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    activity[i] = means[i] - quiet > limit ? std::sqrt(std::max(0.0, counts[i] - quiet)) : 0.0;
   return activity;
 }
 

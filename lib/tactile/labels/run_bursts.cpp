@@ -59,14 +59,16 @@ std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, co
   return bursts;
 }
 
-/// The burst that a slow rise is the begin of: it follows at once, and no lift starts in between.
+/// The burst that a slow rise is the begin of: it follows at once, and a lift that it lies in began before the rise.
 alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts,
                              const alignment::EventRate& rate, const std::vector<ArmMove>& lifts) {
   const auto soon = static_cast<std::size_t>(SlowBurstOptions{}.slot / rate.bin);
   const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
     return !burst.slow && burst.begin >= slow.end && burst.begin <= slow.end + soon;
   });
-  return next == bursts.end() || lift_around(lifts, rate, *next) != nullptr ? nullptr : &*next;
+  if (next == bursts.end()) return nullptr;
+  const ArmMove* lift = lift_around(lifts, rate, *next);
+  return lift == nullptr || rate.begin_of(slow.begin) >= before(lift->start, lift->uncertainty) ? &*next : nullptr;
 }
 
 /// Adds a slow burst. What stands out in its midst belongs to it.

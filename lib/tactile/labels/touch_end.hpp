@@ -13,7 +13,7 @@ struct EndOptions {
   microseconds rung_out{50'000};         ///< after the arm's stop the tips of a slip stand still
   microseconds longest_unseen{200'000};  ///< a slip that is not seen for longer before the arm's stop ends where it was last seen
   microseconds stick_phase{10'000};      ///< so much of the last stick phase may lie before the arm's stop
-  microseconds least_error{1'000};       ///< no interval reaches less far to either side
+  microseconds least_error{3'000};       ///< added to either side: creep and hysteresis shift an end by some milliseconds
   double too_wide_ms = 200.0;  ///< doubtful if wider: the error may exceed the guard between a touch and samples of none
 };
 

@@ -61,9 +61,10 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
   const auto is_short = [&](std::size_t i) { return is_shorter(i, options.shortest_press); };
   std::optional<std::size_t> standing_press;
   // A fast stage needs less time than `shortest_press`, but moves as many markers as before.
-  const auto is_like_a_press = [&](std::size_t i) {
+  const auto is_like_a_press = [&](std::size_t i, std::size_t times_shorter) {
     const alignment::Burst &burst = bursts[i], &press = bursts[*standing_press];
-    return burst.events >= options.like_a_press * press.events && 2 * (burst.end - burst.begin) > press.end - press.begin;
+    return burst.events >= options.like_a_press * press.events &&
+           times_shorter * (burst.end - burst.begin) > press.end - press.begin;
   };
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     if (kinds[i] == BurstKind::slip) continue;
@@ -74,10 +75,10 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
       kinds[i] = releases ? BurstKind::release : BurstKind::after;
     } else if (alignment::is_after_effect(bursts[i], rate, bursts)) {
       kinds[i] = BurstKind::brief;
-    } else if (standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i))) {
+    } else if (standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i, 2))) {
       kinds[i] = BurstKind::release;
       standing_press.reset();
-    } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i)) {
+    } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i, 3)) {
       standing_press = i;  // the stage presses deeper
     } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
       kinds[i] = BurstKind::brief;

@@ -37,18 +37,16 @@ struct TouchesOptions {
 
 /// Classifies bursts, in order of time:
 ///
-/// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands. If
-/// it
-///   is not known whether the arm rose, the last burst that reverses nothing is the slip.
+/// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands.
+///   If it is not known whether the arm rose, the last burst that reverses nothing is the slip.
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
 ///   than a stage takes or slow: tips that spring back or creep. It is none of these if it lasts more than half as long as that
-///   press and either reverses or repeats what it did to the picture: a fast stage that opens, or presses deeper. A slow one that
-///   is short is brief too, unless it is a release.
-/// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where it
-/// had
-///   left bright.
+///   press and reverses what it did to the picture, or more than a third and repeats it: a fast stage opens, or presses deeper.
+///   A slow one that is short is brief too, unless it is a release.
+/// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where
+///   it had left bright.
 ///
 /// @param lifts   nothing: it is not known whether the arm rose
 /// @param undoes  of each burst, `LitRate::undoes`
