@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,30 @@ std::string hot_pixels_text(const events::EventHealth& events, std::uint64_t all
   return text + (events.hot_pixels > shown ? " ..." : "");
 }
 
+std::string readout_text(const events::Readout& readout) {
+  using Kind = events::Readout::Kind;
+  if (readout.events < 50) return "too few timestamps";
+  if (readout.kind == Kind::none) return "no common period: events have individual times";
+  if (readout.kind == Kind::unsteady) return fmt::format("unsteady; the shortest period is {:.0f} us", readout.period_us.value);
+  std::string text = fmt::format("every {} us", measured_text(readout.period_us));
+  if (readout.scan == events::Scan::none) return text + ", all pixels at once";
+  const bool by_column = readout.scan == events::Scan::columns;
+  const bool ascending = readout.step_us.value > 0;
+  text += by_column ? fmt::format(", columns from {}", ascending ? "left to right" : "right to left")
+                    : fmt::format(", rows from {}", ascending ? "top to bottom" : "bottom to top");
+  return text + fmt::format(", {} us each", measured_text({std::abs(readout.step_us.value), readout.step_us.uncertainty}));
+}
+
+/// What the last digits of a stamp are worth.
+std::string precision_text(const events::Readout& readout) {
+  if (readout.stamp_step_us == 0) return "unknown";
+  if (readout.kind == events::Readout::Kind::none) return fmt::format("in steps of {} us", readout.stamp_step_us);
+  return fmt::format("up to {:.0f} us after the change{}", readout.precision_us(),
+                     readout.scan == events::Scan::none      ? ""
+                     : readout.scan == events::Scan::columns ? "; the digits below tell only the column"
+                                                             : "; the digits below tell only the row");
+}
+
 std::string event_lines(const events::StreamHealth& stream, const ReportOptions& options) {
   const events::EventHealth& events = *stream.events;
   const events::StampHealth& stamps = stream.stamps;
@@ -109,9 +134,8 @@ std::string event_lines(const events::StreamHealth& stream, const ReportOptions&
                                         stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "no", rate_text(events.peak_rate_hz),
                                         counted(events.peak_tick_events, "event")),
                             16));
-  lines.add("read-out", !events.readout_period_us           ? "too few timestamps"
-                        : *events.readout_period_us <= 10.0 ? "no common period: events have individual times"
-                                                            : fmt::format("every {:.0f} us", *events.readout_period_us));
+  lines.add("read-out", wrapped(readout_text(events.readout), 16));
+  lines.add("stamps", wrapped(precision_text(events.readout), 16));
   lines.add("silences", wrapped(gaps_text(stamps, options), 16));
   lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();

@@ -27,14 +27,14 @@ Span span_of(events::RecordingReader& recording, std::int32_t stream_id) {
   events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { meter.add_packet(events); });
   const events::StampHealth stamps = meter.stamps();
   Span span{.first = stamps.first, .last = stamps.last, .empty = stamps.elements == 0, .readout_us = {}};
-  if (!span.empty) span.readout_us = meter.health().readout_period_us;
+  const events::Readout readout = meter.health().readout;
+  if (readout.kind != events::Readout::Kind::none) span.readout_us = readout.period_us.value;
   return span;
 }
 
 /// Bins that hold no whole number of read-outs would beat: some would hold one more than others.
 microseconds whole_readouts(microseconds bin, const std::optional<double>& readout_us) {
-  constexpr double least_us = 10.0;  // shorter: every event has its own time, there are no read-outs
-  if (!readout_us || *readout_us <= least_us) return bin;
+  if (!readout_us) return bin;  // every event has its own time, there are no read-outs
   const std::int64_t readout = std::llround(*readout_us);
   return microseconds{readout * std::max<std::int64_t>(1, (bin.count() + readout / 2) / readout)};
 }

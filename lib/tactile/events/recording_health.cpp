@@ -18,8 +18,6 @@
 namespace tactile::events {
 namespace {
 
-constexpr std::size_t longest_difference_us = 20'000;
-constexpr std::uint64_t fewest_differences = 50;
 constexpr double fewest_active_share = 0.01;
 
 std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
@@ -253,7 +251,7 @@ StampHealth StampMeter::health() const {
 }
 
 EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& options)
-    : options_(options), stamps_(options.gap, options.listed), differences_(longest_difference_us + 1) {
+    : options_(options), stamps_(options.gap, options.listed), readout_(size, ReadoutMeter::Extent::beginning) {
   const bool is_valid = size && size->width > 0 && size->height > 0 && std::int64_t{size->width} * size->height <= most_pixels;
   if (!is_valid) return;
   size_ = *size;
@@ -262,14 +260,8 @@ EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& opti
 
 void EventMeter::add_packet(std::span<const Event> events) {
   stamps_.begin_packet();
+  readout_.add(events);
   for (const Event& event : events) {
-    if (!any_ || event.t > latest_) {
-      if (any_) {
-        const std::int64_t difference = between(latest_, event.t).count();
-        if (difference <= static_cast<std::int64_t>(longest_difference_us)) ++differences_[static_cast<std::size_t>(difference)];
-      }
-      latest_ = event.t;
-    }
     if (!any_ || event.t < tick_begin_ || event.t >= tick_end_) {
       tick_begin_ = last_tick_until(event.t, options_.tick);
       tick_end_ = after(tick_begin_, options_.tick);
@@ -292,7 +284,7 @@ EventHealth EventMeter::health() const {
   health.on = on_;
   health.peak_tick_events = peak_tick_events_;
   health.peak_rate_hz = static_cast<double>(peak_tick_events_) / std::chrono::duration<double>(options_.tick).count();
-  health.readout_period_us = readout_period_us();
+  health.readout = readout_.readout();
   health.pixels_counted = !counts_.empty();
   if (health.pixels_counted) find_hot_pixels(health);
   return health;
@@ -335,36 +327,6 @@ void EventMeter::find_hot_pixels(EventHealth& health) const {
   std::stable_sort(hot.begin(), hot.end(), [](const HotPixel& a, const HotPixel& b) { return a.events > b.events; });
   hot.resize(std::min(hot.size(), options_.listed));
   health.hottest = std::move(hot);
-}
-
-std::optional<double> EventMeter::readout_period_us() const {
-  std::vector<std::uint64_t> up_to(differences_.size());  // number of differences that are at most the index
-  std::partial_sum(differences_.begin(), differences_.end(), up_to.begin());
-  const std::uint64_t total = up_to.back();
-  if (total < fewest_differences) return std::nullopt;
-
-  const auto last_index = static_cast<double>(longest_difference_us);
-  const auto share_between = [&](double low, double high) {  // both included; low >= 1
-    const auto below = static_cast<std::size_t>(std::ceil(low)) - 1;
-    return up_to[static_cast<std::size_t>(std::min(high, last_index))] - up_to[below];
-  };
-  const auto median_between = [&](double low, double high) {
-    const auto below = up_to[static_cast<std::size_t>(std::ceil(low)) - 1];
-    const std::uint64_t middle = below + (share_between(low, high) + 1) / 2;
-    return static_cast<double>(std::lower_bound(up_to.begin(), up_to.end(), middle) - up_to.begin());
-  };
-  for (double low = 1; low <= last_index; ++low) {
-    if (20 * share_between(low, low * 1.05 / 0.95) < total) continue;
-    // Coming from below, the window holds only the lower part of the cluster. It follows its own median into the middle.
-    double period = median_between(low, low * 1.05 / 0.95);
-    for (int step = 0; step < 100; ++step) {
-      const double next = median_between(std::max(1.0, 0.95 * period), 1.05 * period);
-      if (next == period) break;
-      period = next;
-    }
-    return period;
-  }
-  return std::nullopt;
 }
 
 std::uint64_t RecordingHealth::packets() const {

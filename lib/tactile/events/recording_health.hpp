@@ -10,6 +10,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
+#include "tactile/events/readout.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
@@ -114,14 +115,10 @@ struct EventHealth {
   std::uint64_t hot_events = 0;   ///< of the hot pixels
   std::vector<HotPixel> hottest;  ///< sorted by events, most first
 
-  /// Time from one read-out of the sensor to the next [us]; nothing with fewer than 50 differences. A mean would be wrong: empty
-  /// read-outs leave no stamp, and busy ones take longer. Of the differences of successive distinct stamps up to 20 ms, it is the
-  /// shortest with at least 5 % of all differences within +-5 %, and then the median of those. 1 to 10 us means that pixels are
-  /// not read out together.
-  std::optional<double> readout_period_us;
+  Readout readout;  ///< as the beginning of the stream shows it
 };
 
-/// Takes the events of one stream packet by packet; keeps 4 bytes per pixel of the sensor.
+/// Takes the events of one stream packet by packet; keeps 4 bytes per pixel of the sensor, and 2^19 time stamps at most.
 class EventMeter {
  public:
   /// Pixels are counted if `size` is given and has at most `most_pixels`.
@@ -135,7 +132,6 @@ class EventMeter {
 
  private:
   void find_hot_pixels(EventHealth& health) const;
-  std::optional<double> readout_period_us() const;
 
   HealthOptions options_;
   SensorSize size_;
@@ -143,10 +139,9 @@ class EventMeter {
   std::uint64_t on_ = 0;
   CameraTime tick_begin_{}, tick_end_{};  ///< of the tick that is being counted
   std::uint64_t tick_events_ = 0, peak_tick_events_ = 0;
-  CameraTime latest_{};
   bool any_ = false;
-  std::vector<std::uint32_t> counts_;       ///< per pixel, row by row; limited to the largest value
-  std::vector<std::uint64_t> differences_;  ///< of distinct stamps; the index is the difference [us]
+  std::vector<std::uint32_t> counts_;  ///< per pixel, row by row; limited to the largest value
+  ReadoutMeter readout_;
 };
 
 struct StreamHealth {
