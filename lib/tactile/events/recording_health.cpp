@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numeric>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/ticks.hpp"
 #include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/recording_header.hpp"
@@ -17,8 +15,6 @@
 
 namespace tactile::events {
 namespace {
-
-constexpr double fewest_active_share = 0.01;
 
 std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
   return fmt::format("{} {}", n, n == 1 ? thing : things);
@@ -291,42 +287,13 @@ EventHealth EventMeter::health() const {
 }
 
 void EventMeter::find_hot_pixels(EventHealth& health) const {
-  std::vector<std::uint32_t> fired;
-  std::copy_if(counts_.begin(), counts_.end(), std::back_inserter(fired), [](std::uint32_t count) { return count > 0; });
-  health.pixels_fired = fired.size();
   const double seconds = std::chrono::duration<double>(stamps_.health().duration()).count();
-  if (fired.empty() || seconds <= 0) return;
-
-  const HotPixelRule& rule = options_.hot;
-  const bool has_scene = static_cast<double>(fired.size()) >= fewest_active_share * static_cast<double>(counts_.size());
-  const double median = has_scene ? lower_median<std::uint32_t>(fired) : 1;
-  const double least = std::max({rule.over_median * median, rule.min_rate_hz * seconds, static_cast<double>(rule.min_events)});
-  const auto count_at = [&](int x, int y) -> std::uint32_t {
-    if (x < 0 || y < 0 || x >= size_.width || y >= size_.height) return 0;
-    return counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
-  };
-  std::vector<HotPixel> hot;
-  for (int y = 0; y < size_.height; ++y) {
-    for (int x = 0; x < size_.width; ++x) {
-      const std::uint32_t count = count_at(x, y);
-      if (count < least) continue;
-      std::uint32_t largest = 0, second = 0;  // of the 24 neighbours
-      for (int dy = -2; dy <= 2; ++dy) {
-        for (int dx = -2; dx <= 2; ++dx) {
-          const std::uint32_t other = dx == 0 && dy == 0 ? 0 : count_at(x + dx, y + dy);
-          second = std::max(second, std::min(largest, other));
-          largest = std::max(largest, other);
-        }
-      }
-      if (count < rule.over_neighbours * second) continue;
-      hot.push_back({x, y, count, count / seconds});
-      health.hot_events += count;
-    }
-  }
-  health.hot_pixels = hot.size();
-  std::stable_sort(hot.begin(), hot.end(), [](const HotPixel& a, const HotPixel& b) { return a.events > b.events; });
-  hot.resize(std::min(hot.size(), options_.listed));
-  health.hottest = std::move(hot);
+  HotPixels hot = events::find_hot_pixels(counts_, size_, seconds, options_.hot);
+  health.pixels_fired = hot.fired;
+  health.hot_pixels = hot.pixels.size();
+  for (const HotPixel& pixel : hot.pixels) health.hot_events += pixel.events;
+  hot.pixels.resize(std::min(hot.pixels.size(), options_.listed));
+  health.hottest = std::move(hot.pixels);
 }
 
 std::uint64_t RecordingHealth::packets() const {

@@ -10,27 +10,12 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
+#include "tactile/events/hot_pixels.hpp"
 #include "tactile/events/readout.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile::events {
-
-/// When a pixel is hot: it fires by itself, whatever the scene does. An absolute rate does not decide: a read-out of 200 us
-/// allows at most 5000 events/s, and a trembling edge reaches hundreds. A pixel with n events in a recording of length T is hot
-/// if all of these hold:
-///
-///   n >= over_median * m        m = median count of the pixels that fired; 1 if fewer than 1 % of the pixels fired
-///   n >= over_neighbours * n2   n2 = second largest count among the 24 pixels around it: edges are rows of pixels, hot pixels
-///                               are single or in pairs
-///   n >= min_events
-///   n / T >= min_rate_hz
-struct HotPixelRule {
-  double over_median = 10;
-  double over_neighbours = 5;
-  double min_rate_hz = 50;
-  std::uint32_t min_events = 30;
-};
 
 struct HealthOptions {
   std::string stream{};       ///< the event stream to examine, by id or source; all if empty
@@ -96,12 +81,6 @@ class StampMeter {
   StampHealth stamps_;
   CameraTime previous_{};
   bool at_packet_begin_ = true;
-};
-
-struct HotPixel {
-  int x = 0, y = 0;
-  std::uint32_t events = 0;
-  double rate_hz = 0;
 };
 
 /// Health of an event stream.
