@@ -169,7 +169,10 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
   if (length > longest_run) {
     throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
   }
-  const std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+  std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+  const events::PixelMask mask(*stream.size, options.mask, where + ": mask");
+  for (const auto& [x, y] : mask.pixels())
+    hot[static_cast<std::size_t>(y) * static_cast<std::size_t>(stream.size->width) + static_cast<std::size_t>(x)] = true;
 
   const microseconds bin = whole_readouts(options.bin, span.readout_us);
   EventRate rate{.begin = span.first,

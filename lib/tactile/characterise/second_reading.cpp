@@ -300,6 +300,12 @@ void SecondReading::State::put_background(Sensor& sensor) const {
     const double between_pixels = rate->value * std::sqrt(std::expm1(model.spread * model.spread) / std::max(1.0, pixels));
     rate->uncertainty = std::hypot(rate->uncertainty, between_pixels);
   }
+  double warm = 0, hot = 0;
+  for (const UnusualPixel& pixel : unusual.pixels)
+    (pixel.kind == UnusualPixel::Kind::warm ? warm : hot) += pixel.rate_hz.value * pixel.rate_hz.value;
+  const double ordinary_pixels = pixels * std::hypot(sensor.background.on_hz.uncertainty, sensor.background.off_hz.uncertainty);
+  sensor.rate_without_hot_hz.uncertainty = std::hypot(sensor.rate_without_hot_hz.uncertainty, ordinary_pixels, std::sqrt(warm));
+  sensor.rate_hz.uncertainty = std::hypot(sensor.rate_hz.uncertainty, ordinary_pixels, std::sqrt(warm + hot));
   put_dead(sensor, model);
 }
 

@@ -3,31 +3,33 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::events {
 
-PixelMask::PixelMask(SensorSize size, std::span<const std::pair<int, int>> pixels, const std::string& where)
-    : size_(size), pixels_(pixels.begin(), pixels.end()) {
-  std::sort(pixels_.begin(), pixels_.end(),
+MaskPixels ordered(MaskPixels pixels) {
+  std::sort(pixels.begin(), pixels.end(),
             [](const auto& a, const auto& b) { return std::pair(a.second, a.first) < std::pair(b.second, b.first); });
-  pixels_.erase(std::unique(pixels_.begin(), pixels_.end()), pixels_.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  return pixels;
+}
+
+PixelMask::PixelMask(SensorSize size, MaskPixels pixels, const std::string& where)
+    : size_(size), pixels_(ordered(std::move(pixels))) {
   if (pixels_.empty()) return;
   covered_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
-  std::string text;
   for (const auto& [x, y] : pixels_) {
-    if (x < 0 || y < 0 || x >= size.width || y >= size.height)
+    if (x < 0 || y < 0 || x >= size.width || y >= size.height) {
       throw Error(fmt::format("{}: pixel ({}, {}) lies outside the sensor; expected one of {}x{} pixels", where, x, y, size.width,
                               size.height));
+    }
     covered_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x)] = true;
-    text += fmt::format("{},{}\n", x, y);
   }
-  sha256_ = sha256_of(text);
 }
 
 std::span<const Event> PixelMask::without(std::span<const Event> events, std::vector<Event>& kept) const {
@@ -37,12 +39,12 @@ std::span<const Event> PixelMask::without(std::span<const Event> events, std::ve
   return kept;
 }
 
-std::vector<std::pair<int, int>> read_mask_pixels(const std::filesystem::path& file) {
+MaskPixels read_mask(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   CsvRows rows(text);
   const auto x = rows.column("x"), y = rows.column("y");
   if (!x || !y) throw Error(file.string() + ": has no columns x and y; expected a mask, as tactile characterise writes it");
-  std::vector<std::pair<int, int>> pixels;
+  MaskPixels pixels;
   while (rows.next()) {
     if (rows.row().empty()) continue;
     const auto number = [&](std::size_t column) {
@@ -55,11 +57,7 @@ std::vector<std::pair<int, int>> read_mask_pixels(const std::filesystem::path& f
     const int px = number(*x);
     pixels.emplace_back(px, number(*y));
   }
-  return pixels;
-}
-
-PixelMask read_pixel_mask(const std::filesystem::path& file, SensorSize size) {
-  return {size, read_mask_pixels(file), file.string()};
+  return ordered(std::move(pixels));
 }
 
 }  // namespace tactile::events

@@ -1,15 +1,21 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tactile/events/event.hpp"
 
 namespace tactile::events {
+
+/// x, y of pixels, by row, each once.
+using MaskPixels = std::vector<std::pair<int, int>>;
+
+/// The pixels in the order of `MaskPixels`.
+MaskPixels ordered(MaskPixels pixels);
 
 /// Pixels of a sensor whose events do not count. Empty: all count.
 ///
@@ -17,15 +23,12 @@ namespace tactile::events {
 class PixelMask {
  public:
   PixelMask() = default;
-  /// @param pixels  any order; the same pixel may be there twice
-  /// @throws Error  names `where`, if a pixel lies outside the sensor
-  PixelMask(SensorSize size, std::span<const std::pair<int, int>> pixels, const std::string& where);
+  /// @param pixels  in any order
+  /// @throws Error  if a pixel lies outside the sensor; it begins with `where`
+  PixelMask(SensorSize size, MaskPixels pixels, const std::string& where = "mask");
 
   bool empty() const { return pixels_.empty(); }
-  SensorSize size() const { return size_; }
-  const std::vector<std::pair<int, int>>& pixels() const { return pixels_; }  ///< x, y, by row, each once
-  /// SHA-256 of the pixels, "x,y\n" in this order; empty of an empty mask.
-  const std::string& sha256() const { return sha256_; }
+  const MaskPixels& pixels() const { return pixels_; }
 
   bool covers(const Event& event) const {
     return !covered_.empty() && event.x >= 0 && event.y >= 0 && event.x < size_.width && event.y < size_.height &&
@@ -38,15 +41,12 @@ class PixelMask {
 
  private:
   SensorSize size_;
-  std::vector<std::pair<int, int>> pixels_;
+  MaskPixels pixels_;
   std::vector<bool> covered_;
-  std::string sha256_;
 };
 
-/// @throws Error  if the file cannot be read, lacks a column, has a cell that is no whole number, or a pixel outside the sensor
-PixelMask read_pixel_mask(const std::filesystem::path& file, SensorSize size);
-
-/// The pixels of a mask's file, whatever the sensor. @throws Error  as `read_pixel_mask`; also a pixel below 0 or above 32767
-std::vector<std::pair<int, int>> read_mask_pixels(const std::filesystem::path& file);
+/// The pixels of a mask's file. @throws Error  if it cannot be read, lacks a column, or has a cell that is no whole number from 0
+/// to 32767
+MaskPixels read_mask(const std::filesystem::path& file);
 
 }  // namespace tactile::events
