@@ -31,7 +31,7 @@ Sensor characterise(const std::vector<std::filesystem::path>& quiet, const std::
   sensor.unusual = unusual_pixels(first.counts);
   for (std::size_t i = 0; i < first.counts.pixels(); ++i)
     sensor.events += std::uint64_t{first.counts.on[i]} + first.counts.off[i];
-  SecondReading second(first, sensor.unusual);
+  SecondReading second(first, sensor.unusual, !touched.empty());
   for (const ReadRecording& recording : first.recordings) {
     OpenRecording open(recording.file, options, first.counts.size);
     second.read_quiet(open, recording, progress);

@@ -12,7 +12,8 @@
 
 namespace tactile::characterise {
 
-// Meters that follow each pixel through time. Pixels are y * width + x; times are us since a recording's first event.
+// Meters that follow each pixel through time. Pixels are y * width + x; times are us since a recording's first event. Their
+// tables are larger than a cache: `prefetch` loads what `add` will need.
 
 /// How much neighbouring pixels fire together: the correlation of their counts per tick, pooled over all pairs,
 ///
@@ -34,6 +35,10 @@ class NeighbourMeter {
     ++totals_[pixel];
   }
   void end_recording(std::int64_t ticks);  ///< @param ticks  in the recording
+  void prefetch(std::size_t pixel) const {
+    __builtin_prefetch(&counts_[pixel], 1);
+    __builtin_prefetch(&totals_[pixel], 1);
+  }
   Neighbours neighbours() const;
 
  private:
@@ -74,6 +79,7 @@ class IntervalMeter {
   /// times this rank, over 3, and at least the rounding. Nothing with fewer than 100 intervals.
   std::optional<Measured> shortest_us() const;
   std::span<const std::uint64_t> counts() const { return counts_; }  ///< by interval [us]
+  void prefetch(std::size_t pixel) const { __builtin_prefetch(&latest_[pixel], 1); }
 
  private:
   static constexpr std::int64_t none = -1;
@@ -101,6 +107,10 @@ class LargestCountMeter {
     const std::uint32_t in_tick = ++tick_counts_[pixel], in_history = ++history_counts_[pixel];
     take(all_, in_tick, in_history);
     if (ordinary) take(ordinary_, in_tick, in_history);
+  }
+  void prefetch(std::size_t pixel) const {
+    __builtin_prefetch(&tick_counts_[pixel], 1);
+    __builtin_prefetch(&history_counts_[pixel], 1);
   }
   LargestCounts all() const { return all_; }
   LargestCounts ordinary() const { return ordinary_; }

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t parts_per_recording = 20;
 constexpr std::size_t groups = 8;  // of pixels
 constexpr std::int64_t tick_us = 2'000;
+constexpr std::size_t ahead = 16;  // events whose pixels are prefetched
 constexpr std::uint32_t usual = std::numeric_limits<std::uint32_t>::max();
 
 /// Sums over the intervals of one unusual pixel.
@@ -46,6 +47,7 @@ class WindowCounter {
   void end_recording(double length_us) {
     if (length_us >= window_us_ * static_cast<double>(window_ / 2 * 2 + 2) * (1 - 1e-6)) end_pair(window_ + 2);
   }
+  void prefetch(std::size_t pixel) const { __builtin_prefetch(&counts_[static_cast<std::size_t>(window_ % 2)][pixel], 1); }
   const std::array<WindowSums, groups>& sums() const { return sums_; }
 
  private:
@@ -117,7 +119,7 @@ struct Bins {
 }  // namespace
 
 struct SecondReading::State {
-  State(const FirstReading& reading, const UnusualPixels& unusual_ones)
+  State(const FirstReading& reading, const UnusualPixels& unusual_ones, bool has_touched)
       : first(reading),
         ordinary(ordinary_pixels(reading.counts, unusual_ones)),
         unusual_index(ordinary.size(), usual),
@@ -131,8 +133,9 @@ struct SecondReading::State {
         neighbours(reading.counts.size, ordinary),
         interval(ordinary.size()),
         largest(ordinary.size()),
-        quiet(reading.counts.size),
-        touched(reading.counts.size) {
+        quiet(has_touched ? reading.counts.size : events::SensorSize{}),
+        touched(quiet),
+        is_touched(has_touched) {
     const auto width = static_cast<std::size_t>(reading.counts.size.width);
     for (std::size_t i = 0; i < unusual.pixels.size(); ++i)
       unusual_index[static_cast<std::size_t>(unusual.pixels[i].y) * width + static_cast<std::size_t>(unusual.pixels[i].x)] =
@@ -140,6 +143,7 @@ struct SecondReading::State {
   }
   void add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const Bins& bins);
   void begin_part(double seconds);
+  void prefetch(const events::Event& event) const;
   Measured regularity_of_unusual() const;
   void put_background(Sensor& sensor) const;
   void put_dead(Sensor& sensor, const NoiseModel& model) const;
@@ -158,8 +162,18 @@ struct SecondReading::State {
   IntervalMeter interval;
   LargestCountMeter largest;
   PassageMeter quiet, touched;
-  bool is_touched = false;
+  bool is_touched;
 };
+
+void SecondReading::State::prefetch(const events::Event& event) const {
+  const std::size_t pixel =
+      static_cast<std::size_t>(event.y) * static_cast<std::size_t>(first.counts.size.width) + static_cast<std::size_t>(event.x);
+  __builtin_prefetch(&unusual_index[pixel]);
+  interval.prefetch(pixel);
+  largest.prefetch(pixel);
+  windows.prefetch(pixel);
+  neighbours.prefetch(pixel);
+}
 
 void SecondReading::State::begin_part(double seconds) {
   parts.push_back({.seconds = seconds});
@@ -189,11 +203,11 @@ void SecondReading::State::add(const events::Event& event, std::int64_t t_us, st
   windows.add(pixel, t_us);
   flicker.add(bins.index_of(t_us, event));
   neighbours.add(pixel, tick);
-  quiet.add(pixel, event.on != 0, t_us);
+  if (is_touched) quiet.add(pixel, event.on != 0, t_us);
 }
 
-SecondReading::SecondReading(const FirstReading& first, const UnusualPixels& unusual)
-    : state_(std::make_unique<State>(first, unusual)) {}
+SecondReading::SecondReading(const FirstReading& first, const UnusualPixels& unusual, bool is_touched)
+    : state_(std::make_unique<State>(first, unusual, is_touched)) {}
 SecondReading::~SecondReading() = default;
 
 void SecondReading::read_quiet(OpenRecording& open, const ReadRecording& recording, const ProgressCallback& progress) {
@@ -211,7 +225,9 @@ void SecondReading::read_quiet(OpenRecording& open, const ReadRecording& recordi
   s.begin_part(part_us * 1e-6);
   open.for_packets(
       [&](std::span<const events::Event> events) {
-        for (const events::Event& event : events) {
+        for (std::size_t i = 0; i < events.size(); ++i) {
+          if (i + ahead < events.size()) s.prefetch(events[i + ahead]);
+          const events::Event& event = events[i];
           const std::int64_t t_us = between(recording.first, event.t).count();
           while (part + 1 < parts_per_recording && static_cast<double>(t_us) >= part_us * static_cast<double>(part + 1)) {
             ++part;
@@ -233,7 +249,6 @@ void SecondReading::read_touched(OpenRecording& open, const ProgressCallback& pr
   constexpr std::int64_t part_us = 250'000;
   std::optional<CameraTime> first;
   std::int64_t last_us = 0, part = -1;
-  s.is_touched = true;
   open.for_packets(
       [&](std::span<const events::Event> events) {
         for (const events::Event& event : events) {

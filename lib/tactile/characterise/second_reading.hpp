@@ -8,7 +8,8 @@ namespace tactile::characterise {
 /// Measures what depends on which pixels are ordinary, recording by recording.
 class SecondReading {
  public:
-  SecondReading(const FirstReading& first, const UnusualPixels& unusual);
+  /// @param is_touched  there are touched recordings: passages are measured
+  SecondReading(const FirstReading& first, const UnusualPixels& unusual, bool is_touched);
   ~SecondReading();
   SecondReading(const SecondReading&) = delete;
   SecondReading& operator=(const SecondReading&) = delete;
