@@ -194,6 +194,20 @@ std::size_t presses_of(const labels::Labels& labels) {
                     [](const labels::LabelledInterval& interval) { return interval.touch == Touch::press; }));
 }
 
+/// What would make clocks better that were fitted to one run each.
+std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
+  const auto is_alone = [](const LabelledRun& labelled) {
+    const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
+    return clock != nullptr && clock->uncertainty() > 5ms && clock->method.find("a session's") == std::string::npos;
+  };
+  if (std::count_if(runs.begin(), runs.end(), is_alone) < 2) return {};
+  return wrapped(
+             "Runs that were recorded without a restart of camera and controller share their clocks: name the same session in "
+             "their "
+             "run.json, and all of them together give one clock.") +
+         "\n";
+}
+
 }  // namespace
 
 bool is_flagged(const LabelledRun& labelled) { return standing_flags(labelled.labels) > 0; }
@@ -237,8 +251,8 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
          wrapped(
              "Times in ms; onsets count from a run's first event, ± is half of their 95 % interval, or of the robot clock's "
              "offset's. "
-             "Lift to slip holds the robot clock's error.") +
-         "\n" + methods.legend();
+             "Lift to slip holds the robot clock's error, which alone makes it negative.") +
+         "\n" + methods.legend() + advice_on_sessions(runs);
 }
 
 std::string remarks_text(const std::vector<LabelledRun>& runs) {

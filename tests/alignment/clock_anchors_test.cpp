@@ -196,18 +196,64 @@ TEST(ClockAnchors, AShearWithoutAShapeIsPlacedByItsOnsetAndWide) {
   EXPECT_LT(std::abs(error_ms(*shear)), 1.96e-3 * std::hypot(shear->sigma_us, shear->bias_us));
 }
 
-TEST(ClockAnchors, TwoBurstsThatFitTheLiftEquallyAreAmbiguous) {
+/// Two slips that fit the lift equally, the true one at 2.4 s and another 1.3 s before it; and a press at `press_s`.
+FoundAnchors anchors_of_two_slips(double press_s) {
   MadeArm arm;
   arm.lift(2.4, 0.7, 0.08);
   Session session = press_and_slip(arm, 2.4, 0.7, 0.01, -0.9, 5.9);
   session.rate = rate_of(0, 5.5, [&](double t) {
-    return quiet_per_ms + slip_per_ms(arm, t, 2.4, 3.1, 0.01, 0.02) + slip_per_ms(arm, t + 1.6, 2.4, 3.1, 0.01, 0.02);
+    const double press = t > press_s && t < press_s + 0.1 ? 150.0 : 0.0;
+    return quiet_per_ms + press + slip_per_ms(arm, t, 2.4, 3.1, 0.01, 0.02) + slip_per_ms(arm, t + 1.3, 2.4, 3.1, 0.01, 0.02);
   });
-  const FoundAnchors found = session.anchors();
+  return session.anchors();
+}
+
+TEST(ClockAnchors, TwoBurstsThatFitTheLiftEquallyAreAmbiguous) {
+  const FoundAnchors found = anchors_of_two_slips(0.5);
   EXPECT_TRUE(found.anchors.empty());
   EXPECT_TRUE(says(found, "ambiguous"));
   ASSERT_TRUE(found.events);
   EXPECT_LT(found.events->ratio, 1.2);
+}
+
+TEST(ClockAnchors, ALiftFollowsAPress) {
+  const FoundAnchors found = anchors_of_two_slips(-1.0);
+  const ClockAnchor* shear = first_of(found, AnchorKind::first_shear);
+  ASSERT_NE(shear, nullptr) << "nothing was held when the first burst began";
+  EXPECT_NEAR(error_ms(*shear), 0.0, 5.0);
+}
+
+TEST(ClockAnchors, AnImuThatLeavesTwoTimesForbidsAThird) {
+  // The arm moves twice alike, out of contact the second time, so the IMU matches at two lags; the skin moves as in a lift 1 s
+  // later.
+  MadeArm arm;
+  arm.lift(2.4, 0.7, 0.08);
+  MadeArm felt = arm;
+  felt.lift(6.4, 0.7, 0.08);
+  Session session = press_and_slip(arm, 2.4, 0.7, 0.01, -0.9, 4.0);
+  session.imu = felt_by(felt, 0, 9.0);
+  const auto rate_with_slip_at = [&](double slip_s) {
+    return rate_of(0, 9.0, [&, slip_s](double t) {
+      return quiet_per_ms + (t > 1.0 && t < 1.1 ? 150.0 : 0.0) + slip_per_ms(arm, t - (slip_s - 2.4), 2.4, 3.1, 0.01, 0.02);
+    });
+  };
+  session.rate = rate_with_slip_at(2.4);
+  const FoundAnchors agrees = session.anchors();
+  EXPECT_TRUE(says(agrees, "arm and IMU is ambiguous"));
+  ASSERT_NE(first_of(agrees, AnchorKind::first_shear), nullptr);
+  EXPECT_NEAR(error_ms(*first_of(agrees, AnchorKind::first_shear)), 0.0, 5.0);
+  session.rate = rate_with_slip_at(3.4);
+  EXPECT_TRUE(session.anchors().anchors.empty());
+}
+
+TEST(ClockAnchors, AnImuMatchesAnArmThatSpeedsUpSlowly) {
+  MadeArm arm;
+  arm.lift(2.4, 1.5, 0.04, 0.15);
+  Session session{.log = arm.log(-0.9, 5.9, robot_zero_us), .rate = quiet_recording(5.5), .imu = felt_by(arm, 0, 5.5)};
+  const FoundAnchors found = session.anchors();
+  const ClockAnchor* imu = first_of(found, AnchorKind::imu);
+  ASSERT_NE(imu, nullptr) << (found.doubts.empty() ? "" : found.doubts.front());
+  EXPECT_LT(std::abs(error_ms(*imu)), 1.96e-3 * std::hypot(imu->sigma_us, imu->bias_us));
 }
 
 TEST(ClockAnchors, TapsArePlacedByTheirLowestPoint) {

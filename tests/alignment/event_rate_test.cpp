@@ -159,6 +159,30 @@ TEST(EventRate, FindsAFlickerOfTheLightAndNotARingingTouch) {
   EXPECT_FALSE(rate_in(folder / "slip.aedat4").flicker_hz);
 }
 
+TEST(EventRate, GivesTheFrequencyOfALampOfWhichEachSwingHasBrighterAndDarkerEvents) {
+  // ln I = 0.5 sin(2 pi 100 t): events are brighter in one half of its period, darker in the other, and twice as frequent as it.
+  const test::TemporaryFolder folder;
+  Random random(7);
+  events::RecordingWriter writer(folder / "lamp.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+  std::vector<events::Event> events;
+  for (std::int64_t t = 0; t < 2'000'000; t += 200) {
+    const double change = std::cos(2.0 * 3.14159265 * 100.0 * 1e-6 * static_cast<double>(t));
+    for (std::uint64_t n = random.poisson(1.0 + 20.0 * std::abs(change)); n > 0; --n) {
+      events::Event event;
+      event.t = camera_time(t);
+      event.x = static_cast<std::int16_t>(random.below(64));
+      event.y = static_cast<std::int16_t>(random.below(48));
+      event.on = change > 0 ? 1 : 0;
+      events.push_back(event);
+    }
+  }
+  writer.write_events(0, events);
+  writer.close();
+  const EventRate lamp = rate_in(folder / "lamp.aedat4");
+  ASSERT_TRUE(lamp.flicker_hz);
+  EXPECT_NEAR(*lamp.flicker_hz, 100.0, 2.0);
+}
+
 TEST(EventRate, IsRightAtTheEndsOfTime) {
   const test::TemporaryFolder folder;
   constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max() - 200 * 999;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "events/made_recording.hpp"
 #include "support/paths.hpp"
+#include "support/real_recordings.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -62,17 +62,10 @@ TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
   }
 }
 
-/// The real recordings, where the environment says they lie.
-std::string real_recording(const std::string& name) {
-  const char* folder = std::getenv("TACTILE_RECORDINGS");
-  const std::string file = folder == nullptr ? std::string() : (fs::path(folder) / name).string();
-  return folder != nullptr && fs::exists(file) ? file : std::string();
-}
-
 // What is in them was found by decoders of other projects.
 TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
-  const std::string file = real_recording("tonic-sample.aedat4");
-  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds tonic-sample.aedat4";
+  const std::string file = test::real_recording("tonic-sample.aedat4").string();
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without("tonic-sample.aedat4");
   const nlohmann::json recording = info_of("'" + file + "'").at(0);
   EXPECT_EQ(recording.at("camera"), "DVXplorer_DXB00010");
   EXPECT_EQ(recording.at("width"), 320);
@@ -98,8 +91,8 @@ TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
 }
 
 TEST(InfoCommand, TellsWhatARealDavisRecordingHolds) {
-  const std::string file = real_recording("aestream-sample.aedat4");
-  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds aestream-sample.aedat4";
+  const std::string file = test::real_recording("aestream-sample.aedat4").string();
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without("aestream-sample.aedat4");
   const nlohmann::json recording = info_of("'" + file + "'").at(0);
   EXPECT_EQ(recording.at("camera"), "DAVIS346_00000104");
   EXPECT_EQ(recording.at("width"), 346);

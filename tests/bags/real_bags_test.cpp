@@ -1,9 +1,9 @@
-// Public bags of real cameras, which are not part of this project: TACTILE_RECORDINGS names the folder that holds them.
+// Public bags of real cameras, which are not part of this project.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
+#include "support/real_recordings.hpp"
 #include "tactile/bags/bag.hpp"
 #include "tactile/bags/ros_events.hpp"
 
@@ -12,15 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class RealBag : public testing::Test {
- protected:
-  /// The place of a bag below the folder; empty if it is not there, and then the test is skipped.
-  static fs::path place(const std::string& name) {
-    const char* folder = std::getenv("TACTILE_RECORDINGS");
-    const fs::path found = folder == nullptr ? fs::path() : fs::path(folder) / "ros-event-camera" / name;
-    return fs::exists(found) ? found : fs::path();
-  }
-};
+fs::path real_bag(const std::string& name) { return test::real_recording("ros-event-camera/" + name); }
 
 /// Sums over a bag's events, as the tests of event_camera_codecs publish them: times in ns, modulo 2^64.
 struct Sums {
@@ -53,10 +45,10 @@ Sums sums_of(const fs::path& bag, std::uint64_t below_us = 0) {
   return sums;
 }
 
-constexpr const char* not_tested = "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds ros-event-camera";
+const std::string not_tested = test::not_tested_without("ros-event-camera");
 
-TEST_F(RealBag, GivesThePublishedSumsOfEvt3WithTriggers) {
-  const fs::path bag = place("codecs/test_data_evt3_trigger");
+TEST(RealBag, GivesThePublishedSumsOfEvt3WithTriggers) {
+  const fs::path bag = real_bag("codecs/test_data_evt3_trigger");
   if (bag.empty()) GTEST_SKIP() << not_tested;
   Sums sums = sums_of(bag);
   sums.events = 0;
@@ -64,14 +56,14 @@ TEST_F(RealBag, GivesThePublishedSumsOfEvt3WithTriggers) {
             (Sums{.t = 1222326831810000, .x = 42078718, .y = 31656267, .on = 41439, .trigger_t = 29096982000, .rising = 1}));
 }
 
-TEST_F(RealBag, GivesThePublishedSumsOfAClockThatRollsOver) {
-  const fs::path bag = place("codecs/test_data_libcaer_rollover");
+TEST(RealBag, GivesThePublishedSumsOfAClockThatRollsOver) {
+  const fs::path bag = real_bag("codecs/test_data_libcaer_rollover");
   if (bag.empty()) GTEST_SKIP() << not_tested;
   EXPECT_EQ(sums_of(bag, 18), (Sums{.t = 15762826572202229126U, .x = 111651612, .y = 82801007, .on = 181908, .events = 334331}));
 }
 
-TEST_F(RealBag, GivesThePublishedSumsOfMono) {
-  const fs::path bag = place("codecs/test_data_mono_cd");
+TEST(RealBag, GivesThePublishedSumsOfMono) {
+  const fs::path bag = real_bag("codecs/test_data_mono_cd");
   if (bag.empty()) GTEST_SKIP() << not_tested;
   const Sums sums = sums_of(bag);
   EXPECT_EQ(sums.events, 100U);
@@ -80,8 +72,8 @@ TEST_F(RealBag, GivesThePublishedSumsOfMono) {
   EXPECT_EQ(sums.on, 50U);
 }
 
-TEST_F(RealBag, HasTheSameEventsInRos1AndRos2) {
-  const fs::path ros1 = place("py/test_events_1.bag"), ros2 = place("py/test_events_1");
+TEST(RealBag, HasTheSameEventsInRos1AndRos2) {
+  const fs::path ros1 = real_bag("py/test_events_1.bag"), ros2 = real_bag("py/test_events_1");
   if (ros1.empty() || ros2.empty()) GTEST_SKIP() << not_tested;
   const Sums sums = sums_of(ros2);
   EXPECT_GT(sums.events, 0U);

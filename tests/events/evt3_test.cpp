@@ -114,20 +114,24 @@ TEST(Evt3Decoder, GivesTheSameWhereverItsInputIsDivided) {
   }
 }
 
-TEST(Evt3Decoder, StopsAtTheMostEventsAndContinuesThere) {
+TEST(Evt3Decoder, StopsAtTheMostEventsOrTriggersAndContinuesThere) {
   const Words words = any_words(50'000);
   const Decoded whole = decoded(words);
   auto rest = std::as_bytes(std::span(words));
   Evt3Decoder decoder({1280, 720});
   Decoded made;
-  std::vector<Event> part;
   while (!rest.empty()) {
-    part.clear();
-    rest = rest.subspan(decoder.decode(rest, part, made.triggers, 100));
-    EXPECT_LT(part.size(), 100U + 6144U);
-    made.events.insert(made.events.end(), part.begin(), part.end());
+    Decoded part;
+    const std::size_t used = decoder.decode(rest, part.events, part.triggers, 100);
+    ASSERT_GT(used, 0U);
+    EXPECT_LT(part.events.size(), 100U + 6144U);
+    EXPECT_LT(part.triggers.size(), 100U + 6144U);
+    rest = rest.subspan(used);
+    made.events.insert(made.events.end(), part.events.begin(), part.events.end());
+    made.triggers.insert(made.triggers.end(), part.triggers.begin(), part.triggers.end());
   }
   EXPECT_EQ(made.events, whole.events);
+  EXPECT_EQ(made.triggers, whole.triggers);
 }
 
 TEST(Evt3Decoder, WaitsForTimeAndRowAfterAGapAndKeepsTheRollOvers) {

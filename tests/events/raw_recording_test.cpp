@@ -1,15 +1,15 @@
-// Prophesee RAW files. TACTILE_RECORDINGS names a folder with real ones, which are not part of this project.
+// Prophesee RAW files. The real ones are not part of this project.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <tuple>
 
 #include "events/made_raw.hpp"
 #include "events/made_recording.hpp"
+#include "support/real_recordings.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -244,10 +244,9 @@ print(n, t_sum, x_sum, y_sum, on_sum)
 class RealRaw : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealRaw, HasTheEventsThatAnIndependentReaderFinds) {
-  const char* folder = std::getenv("TACTILE_RECORDINGS");
-  const std::string name = std::string("evt") + GetParam() + "_sample.raw";
-  const fs::path file = folder == nullptr ? fs::path() : fs::path(folder) / "expelliarmus" / name;
-  if (!fs::exists(file)) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds expelliarmus/" << name;
+  const std::string name = std::string("expelliarmus/evt") + GetParam() + "_sample.raw";
+  const fs::path file = test::real_recording(name);
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without(name);
   RecordingReader recording(file);
   std::int64_t n = 0, t = 0, x = 0, y = 0, on = 0;
   for (const Event& event : all_events(recording)) {
@@ -270,10 +269,8 @@ TEST_P(RealRaw, HasTheEventsThatAnIndependentReaderFinds) {
 INSTANTIATE_TEST_SUITE_P(Evt, RealRaw, testing::Values("2", "3"));
 
 TEST(RealRawReference, HasThePixelsAndPolaritiesOfThePublishedReference) {
-  const char* folder = std::getenv("TACTILE_RECORDINGS");
-  const fs::path samples = folder == nullptr ? fs::path() : fs::path(folder) / "expelliarmus";
-  if (!fs::exists(samples / "evt3_sample.npy"))
-    GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds expelliarmus/evt3_sample.npy";
+  const fs::path samples = test::real_recording("expelliarmus");
+  if (samples.empty()) GTEST_SKIP() << test::not_tested_without("expelliarmus");
   const std::string npy = read_text(samples / "evt3_sample.npy");  // 16 bytes an event: t, x, y, p, three of padding
   RecordingReader recording(samples / "evt3_sample.raw");
   const std::vector<Event> events = all_events(recording);

@@ -1,8 +1,9 @@
-// Two public recordings of real cameras, which are not part of this project: TACTILE_RECORDINGS names the folder that holds them.
+// Two public recordings of real cameras, which are not part of this project.
+#include "support/real_recordings.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 
 #include "events/aedat4_bytes.hpp"
@@ -129,12 +130,8 @@ const Known aestream{
 class RealRecording : public testing::TestWithParam<const Known*> {
  protected:
   void SetUp() override {
-    const char* folder = std::getenv("TACTILE_RECORDINGS");
-    if (folder == nullptr) {
-      GTEST_SKIP() << "NOT TESTED on a real recording: set TACTILE_RECORDINGS to the folder that holds " << GetParam()->file;
-    }
-    file_ = std::filesystem::path(folder) / GetParam()->file;
-    ASSERT_TRUE(std::filesystem::exists(file_)) << file_;
+    file_ = test::real_recording(GetParam()->file);
+    if (file_.empty()) GTEST_SKIP() << test::not_tested_without(GetParam()->file);
   }
   std::filesystem::path file_;
 };

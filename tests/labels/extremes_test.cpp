@@ -45,6 +45,38 @@ TEST(Extremes, APlainRunIsRightAndUnflagged) {
   EXPECT_TRUE(labels.flags.empty()) << told_by(labels);
 }
 
+/// Events all over the image, 300 per millisecond.
+void add_burst(AlteredRun& made, CameraTime begin, microseconds lasts) {
+  made.alter_recording([&](std::vector<events::Event>& events, auto&) {
+    Random random(3);
+    for (CameraTime t = begin; t < after(begin, lasts); t = after(t, 200us)) {
+      for (int n = 0; n < 60; ++n) {
+        events::Event event;
+        event.t = t;
+        event.x = static_cast<std::int16_t>(random.below(640));
+        event.y = static_cast<std::int16_t>(random.below(480));
+        event.on = static_cast<std::uint8_t>(random.below(2));
+        events.push_back(event);
+      }
+    }
+    std::stable_sort(events.begin(), events.end(), [](const events::Event& a, const events::Event& b) { return a.t < b.t; });
+  });
+}
+
+TEST(Extremes, WithoutRobotLogTheImuShowsWhichBurstIsTheSlip) {
+  simulation::SimulationPhysics physics = plain_physics();
+  physics.imu.share = 1;
+  AlteredRun made(physics);
+  add_burst(made, after(made.truly("slip").end, 400ms), 250ms);
+  fs::remove(made.run.robot());
+  const Labels labels = made.labels();
+  ASSERT_EQ(count(labels, Touch::slip), 1U) << told_by(labels);
+  const auto slip =
+      std::find_if(labels.intervals.begin(), labels.intervals.end(), [](const auto& i) { return i.touch == Touch::slip; });
+  EXPECT_LT(std::chrono::abs(between(made.truly("slip").start, slip->start.at)), 10ms) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the camera's IMU felt the last motion")) << told_by(labels);
+}
+
 TEST(Extremes, WithoutSlipThereIsNoneAndThePressIsRight) {
   const AlteredRun made(only_runs(&simulation::SpecialRuns::without_slip));
   const Labels labels = made.labels();

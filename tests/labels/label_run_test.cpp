@@ -6,6 +6,7 @@
 #include <string>
 
 #include "alignment/made_run.hpp"
+#include "labels/altered_run.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -175,11 +176,16 @@ TEST(LabelRun, FlagsARobotsClockThatRestarts) {
   EXPECT_TRUE(labels.robot_clocks[0].from && labels.robot_clocks[0].to);
 }
 
-TEST(LabelRun, FlagsASlipThatLastsMuchLongerThanTheLift) {
+TEST(LabelRun, LeavesOpenWhetherASlipEndsWithTheArmOrWithTheEvents) {
   const test::TemporaryFolder data;
+  // The arm stops at 1.9 s, 0.2 s before the events end.
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, made_lift(1'500'000, 300'000, 0.06, 5)));
   ASSERT_EQ(labels.intervals.size(), 2U);
-  EXPECT_TRUE(labels.interval_is_flagged(1));
+  EXPECT_LT(ms_from_begin(labels.intervals[1].end.low), 1900.0);
+  EXPECT_GT(ms_from_begin(labels.intervals[1].end.high), 2090.0);
+  EXPECT_TRUE(std::any_of(labels.remarks.begin(), labels.remarks.end(), [](const std::string& remark) {
+    return remark.find("its end is only known to within") != std::string::npos;
+  }));
 }
 
 TEST(LabelRun, FlagsATouchThatTheRecordingBeginsWithin) {
@@ -203,6 +209,24 @@ TEST(LabelRun, FlagsABurstAfterTheSlipThatNoLabelExplains) {
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags.front().reason, "no label explains the burst of events from 3.00 s to 3.30 s");
   EXPECT_TRUE(flags_with("02", {3'000'000, 3'060'000}).empty()) << "a tip that touches once more";
+}
+
+TEST(LabelRun, FlagsALiftThatTheObjectFollows) {
+  // The skin shears for 28 ms, in which the arm moves by 0.5 mm at 1.2 m/s^2; the arm goes on for 0.6 s. The host's times relate
+  // the clocks to a few milliseconds.
+  const test::TemporaryFolder data;
+  robot::RobotLog logged = lift;
+  for (robot::RobotState& state : logged.states) state.host_time = HostTime{microseconds{us_of(state.t) - 123'456'789}};
+  const RunFolder run = write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}, {1'502'000, 1'530'000, 120}}}, logged);
+  RunInfo info = read_run_info(run);
+  for (std::int64_t t = made_camera_begin_us; t < made_camera_begin_us + 3'000'000; t += 100'000)
+    info.extra["host_from_camera"].push_back({t, t});
+  write_run_info(run, info);
+  const Labels labels = label_run(run);
+  ASSERT_EQ(labels.intervals.size(), 1U) << test::told_by(labels);
+  EXPECT_EQ(labels.intervals[0].touch, Touch::press);
+  ASSERT_EQ(labels.flags.size(), 1U) << test::told_by(labels);
+  EXPECT_NE(labels.flags[0].reason.find("the object came along"), std::string::npos);
 }
 
 TEST(LabelRun, GivesTheSameBytesEachTime) {

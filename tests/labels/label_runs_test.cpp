@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "alignment/made_run.hpp"
+#include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -75,6 +76,29 @@ TEST(LabelRuns, LabelsARunAgainIfOneOfItsSessionChanged) {
   label_runs(runs);
   test::write_made_events(runs[0].events(), {.bursts = press_and_slip.bursts, .seed = 5});
   EXPECT_FALSE(label_runs({runs[1]})[0].unchanged);
+}
+
+/// The same recording, with DV's note of the camera's start.
+void note_camera_start(const RunFolder& run, const std::string& start_us) {
+  const std::vector<events::Event> events = test::events_in_file(run.events());
+  events::Stream stream = events::event_stream_declaration({64, 48}, "DVXplorer_TEST");
+  stream.info.emplace_back("tsOffset", start_us);
+  std::filesystem::remove(run.events());
+  events::RecordingWriter writer(run.events(), {stream});
+  writer.write_events(0, events);
+  writer.close();
+}
+
+TEST(LabelRuns, TakesRecordingsOfOneStartOfTheCameraForASession) {
+  const auto method_with = [](const std::string& start_of_second) {
+    const TemporaryFolder data;
+    const std::vector<RunFolder> runs = write_two_runs(data, "");
+    note_camera_start(runs[0], "1605507430438338");
+    note_camera_start(runs[1], start_of_second);
+    return label_runs(runs)[0].labels.robot_clocks.at(0).method;
+  };
+  EXPECT_NE(method_with("1605507430438338").find("2 of a session's 2 runs"), std::string::npos);
+  EXPECT_EQ(method_with("1605507999999999").find("session"), std::string::npos);
 }
 
 TEST(LabelRuns, SharesTheClockOfASessionWithARunWithoutAnchors) {

@@ -78,6 +78,11 @@ TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
             (Kinds{BurstKind::tap, BurstKind::press, BurstKind::slip, BurstKind::after}));
 }
 
+TEST(KindsOf, WithoutLiftsTheSlipIsTheLastBurstThatIsNoRelease) {
+  EXPECT_EQ(kinds({burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'600)}, std::nullopt, {inward, other, outward}),
+            (Kinds{BurstKind::press, BurstKind::slip, BurstKind::release}));
+}
+
 TEST(KindsOf, KnowsTheReleaseAfterASlip) {
   const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'480)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other, outward}),
@@ -95,6 +100,11 @@ TEST(KindsOf, TakesASlowBurstForAPressOnlyWhereNoneStands) {
   EXPECT_EQ(kinds({burst(300, 500), burst(700, 850), slow}, std::nullopt, {inward, other, other}),
             (Kinds{BurstKind::press, BurstKind::slip, BurstKind::after}))
       << "without a lift the slip is the last burst that the whole image shows";
+  alignment::Burst spring_back = burst(900, 1'000, 1'000);
+  spring_back.slow = true;
+  EXPECT_EQ(kinds({spring_back, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other}),
+            (Kinds{BurstKind::brief, BurstKind::slip}))
+      << "no stage presses slowly for so short a time";
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {

@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "support/real_recordings.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
@@ -123,16 +123,9 @@ TEST(RobotColumns, DoNotHelpWhereTimesWereRounded) {
   EXPECT_EQ(read_file(repeated, pose_columns).longest().states.size(), 100U);
 }
 
-/// A file of the folder with real logs, or nothing.
-fs::path real_log(const std::string& name) {
-  const char* folder = std::getenv("TACTILE_RECORDINGS");
-  const fs::path file = folder == nullptr ? fs::path() : fs::path(folder) / "ur" / name;
-  return fs::exists(file) ? file : fs::path();
-}
-
 TEST(RobotColumns, ReadRealLogsWithoutHeader) {
-  const fs::path file = real_log("ur-20_01_22-push_pose_1.csv");
-  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds ur/ur-20_01_22-push_pose_1.csv";
+  const fs::path file = test::real_recording("ur/ur-20_01_22-push_pose_1.csv");
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without("ur/ur-20_01_22-push_pose_1.csv");
   const RobotLogFile log = read_robot_log(file, {.arm = ArmModel::ur10e, .columns = "timestamp,actual_q*6,actual_qd*6,-*18"});
   EXPECT_EQ(log.restarts(), 0U);
   EXPECT_EQ(log.longest().states.size(), 1'727U);
@@ -142,8 +135,8 @@ TEST(RobotColumns, ReadRealLogsWithoutHeader) {
 }
 
 TEST(RobotColumns, RefuseARealLogWithRoundedTimes) {
-  const fs::path file = real_log("UR5e_motion_full.csv");
-  if (file.empty()) GTEST_SKIP() << "NOT TESTED: set TACTILE_RECORDINGS to the folder that holds ur/UR5e_motion_full.csv";
+  const fs::path file = test::real_recording("ur/UR5e_motion_full.csv");
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without("ur/UR5e_motion_full.csv");
   try {
     read_robot_log(file, {.arm = {}, .columns = "timestamp,-*32,actual_TCP_pose*6,actual_TCP_speed*6,-*6"});
     ADD_FAILURE() << "expected an error";

@@ -87,6 +87,7 @@ struct AnchorSearch {
   const AnchorOptions& options;
   ClockOrigins origins;
   FoundAnchors found;
+  std::vector<double> left_by_imu_s{};  ///< shifts that an ambiguous match of the IMU leaves; empty: any
 
   void add(double robot_s, double shift_s, double sigma_s, AnchorKind kind, double bias_s) {
     found.anchors.push_back(origins.anchor(robot_s, shift_s, sigma_s, kind, bias_s));

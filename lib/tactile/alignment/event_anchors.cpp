@@ -14,7 +14,7 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr double same_s = 0.12;  // shifts that are closer are one
+constexpr double rests_after_s = 0.3;  // the skin rests so soon after the arm's last motion
 
 /// The activity of the skin on a grid of whole milliseconds: the root of the events above the quiet rate, 0 where they could be
 /// noise. The root limits the first shear and tips that spring back, which are far above the rest.
@@ -129,24 +129,41 @@ std::vector<EventAnchors::Candidate> EventAnchors::candidates() const {
   const Lags lags{.grid_s = grid_s, .zero = expected.size() - 1};
   keep_within(scores, lags, search_);
   std::vector<Candidate> found;
-  const auto apart = static_cast<std::size_t>(same_s / grid_s);
-  while (found.size() < most) {
-    const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-    const double score = scores[best];
-    if (!(score > 0) || (!found.empty() && score < least_share * found.front().score)) break;
-    found.push_back({.shift_s = lags.shift_of(static_cast<double>(best)), .score = score, .worth = score});
-    for (std::size_t i = best > apart ? best - apart : 0; i < std::min(scores.size(), best + apart + 1); ++i) scores[i] = 0;
+  for (const std::size_t index : peaks_near_best(scores, least_share, static_cast<std::size_t>(same_shift_s / grid_s))) {
+    if (found.size() == most) break;
+    const double shift_s = lags.shift_of(static_cast<double>(index)), score = scores[index];
+    if (is_left_by_imu(shift_s)) found.push_back({.shift_s = shift_s, .score = score, .worth = score});
   }
   return found;
 }
 
+/// Whether an ambiguous match of the IMU has this shift among those that it leaves.
+bool EventAnchors::is_left_by_imu(double shift_s) const {
+  constexpr double near_s = 0.25;
+  const std::vector<double>& left_s = search_.left_by_imu_s;
+  return left_s.empty() ||
+         std::any_of(left_s.begin(), left_s.end(), [&](double by_imu_s) { return std::abs(by_imu_s - shift_s) < near_s; });
+}
+
+/// What speaks against a lift of something that no press holds: the skin did not move before. It may be held when the recording
+/// begins; but not if the skin moves later, when the arm rests again.
+double EventAnchors::worth_without_press(double first_start_s, double last_end_s) const {
+  constexpr double slack_s = 0.1, held_before = 0.75, pressed_later = 0.6;
+  const auto starts = [&](auto&& when) {
+    return std::any_of(starts_.begin(), starts_.end(), [&](const ActivityStart& start) { return when(start.at_s); });
+  };
+  if (starts([&](double at_s) { return at_s < first_start_s - slack_s; })) return 1.0;
+  return starts([&](double at_s) { return at_s > last_end_s + rests_after_s; }) ? pressed_later : held_before;
+}
+
 /// Sets the candidate's worth, and its shift where the first lift's shear places it.
 void EventAnchors::judge(Candidate& candidate) const {
-  constexpr double rests_after_s = 0.3, command_fails = 0.6;
-  double likeness = 0, lifts = 0, last_s = -infinite;
+  constexpr double command_fails = 0.6;
+  double likeness = 0, lifts = 0, first_s = infinite, last_s = -infinite;
   for (const MotionPhase& motion : motions_) {
     last_s = std::max(last_s, end_of(motion) + candidate.shift_s);
     if (is_tap(motion)) continue;
+    first_s = std::min(first_s, start_of(motion) + candidate.shift_s);
     ++lifts;
     const auto placed = place_shear(ms_, motion, start_of(motion), candidate.shift_s, search_.options.most_slack_m);
     if (!placed) continue;
@@ -159,6 +176,7 @@ void EventAnchors::judge(Candidate& candidate) const {
   for (std::size_t i = 0; i < activity_.size(); ++i)
     (search_.grid_s() * static_cast<double>(i) > last_s + rests_after_s ? after : before) += activity_[i];
   if (before + after > 0) candidate.worth *= 0.7 + 0.3 * before / (before + after);
+  if (lifts > 0) candidate.worth *= worth_without_press(first_s, last_s);
   for (const StageCommand& command : commands_) {
     const double at_s = command.at_s + candidate.shift_s;
     if (at_s < 0 || at_s + longest_travel_s > length_s_) continue;
@@ -179,7 +197,7 @@ std::optional<double> EventAnchors::match() {
   }
   const Candidate& best = all.front();
   const auto second = std::find_if(all.begin(), all.end(),
-                                   [&](const Candidate& other) { return std::abs(other.shift_s - best.shift_s) > same_s; });
+                                   [&](const Candidate& other) { return std::abs(other.shift_s - best.shift_s) > same_shift_s; });
   const LagMatch match{.offset_us = search_.origins.offset_us(best.shift_s),
                        .likeness = best.worth,
                        .ratio = second != all.end() && second->worth > 0 ? best.worth / second->worth : infinite};

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <opencv2/core.hpp>
 
@@ -129,8 +131,20 @@ std::optional<std::size_t> strongest_frequency(const cv::Mat1d& counts, std::siz
   return best < share * variance ? std::nullopt : std::optional(best_k);
 }
 
-/// The frequency that has at least `share` of the rate's variance in most quarters of a second, and is the same in most of them.
-std::optional<double> flicker_of(const std::vector<std::uint32_t>& counts, microseconds bin, double share) {
+/// The power of one frequency in the first values, which hold `periods` of it per `n`.
+double power_at(const std::vector<std::int32_t>& values, std::size_t n, double periods) {
+  std::complex<double> sum = 0;
+  for (std::size_t i = 0; i < values.size() / n * n; ++i)
+    sum += static_cast<double>(values[i]) *
+           std::polar(1.0, -2.0 * std::numbers::pi * periods * static_cast<double>(i) / static_cast<double>(n));
+  return std::norm(sum);
+}
+
+/// The frequency of the light: one that has at least `share` of the rate's variance in most quarters of a second, and is the same
+/// in most of them. A light that swings gives brighter events, then darker ones: the rate then has twice its frequency.
+/// @param brighter_less_darker  events per bin
+std::optional<double> flicker_of(const std::vector<std::uint32_t>& counts, const std::vector<std::int32_t>& brighter_less_darker,
+                                 microseconds bin, double share) {
   constexpr double window_s = 0.25, lowest_hz = 40.0, highest_hz = 1000.0;
   constexpr std::size_t most_windows = 120;  // half a minute is enough
   const double bin_s = 1e-6 * static_cast<double>(bin.count());
@@ -149,7 +163,11 @@ std::optional<double> flicker_of(const std::vector<std::uint32_t>& counts, micro
   const auto top = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
   const std::size_t near = votes[top] + (top > 0 ? votes[top - 1] : 0) + (top < highest ? votes[top + 1] : 0);
   if (2 * near <= windows) return std::nullopt;
-  return static_cast<double>(top) / (static_cast<double>(n) * bin_s);
+  const std::vector<std::int32_t> first(brighter_less_darker.begin(),
+                                        brighter_less_darker.begin() + static_cast<std::ptrdiff_t>(n));
+  const auto periods = static_cast<double>(top);
+  const bool is_double = power_at(first, n, 0.5 * periods) > power_at(first, n, periods);
+  return (is_double ? 0.5 : 1.0) * periods / (static_cast<double>(n) * bin_s);
 }
 
 }  // namespace
@@ -188,16 +206,19 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
   }
   // The limit of a read-out applies to all its events, those of hot pixels too.
   std::vector<std::uint32_t> all(rate.counts.size());
+  std::vector<std::int32_t> brighter_less_darker(rate.counts.size());
   const auto width = static_cast<std::size_t>(stream.size->width);
   events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) {
     for (const events::Event& event : events) {
       const auto at = static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin);
       ++all[at];
-      if (!hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) ++rate.counts[at];
+      if (hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) continue;
+      ++rate.counts[at];
+      brighter_less_darker[at] += event.on ? 1 : -1;
     }
   });
   rate.saturated_bins = saturated_bins_of(all);
-  rate.flicker_hz = flicker_of(rate.counts, rate.bin, options.flickers);
+  rate.flicker_hz = flicker_of(rate.counts, brighter_less_darker, rate.bin, options.flickers);
   return rate;
 }
 

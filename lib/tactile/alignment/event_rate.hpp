@@ -22,8 +22,8 @@ struct EventRate {
   /// Bins with as many events as the path to the host allows: more events were lost, and the rate is cut off there. Fewer than 20
   /// cannot be distinguished from chance and count as 0.
   std::size_t saturated_bins = 0;
-  /// The frequency at which the rate varies throughout the recording, as under lamps without a filter. It hides touches where it
-  /// is most of the rate's variation.
+  /// The frequency at which the light swings throughout the recording, as that of lamps without a filter. Its events hide touches
+  /// where they are most of the rate's variation.
   std::optional<double> flicker_hz = {};
 
   CameraTime begin_of(std::size_t bin_index) const { return after(begin, bin * static_cast<std::int64_t>(bin_index)); }

@@ -12,6 +12,8 @@
 #include "tactile/alignment/imu_motion.hpp"
 #include "tactile/alignment/lag_search.hpp"
 #include "tactile/alignment/lowest_point.hpp"
+#include "tactile/alignment/moving_mean.hpp"
+#include "tactile/core/infinite.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::alignment {
@@ -49,34 +51,53 @@ class ImuVelocity {
   std::vector<double> t_s_;
 };
 
+/// Means over so many points of the grid keep the arm's acceleration and lower the noise: a quarter of its shortest ramp.
+std::size_t smoothed_points(const AnchorSearch& search) {
+  constexpr double share = 0.25, longest_s = 0.1;
+  double ramp_s = infinite;
+  for (const MotionPhase& motion : search.inputs.motions) {
+    if (motion.profile && motion.is_whole()) ramp_s = std::min(ramp_s, motion.profile->knots_s[1] - motion.profile->knots_s[0]);
+  }
+  if (ramp_s == infinite) return 1;
+  return static_cast<std::size_t>(std::max(1.0, std::min(share * ramp_s, longest_s) / search.grid_s()));
+}
+
+/// Smooths the axes, and sets to 0 where the acceleration is below the limit that `limit_of` gives for their sizes.
+template <class LimitOf>
+void keep_clear(Axes& axes, std::size_t smoothed, LimitOf&& limit_of) {
+  for (std::vector<double>& axis : axes) axis = moving_mean(axis, smoothed);
+  std::vector<double> sizes(axes[0].size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = length_of({axes[0][i], axes[1][i], axes[2][i]});
+  const double limit = limit_of(sizes);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    for (std::vector<double>& axis : axes) axis[i] = sizes[i] > limit ? axis[i] : 0.0;
+  }
+}
+
 /// The IMU's acceleration on the grid, each point the mean since the one before it; 0 where it could be noise.
-Axes imu_acceleration(const ImuMotion& imu, const ImuVelocity& velocity, double grid_s, std::size_t points) {
+Axes imu_acceleration(const ImuMotion& imu, const ImuVelocity& velocity, double grid_s, std::size_t points,
+                      std::size_t smoothed) {
   Axes grid;
   for (auto& axis : grid) axis.resize(points);
-  const double limit = 4.0 * imu.noise_m_s2 * std::sqrt(std::min(1.0, velocity.usual_step_s() / grid_s));
   std::optional<Vector3> last;
   for (std::size_t i = 0; i <= points; ++i) {
     const std::optional<Vector3> now = velocity.at(velocity.begin_s() + grid_s * static_cast<double>(i));
-    if (now && last) {
-      const Vector3 mean{((*now)[0] - (*last)[0]) / grid_s, ((*now)[1] - (*last)[1]) / grid_s, ((*now)[2] - (*last)[2]) / grid_s};
-      for (std::size_t k = 0; k < 3 && length_of(mean) >= limit; ++k) grid[k][i - 1] = mean[k];
-    }
+    for (std::size_t k = 0; k < 3 && now && last; ++k) grid[k][i - 1] = ((*now)[k] - (*last)[k]) / grid_s;
     last = now;
   }
+  const double averaged_s = grid_s * static_cast<double>(smoothed);
+  const double noise = imu.noise_m_s2 * std::sqrt(std::min(1.0, velocity.usual_step_s() / averaged_s));
+  keep_clear(grid, smoothed, [&](const std::vector<double>&) { return 4.0 * noise; });
   return grid;
 }
 
 /// The TCP's acceleration along each axis on the grid; 0 where it could be noise.
-Axes arm_acceleration(const ArmMotion& motion) {
-  std::vector<double> sizes;
-  sizes.reserve(motion.acceleration.size());
-  for (const Vector3& a : motion.acceleration) sizes.push_back(length_of(a));
-  const double limit = 3.0 * median(sizes);
+Axes arm_acceleration(const ArmMotion& motion, std::size_t smoothed) {
   Axes axes;
   for (std::size_t k = 0; k < 3; ++k) {
-    axes[k].resize(sizes.size());
-    for (std::size_t i = 0; i < sizes.size(); ++i) axes[k][i] = sizes[i] > limit ? motion.acceleration[i][k] : 0.0;
+    for (const Vector3& a : motion.acceleration) axes[k].push_back(a[k]);
   }
+  keep_clear(axes, smoothed, [](std::vector<double> sizes) { return 3.0 * median(sizes); });
   return axes;
 }
 
@@ -87,9 +108,10 @@ std::optional<CoarseMatch> match_imu(const AnchorSearch& search, const ArmMotion
   constexpr double longest_s = 2 * 3600.0, least_share = 1e-3;
   const double grid_s = search.grid_s(), length_s = velocity.end_s() - velocity.begin_s();
   if (!(length_s < longest_s)) return std::nullopt;
-  Axes imu_axes = imu_acceleration(imu, velocity, grid_s, static_cast<std::size_t>(length_s / grid_s) + 1);
+  const std::size_t smoothed = smoothed_points(search);
+  Axes imu_axes = imu_acceleration(imu, velocity, grid_s, static_cast<std::size_t>(length_s / grid_s) + 1, smoothed);
   keep_strongest(std::array{&imu_axes[0], &imu_axes[1], &imu_axes[2]}, static_cast<std::size_t>(searched_s / grid_s));
-  const Axes arm_axes = arm_acceleration(motion);
+  const Axes arm_axes = arm_acceleration(motion, smoothed);
   const double imu_energy = energy_of_all(imu_axes), arm_energy = energy_of_all(arm_axes);
   if (!(imu_energy > 0) || !(arm_energy > 0)) return std::nullopt;
   // A rotation of the sensor against the arm's base mixes the axes; the sum of all squares does not change with it.
@@ -109,8 +131,13 @@ std::optional<CoarseMatch> match_imu(const AnchorSearch& search, const ArmMotion
   const std::optional<Peak> peak = highest_peak(scores);
   if (!peak) return std::nullopt;
   const double shift_s = lags.shift_of(static_cast<double>(peak->index) + peak->offset);
+  std::vector<double> as_good_s;
+  for (const std::size_t index :
+       peaks_near_best(scores, 1.0 / search.options.ambiguous_below, static_cast<std::size_t>(same_shift_s / grid_s)))
+    as_good_s.push_back(lags.shift_of(static_cast<double>(index)));
   return CoarseMatch{.match = {.offset_us = search.origins.offset_us(shift_s), .likeness = peak->value, .ratio = peak->ratio()},
-                     .shift_s = shift_s};
+                     .shift_s = shift_s,
+                     .as_good_s = std::move(as_good_s)};
 }
 
 /// A stretch of the log with motion: the rows [begin, end).
@@ -228,6 +255,7 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
   if (coarse) search.found.imu = coarse->match;
   if (std::string reason = refusal_of(coarse, search.options); !reason.empty()) {
     search.found.doubts.push_back(std::move(reason));
+    if (coarse && coarse->match.likeness >= search.options.least_likeness) search.left_by_imu_s = coarse->as_good_s;
     return std::nullopt;
   }
 
@@ -238,7 +266,10 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
     return std::abs(a.middle_s - known.first_at_s) < std::abs(b.middle_s - known.first_at_s);
   });
   constexpr double widest_drift = 200e-6, reach_s = 0.012, most_unexplained = 0.25, widest_s = 0.005;
-  constexpr double floor_s = 200e-6, common_s = 120e-6;  // a sample is stamped up to a quarter of a millisecond late
+  constexpr double floor_s = 200e-6;
+  // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms
+  // more.
+  constexpr double common_s = 500e-6;
   for (const Window& window : windows) {
     const KnownShifts::Nearest near = known.nearest(window.middle_s);
     const std::vector<TimedSpeed> rows = speeds_in(window, search.inputs.robot, search.origins);

@@ -66,6 +66,21 @@ std::optional<Peak> highest_peak(std::span<const double> scores) {
   return peak;
 }
 
+std::vector<std::size_t> peaks_near_best(std::vector<double> scores, double share, std::size_t apart) {
+  constexpr std::size_t most = 100;
+  std::vector<std::size_t> peaks;
+  double least = 0;
+  while (!scores.empty() && peaks.size() < most) {
+    const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+    if (peaks.empty()) least = share * scores[best];
+    if (!(scores[best] > 0) || scores[best] < least) break;
+    peaks.push_back(best);
+    const std::size_t from = best - std::min(best, apart), to = std::min(scores.size(), best + apart + 1);
+    std::fill(scores.begin() + static_cast<std::ptrdiff_t>(from), scores.begin() + static_cast<std::ptrdiff_t>(to), 0.0);
+  }
+  return peaks;
+}
+
 KnownShifts::Nearest KnownShifts::nearest(double at_s) const {
   Nearest nearest{first_s, std::abs(at_s - first_at_s)};
   for (const auto& [known_at_s, shift_s] : found) {

@@ -10,6 +10,7 @@ namespace tactile::alignment {
 
 /// Minutes of two signals would smear their match where a clock drifts: the first search uses so much of one [s].
 constexpr double searched_s = 100.0;
+constexpr double same_shift_s = 0.12;  ///< shifts that are closer are one
 
 double energy_of(std::span<const double> values);  ///< the sum of their squares
 
@@ -40,10 +41,14 @@ struct Peak {
 /// Of scores that are comparable. Everything that descends from the peak belongs to it. Nothing if no score is above 0.
 std::optional<Peak> highest_peak(std::span<const double> scores);
 
+/// The highest points that are at least `share` of the best, and apart from each other by `apart` indices.
+std::vector<std::size_t> peaks_near_best(std::vector<double> scores, double share, std::size_t apart);
+
 /// A match with its shift.
 struct CoarseMatch {
   LagMatch match;
   double shift_s = 0;
+  std::vector<double> as_good_s;  ///< shifts that are nearly as good, itself among them
 };
 
 /// The shift found at the nearest time, and that time's distance: a drift moves what is far from it.

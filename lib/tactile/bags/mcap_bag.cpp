@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::array<std::byte, 8> mcap_magic{std::byte{0x89}, std::byte{'M'}, std::byte{'C'},  std::byte{'A'},
-                                         std::byte{'P'},  std::byte{'0'}, std::byte{'\r'}, std::byte{'\n'}};
+                                              std::byte{'P'},  std::byte{'0'}, std::byte{'\r'}, std::byte{'\n'}};
 constexpr std::size_t record_head = 9;           // the operation, then the length in 8 bytes
 constexpr std::uint64_t most_small = 16U << 20;  // of the record of a schema or channel
 constexpr std::size_t most_entries = 4096;       // schemas, channels

@@ -21,8 +21,10 @@ struct ArmMoves {
 
 ArmMoves arm_moves(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks);
 
-/// The run's bursts, split where well-placed lifts begin, and joined within them.
-std::vector<alignment::Burst> bursts_by_lift(const alignment::RunSignals& signals, const std::vector<ArmMove>& lifts,
-                                             const alignment::ActivityOptions& options);
+/// How far the arm has moved by `t` [m], as it was commanded; nothing where no profile was fitted.
+std::optional<double> travel_until(const ArmMove& move, CameraTime t);
+
+/// The lift that the burst lies in; null if there is none.
+const ArmMove* lift_around(const std::vector<ArmMove>& lifts, const alignment::EventRate& rate, const alignment::Burst& burst);
 
 }  // namespace tactile::labels

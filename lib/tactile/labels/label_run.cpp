@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "tactile/alignment/film_motions.hpp"
-#include "tactile/alignment/film_of_arm.hpp"
-#include "tactile/alignment/film_of_skin.hpp"
 #include "tactile/labels/arm_moves.hpp"
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/labels/felt_moves.hpp"
+#include "tactile/labels/film_clock.hpp"
+#include "tactile/labels/run_bursts.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -37,31 +37,6 @@ std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, co
     }
   }
   return command;
-}
-
-/// The arm's motion that the film must show: by the first piece of the log whose clock is known.
-std::optional<alignment::SeenMotion> arm_in_film(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks) {
-  for (std::size_t i = 0; i < signals.robot.size(); ++i) {
-    const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals.robot[i].log);
-    if (arm && clocks.pieces[i]) return alignment::seen_motion(*arm, signals.robot[i].phases, *clocks.pieces[i]);
-  }
-  return std::nullopt;
-}
-
-/// Relates the film's clock by the arm; without motion in a log, by the bursts of events.
-alignment::VideoClockFit fitted_video_clock(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
-                                            const alignment::VideoClockOptions& options) {
-  // A film without its end may show one motion where another is expected.
-  if (10 * signals.video->rows_without_frame > signals.video->frames)
-    return {.clock = {}, .refused = "the film lacks frames", .likeness = 0, .ambiguity = 0, .anchors = {}};
-  const bool moves = std::any_of(signals.robot.begin(), signals.robot.end(),
-                                 [](const alignment::RobotPiece& piece) { return !piece.phases.empty(); });
-  const std::optional<alignment::SeenMotion> seen_arm = arm_in_film(signals, clocks);
-  if (moves && seen_arm) return alignment::fit_video_clock(*signals.video, *seen_arm, options);
-  std::vector<alignment::SeenBurst> seen;
-  for (const alignment::Burst& burst : signals.bursts)
-    seen.push_back({signals.rate.begin_of(burst.begin), signals.rate.begin_of(burst.end)});
-  return alignment::fit_video_clock(*signals.video, seen, options);
 }
 
 const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
@@ -90,9 +65,7 @@ class Labeller {
     labels_.remarks = signals_.remarks;
     // A doubt does not matter where another anchor gives the clock, or where there is nothing to place.
     for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
-    if (!signals_.has_robot) {
-      flag("no robot log: press and slip are told apart by their order alone");
-    } else if (!lifts_are_known() && !moves_.rises) {
+    if (signals_.has_robot && !lifts_are_known() && !moves_.rises) {
       flag(fmt::format(
           "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
           "their order alone",
@@ -140,56 +113,39 @@ class Labeller {
   /// Whether the log has every lift: a log that is shorter than the recording may lack one.
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
-  /// The bursts of the rate, split and joined by the lifts, and those that only a few places show.
-  std::vector<alignment::Burst> all_bursts(events::RecordingReader& recording) const {
-    std::vector<alignment::Burst> bursts = bursts_by_lift(signals_, moves_.lifts, options_.signals.activity);
-    std::vector<alignment::Burst> large;
-    std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
-                 [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, signals_.rate, bursts); });
-    for (alignment::Burst slow : slow_bursts(recording, signals_.event_stream, signals_.rate, large)) {
-      // What stands out in its midst belongs to it.
-      std::erase_if(bursts, [&](const alignment::Burst& burst) {
-        const bool overlap = burst.begin < slow.end && slow.begin < burst.end;
-        if (overlap) slow.begin = std::min(slow.begin, burst.begin);
-        if (overlap) slow.end = std::max(slow.end, burst.end);
-        return overlap;
-      });
-      slow.events = alignment::events_above(signals_.rate, signals_.quiet, slow.begin, slow.end);
-      if (alignment::Burst* next = goes_on_in(slow, bursts)) {
-        next->begin = slow.begin;
-        next->events += slow.events;
-      } else {
-        bursts.push_back(slow);
+  /// By the robot log; without one the last motion that the IMU felt during a burst: a camera on the stage also feels the press.
+  /// Nothing if neither shows whether the arm rose.
+  std::optional<std::vector<ArmMove>> lifts(const std::vector<alignment::Burst>& bursts,
+                                            const std::vector<double>& undoes) const {
+    if (lifts_are_known()) return moves_.lifts;
+    if (signals_.has_robot) return std::nullopt;
+    std::vector<ArmMove> felt = felt_moves(signals_.imu);
+    for (auto move = felt.rbegin(); move != felt.rend(); ++move) {
+      for (std::size_t i = 1; i < bursts.size(); ++i) {
+        const bool may_slip =
+            undoes[i] <= options_.touches.releases && !alignment::is_after_effect(bursts[i], signals_.rate, bursts);
+        if (may_slip && lift_around({*move}, signals_.rate, bursts[i]) != nullptr) return std::vector{*move};
       }
     }
-    std::sort(bursts.begin(), bursts.end(),
-              [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
-    return bursts;
-  }
-
-  /// The burst that a slow rise is the begin of: it follows soon, and no lift starts in between.
-  alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts) const {
-    const auto soon = static_cast<std::size_t>(options_.signals.activity.merge / signals_.rate.bin);
-    const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
-      return !burst.slow && burst.begin >= slow.end && burst.begin < slow.end + soon;
-    });
-    if (next == bursts.end() || lift_around(*next) != nullptr) return nullptr;
-    return &*next;
+    return std::nullopt;
   }
 
   void find_intervals() {
     events::RecordingReader recording(signals_.run.events());
-    const std::vector<alignment::Burst> bursts = all_bursts(recording);
+    const std::vector<alignment::Burst> bursts = bursts_of_run(recording, signals_, moves_.lifts, options_.signals.activity);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes;
     for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
-    const std::vector<BurstKind> kinds =
-        kinds_of(signals_.rate, bursts, lifts_are_known() ? std::optional(moves_.lifts) : std::nullopt, moves_.taps, undoes,
-                 options_.touches);
+    const std::optional<std::vector<ArmMove>> slips_in = lifts(bursts, undoes);
+    const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
+    if (!signals_.has_robot) {
+      flag(slips_in ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
+                    : "no robot log: press and slip are told apart by their order alone");
+    }
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
-      if (kinds[i] == BurstKind::after) flag_if_unexplained(i, bursts, kinds);
+      if (kinds[i] == BurstKind::after || kinds[i] == BurstKind::brief) flag_if_unexplained(i, bursts, kinds);
       if (kinds[i] == BurstKind::release) {
         labels_.releases.push_back({Touch::none, signals_.rate.begin_of(bursts[i].begin), signals_.rate.begin_of(bursts[i].end)});
       } else if (kinds[i] == BurstKind::press) {
@@ -198,22 +154,45 @@ class Labeller {
       } else if (kinds[i] == BurstKind::slip) {
         FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]), moves_.rings);
         if (is_confirmed_by_lift(onset.time, bursts[i])) onset.doubt.clear();
-        add(Touch::slip, onset, slip_end(lit[i], onset.time, options_.end, arm_stop(bursts[i])));
+        const FoundTime end = slip_end(lit[i], onset.time, options_.end, arm_stop(bursts[i]));
+        if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end);
       }
     }
   }
 
-  /// What moves the skin after the slip, and neither ends it nor belongs to the lift, may be a touch without a label. A tip that
-  /// touches once more is shorter, or smaller, than a press.
+  /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm goes on for long.
+  /// Whether the object then slid over a face too smooth to see, a person must say.
+  bool flag_if_firm(const alignment::Burst& burst, const alignment::UncertainTime& seen_until) {
+    constexpr double longest_shear_m = 2.5e-3, least_rest_m = 5e-3;
+    const ArmMove* lift = lift_around(moves_.lifts, signals_.rate, burst);
+    if (lift == nullptr || lift->uncertainty > well_placed || after(seen_until.at, options_.end.longest_unseen) > lift->end)
+      return false;
+    const std::optional<double> sheared = travel_until(*lift, seen_until.at), whole = travel_until(*lift, lift->end);
+    if (!sheared || *sheared > longest_shear_m || *whole < *sheared + least_rest_m) return false;
+    ++firm_lifts_;
+    flag(fmt::format(
+        "the skin moves over the first {:.1f} mm of the lift only, of {:.0f} mm: the object came along, or slid without "
+        "a trace",
+        1e3 * *sheared, 1e3 * *whole));
+    return true;
+  }
+
+  /// What moves the skin like a press, and is none, may be a touch without a label. A tip that springs back or touches once more
+  /// is shorter, or smaller, than a press.
   void flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
     const alignment::Burst& burst = bursts[i];
     double pressed = 0;
+    std::size_t press_bins = 0;
     for (std::size_t k = 0; k < bursts.size(); ++k) {
-      if (kinds[k] == BurstKind::press) pressed = std::max(pressed, bursts[k].events);
+      if (kinds[k] != BurstKind::press) continue;
+      pressed = std::max(pressed, bursts[k].events);
+      press_bins = std::max(press_bins, bursts[k].end - bursts[k].begin);
     }
     const CameraTime begin = signals_.rate.begin_of(burst.begin), end = signals_.rate.begin_of(burst.end);
-    const bool is_small = between(begin, end) < options_.touches.shortest_press || burst.events < 0.5 * pressed;
-    if (burst.slow || is_small || lift_around(burst) != nullptr) return;
+    const bool is_short = kinds[i] == BurstKind::after ? between(begin, end) < options_.touches.longest_recontact
+                                                       : 2 * (burst.end - burst.begin) < press_bins;
+    const bool is_small = burst.events < 0.5 * pressed;
+    if (burst.slow || is_short || is_small || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
     flag(fmt::format("no label explains the burst of events from {:.2f} s to {:.2f} s",
                      1e-3 * ms(between(signals_.rate.begin, begin)), 1e-3 * ms(between(signals_.rate.begin, end))));
   }
@@ -253,11 +232,14 @@ class Labeller {
     allow_for_gaps(end.time, "end");
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
     // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
-    // may lie far off and soon after the onset.
-    const bool end_is_wide = ms(between(end.time.low, end.time.high)) > options_.end.too_wide_ms &&
-                             ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
-    if (!end.doubt.empty() && end_is_wide) flag(end.doubt, labels_.intervals.size());
-    if (!end.doubt.empty() && !end_is_wide) {
+    // may lie far off and soon after the onset. Tips that creep on a little after a press are in its interval.
+    const double end_width_ms = ms(between(end.time.low, end.time.high));
+    const bool end_is_wide =
+        end_width_ms > options_.end.too_wide_ms && ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
+    const bool is_worth_a_word = touch == Touch::slip || end_width_ms > 0.5 * options_.end.too_wide_ms;
+    if (!end.doubt.empty() && end_is_wide) {
+      flag(end.doubt, labels_.intervals.size());
+    } else if (!end.doubt.empty() && is_worth_a_word) {
       labels_.remarks.push_back(
           fmt::format("the {} at {:.0f} ms: {}", name_of(touch), ms(between(signals_.rate.begin, start.time.at)), end.doubt));
     }
@@ -270,25 +252,15 @@ class Labeller {
                                  .confirmed = false});
   }
 
-  /// The lift that the burst lies in.
-  const ArmMove* lift_around(const alignment::Burst& burst) const {
-    const auto overlaps = [&](const ArmMove& lift) {
-      return signals_.rate.begin_of(burst.begin) < after(lift.end, lift.uncertainty) &&
-             signals_.rate.begin_of(burst.end) > before(lift.start, lift.uncertainty);
-    };
-    const auto lift = std::find_if(moves_.lifts.begin(), moves_.lifts.end(), overlaps);
-    return lift == moves_.lifts.end() ? nullptr : &*lift;
-  }
-
   std::optional<alignment::UncertainTime> earliest_slip(const alignment::Burst& burst) const {
-    const ArmMove* lift = lift_around(burst);
+    const ArmMove* lift = lift_around(moves_.lifts, signals_.rate, burst);
     if (lift == nullptr) return std::nullopt;
     return alignment::UncertainTime{lift->start, before(lift->start, lift->uncertainty), after(lift->start, lift->uncertainty)};
   }
 
   /// Whether the onset is known well enough to learn from, and lies where the lift puts it.
   bool is_confirmed_by_lift(const alignment::UncertainTime& onset, const alignment::Burst& burst) const {
-    const ArmMove* lift = lift_around(burst);
+    const ArmMove* lift = lift_around(moves_.lifts, signals_.rate, burst);
     return lift != nullptr && confirms(*lift, onset);
   }
 
@@ -305,7 +277,7 @@ class Labeller {
   /// Nothing where it is not known well enough to improve a slip's end. A stop that is known roughly only lengthens a slip whose
   /// tips are no longer seen: it shortens none, since the clock may be wrong.
   std::optional<alignment::UncertainTime> arm_stop(const alignment::Burst& burst) const {
-    const ArmMove* lift = lift_around(burst);
+    const ArmMove* lift = lift_around(moves_.lifts, signals_.rate, burst);
     if (lift == nullptr || lift->uncertainty > options_.longest_disagreement) return std::nullopt;
     const bool lasts_longer = signals_.rate.begin_of(burst.end) > after(lift->end, lift->uncertainty + options_.end.rung_out);
     if (lift->uncertainty > well_placed && lasts_longer) return std::nullopt;
@@ -317,12 +289,17 @@ class Labeller {
       if (piece) labels_.robot_clocks.push_back(*piece);
     }
     if (!signals_.video) return;
-    alignment::VideoClockFit fit = fitted_video_clock(signals_, clocks_, options_.video_clock);
+    alignment::VideoClockFit fit = fit_film_clock(signals_, clocks_, options_.video_clock);
     if (!fit.clock) {
       labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
       return;
     }
     labels_.video_clock = std::move(fit.clock);
+    if (const auto later = skin_in_film_disagrees(signals_, clocks_, *labels_.video_clock, options_.video_clock,
+                                                  options_.longest_disagreement)) {
+      flag(fmt::format("the film's motions match the skin's bursts {:.2f} s {} the time at which the robot's clock puts them",
+                       1e-3 * std::abs(ms(*later)), *later > 0us ? "after" : "before"));
+    }
     video_motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
 
@@ -387,7 +364,7 @@ class Labeller {
       return std::count_if(labels_.intervals.begin(), labels_.intervals.end(),
                            [&](const LabelledInterval& interval) { return interval.touch == touch; });
     };
-    const auto slips = static_cast<std::size_t>(count(Touch::slip));
+    const auto slips = static_cast<std::size_t>(count(Touch::slip)) + firm_lifts_;
     if (moves_.all_placed && slips < moves_.lifts.size()) {
       flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
                        moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
@@ -441,6 +418,7 @@ class Labeller {
   const alignment::RobotClocks& clocks_;
   const LabelOptions& options_;
   ArmMoves moves_;
+  std::size_t firm_lifts_ = 0;
   std::vector<alignment::VideoMotion> video_motions_;
   Labels labels_;
 };

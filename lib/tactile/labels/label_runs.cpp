@@ -15,6 +15,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/human_edits.hpp"
 
 namespace tactile::labels {
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Increases with every change that gives the same files other labels.
-constexpr int method_version = 6;
+constexpr int method_version = 7;
 
 /// Runs that are labelled together because they share their clocks: those of a session, or one alone.
 struct Group {
@@ -32,13 +33,23 @@ struct Group {
   std::vector<std::size_t> result_index;  ///< of each requested one
 };
 
+/// When the camera was started, as DV notes it in each recording; nothing if another program recorded.
+std::optional<std::string> camera_start_of(const RunFolder& run) {
+  const events::RecordingReader recording(run.events());
+  for (const auto& [name, value] : events::event_stream(recording).info) {
+    if (name == "tsOffset") return value;
+  }
+  return std::nullopt;
+}
+
+/// The session that run.json names, or the camera's start, which the recordings of a session share.
 std::optional<std::string> session_of(const RunFolder& run) {
   try {
-    const std::string session = read_run_info(run).session;
-    return session.empty() ? std::nullopt : std::optional(session);
-  } catch (const std::exception&) {
-    return std::nullopt;  // the error appears when the run is read
+    if (const std::string session = read_run_info(run).session; !session.empty()) return session;
+    if (const auto start = camera_start_of(run)) return "camera started at " + *start;
+  } catch (const std::exception&) {  // the error appears when the run is read
   }
+  return std::nullopt;
 }
 
 fs::path data_folder_of(const RunFolder& run) {

@@ -246,7 +246,8 @@ FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, co
   // A long, weak tail may be the arm's ringing where it stops, which is no slip, or a surface that still runs past.
   std::size_t strong = seen;
   while (strong > 1 && rates[strong - 1] < steps.quiet + std::max(0.1 * peak, visible)) --strong;
-  if (seen - strong > steps.in(60ms)) end.time.low = std::min(end.time.low, steps.time_of(static_cast<double>(strong)));
+  if (seen - strong > steps.in(60ms))
+    end.time.low = std::min(end.time.low, before(steps.time_of(static_cast<double>(strong)), options.rung_out));
   if (arm_stop) {
     end.time.high = std::max(end.time.high, after(arm_stop->high, options.rung_out / 2));
     // Tips that are not seen to move for long may slide over a smooth face, or have no object left.

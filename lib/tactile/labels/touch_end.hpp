@@ -38,8 +38,8 @@ FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, c
 /// that are no longer dragged stop ringing within 50 ms; longer motion is the arm's own ringing, which is no slip. The end is
 /// there at the latest, and the interval reaches back to the stop.
 ///
-/// A tail of more than 60 ms below a tenth of the peak may be the arm's ringing where it stops: the interval then reaches back to
-/// its begin. The interval is wide because the camera shows no more.
+/// A tail of more than 60 ms below a tenth of the peak may be the arm's ringing where it stops, or tips without an object: the
+/// interval then reaches back to 50 ms before it begins. The interval is wide because the camera shows no more.
 /// @param arm_stop  if it is known, in camera time
 FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, const EndOptions& options = {},
                    const std::optional<alignment::UncertainTime>& arm_stop = std::nullopt);

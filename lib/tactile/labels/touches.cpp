@@ -46,17 +46,19 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
       if (const auto slip = slip_of(rate, bursts, lift, false)) is_slip(*slip);
     }
   } else {
-    // By order alone: the last burst that is no after-effect, if there is another before it.
+    // By order alone: the last burst that is no after-effect and no release, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (!bursts[i].slow && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
+      const bool releases = i > 0 && undoes[i] > options.releases;
+      if (!bursts[i].slow && !releases && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }
 
-  const auto is_short = [&](std::size_t i) {
-    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < options.shortest_press;
+  const auto is_shorter = [&](std::size_t i, microseconds than) {
+    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < than;
   };
+  const auto is_short = [&](std::size_t i) { return is_shorter(i, options.shortest_press); };
   std::optional<std::size_t> standing_press;
   // A fast stage needs less time than `shortest_press`, but moves as many markers as before.
   const auto is_like_a_press = [&](std::size_t i) {
@@ -78,6 +80,8 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i)) {
       standing_press = i;  // the stage presses deeper
     } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
+      kinds[i] = BurstKind::brief;
+    } else if (bursts[i].slow && is_shorter(i, options.shortest_slow_press)) {
       kinds[i] = BurstKind::brief;
     } else {
       standing_press = i;

@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "tactile/alignment/activity.hpp"
+#include "tactile/alignment/motion_phases.hpp"
 
 namespace tactile::labels {
 
 /// A motion of the arm, in camera time.
 struct ArmMove {
   CameraTime start{}, end{};
-  microseconds uncertainty{0};  ///< 95 %: how far the clock may be off, either way
+  microseconds uncertainty{0};                    ///< 95 %: how far the clock may be off, either way
+  const alignment::MotionPhase* phase = nullptr;  ///< in the robot log, which must outlive this
 };
 
 /// What a burst of events comes from.
@@ -25,22 +27,25 @@ enum class BurstKind : std::uint8_t {
 };
 
 struct TouchesOptions {
-  microseconds shortest_press{100'000};  ///< of a second press on top of the first
-  double deepens = 0.4;                  ///< a burst whose `undoes` is less than the negative of this presses deeper, 0 to 1
-  double like_a_press = 0.1;             ///< of the standing press's events: the least of its release, or of a deeper press
-  double releases = 0.5;                 ///< a burst whose `undoes` is greater is a release, 0 to 1
+  microseconds shortest_press{100'000};       ///< of a second press on top of the first
+  microseconds shortest_slow_press{150'000};  ///< of one that only a few places show
+  microseconds longest_recontact{200'000};    ///< of a tip that touches once more after the slip
+  double deepens = 0.4;                       ///< a burst whose `undoes` is less than the negative of this presses deeper, 0 to 1
+  double like_a_press = 0.1;                  ///< of the standing press's events: the least of its release, or of a deeper press
+  double releases = 0.5;                      ///< a burst whose `undoes` is greater is a release, 0 to 1
 };
 
 /// Classifies bursts, in order of time:
 ///
 /// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands. If
-/// it is not known whether the arm rose, the last burst is the
-///   slip.
+/// it
+///   is not known whether the arm rose, the last burst that reverses nothing is the slip.
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
 ///   than a stage takes or slow: tips that spring back or creep. It is none of these if it lasts more than half as long as that
-///   press and either reverses or repeats what it did to the picture: a fast stage that opens, or presses deeper.
+///   press and either reverses or repeats what it did to the picture: a fast stage that opens, or presses deeper. A slow one that
+///   is short is brief too, unless it is a release.
 /// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where it
 /// had
 ///   left bright.

@@ -1,0 +1,105 @@
+#include "tactile/labels/run_bursts.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "tactile/labels/slow_bursts.hpp"
+
+namespace tactile::labels {
+namespace {
+
+/// Splits bursts that continue into a lift where the lift begins: an object that is lifted as soon as it is pressed, or tips that
+/// spring back just before, leave no quiet between the two.
+std::vector<alignment::Burst> split_at_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                             std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
+                                             const alignment::ActivityOptions& options) {
+  constexpr microseconds well_before = 60ms;
+  for (const ArmMove& lift : lifts) {
+    if (lift.uncertainty > well_placed) continue;
+    const CameraTime split_at = before(lift.start, lift.uncertainty);
+    const auto split = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
+      return rate.begin_of(burst.begin) < before(split_at, well_before) && rate.begin_of(burst.end) > lift.start;
+    });
+    if (split == bursts.end()) continue;
+    const auto place = static_cast<std::size_t>(between(rate.begin, split_at) / rate.bin);
+    alignment::EventRate before_split = rate;
+    before_split.counts.resize(place);
+    std::vector<alignment::Burst> pieces = alignment::bursts_in(before_split, quiet, options);
+    std::erase_if(pieces, [&](const alignment::Burst& piece) { return piece.end <= split->begin; });
+    alignment::Burst rest = *split;
+    rest.begin = place;
+    rest.events = alignment::events_above(rate, quiet, rest.begin, rest.end);
+    pieces.push_back(rest);
+    bursts.insert(bursts.erase(split), pieces.begin(), pieces.end());
+  }
+  return bursts;
+}
+
+/// Joins bursts that begin within a lift: an object may stick for longer than the pause between two bursts.
+std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                            std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts) {
+  for (const ArmMove& lift : lifts) {
+    // Where the clock is not known well, only the middle of the lift is sure: there, a pause ends no slip.
+    const bool is_placed = lift.uncertainty <= well_placed;
+    const CameraTime from = is_placed ? before(lift.start, lift.uncertainty) : after(lift.start, lift.uncertainty);
+    const CameraTime until = is_placed ? lift.end : before(lift.end, lift.uncertainty);
+    const auto begins_within = [&](const alignment::Burst& burst) {
+      const CameraTime begin = rate.begin_of(burst.begin);
+      return begin >= from && begin < until;
+    };
+    auto first = std::find_if(bursts.begin(), bursts.end(), begins_within);
+    if (first == bursts.end()) continue;
+    const auto after_last = std::find_if_not(first, bursts.end(), begins_within);
+    if (!is_placed && first != bursts.begin() && rate.begin_of(std::prev(first)->end) >= from) --first;
+    first->end = std::prev(after_last)->end;
+    first->events = alignment::events_above(rate, quiet, first->begin, first->end);
+    bursts.erase(std::next(first), after_last);
+  }
+  return bursts;
+}
+
+/// The burst that a slow rise is the begin of: it follows at once, and no lift starts in between.
+alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts,
+                             const alignment::EventRate& rate, const std::vector<ArmMove>& lifts) {
+  const auto soon = static_cast<std::size_t>(SlowBurstOptions{}.slot / rate.bin);
+  const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
+    return !burst.slow && burst.begin >= slow.end && burst.begin <= slow.end + soon;
+  });
+  return next == bursts.end() || lift_around(lifts, rate, *next) != nullptr ? nullptr : &*next;
+}
+
+/// Adds a slow burst. What stands out in its midst belongs to it.
+void add_slow(alignment::Burst slow, std::vector<alignment::Burst>& bursts, const alignment::RunSignals& signals,
+              const std::vector<ArmMove>& lifts) {
+  std::erase_if(bursts, [&](const alignment::Burst& burst) {
+    const bool overlap = burst.begin < slow.end && slow.begin < burst.end;
+    if (overlap) slow.begin = std::min(slow.begin, burst.begin);
+    if (overlap) slow.end = std::max(slow.end, burst.end);
+    return overlap;
+  });
+  slow.events = alignment::events_above(signals.rate, signals.quiet, slow.begin, slow.end);
+  if (alignment::Burst* next = goes_on_in(slow, bursts, signals.rate, lifts)) {
+    next->begin = slow.begin;
+    next->events += slow.events;
+  } else {
+    bursts.push_back(slow);
+  }
+}
+
+}  // namespace
+
+std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, const alignment::RunSignals& signals,
+                                            const std::vector<ArmMove>& lifts, const alignment::ActivityOptions& options) {
+  std::vector<alignment::Burst> bursts = split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options);
+  bursts = join_in_lifts(signals.rate, signals.quiet, std::move(bursts), lifts);
+  std::vector<alignment::Burst> large;
+  std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
+               [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, signals.rate, bursts); });
+  for (const alignment::Burst& slow : slow_bursts(recording, signals.event_stream, signals.rate, large))
+    add_slow(slow, bursts, signals, lifts);
+  std::sort(bursts.begin(), bursts.end(), [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
+  return bursts;
+}
+
+}  // namespace tactile::labels
