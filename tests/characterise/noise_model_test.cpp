@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "tactile/core/random.hpp"
@@ -14,7 +15,7 @@ TEST(MomentsOf, AreThoseOfPoissonCountsForEqualPixelsOfShapeOne) {
     const WindowMoments moments = moments_of({.shape = 1, .spread = 0}, mean);
     EXPECT_NEAR(moments.differences, 1, 1e-9) << mean;
     EXPECT_NEAR(moments.products, 0, 1e-9) << mean;
-    EXPECT_NEAR(moments.silent, std::exp(-mean), 1e-9) << mean;
+    EXPECT_NEAR(silent_share({.shape = 1, .spread = 0}, std::array{mean}), std::exp(-mean), 1e-9) << mean;
   }
 }
 
@@ -39,6 +40,15 @@ WindowSums drawn(int shape, double spread, double mean, int pixels, std::uint64_
     sums.add(n1, n2);
   }
   return sums;
+}
+
+TEST(SilentShare, OfShapeTwoDependsOnHowOftenARecordingBegins) {
+  // Every second event of a Poisson process of rate 2 m, from a random one on: exp(-2 m) (1 + m).
+  const auto once = [](double m) { return std::exp(-2 * m) * (1 + m); };
+  const NoiseModel model{.shape = 2, .spread = 0};
+  EXPECT_NEAR(silent_share(model, std::array{3.0}), once(3), 1e-9);
+  EXPECT_NEAR(silent_share(model, std::array{1.0, 1.0, 1.0}), once(1) * once(1) * once(1), 1e-9);
+  EXPECT_EQ(silent_share(model, {}), 1);
 }
 
 TEST(NoiseModel, IsThatFromWhichCountsWereDrawn) {

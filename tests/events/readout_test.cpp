@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "events/aedat4_bytes.hpp"
+#include "support/real_recordings.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/events/recording_health.hpp"
@@ -161,29 +161,35 @@ TEST(Readout, TakesTimesAtTheEndsOfTheClock) {
 }
 
 /// Real sensors; the values are those of an independent program, which folds the stamps in numpy.
-TEST(Readout, IsThatOfRealSensors) {
-  const char* folder = std::getenv("TACTILE_RECORDINGS");
-  if (folder == nullptr) GTEST_SKIP() << "TACTILE_RECORDINGS names no folder with recordings";
+TEST(RealReadout, IsFoundInColumns) {
   struct Known {
     const char* file;
     double period_us, us_per_column;
   };
-  int found = 0;
-  for (const Known& known :
-       {Known{"dvxplorer640_libcaer_rollover.aedat4", 195.1632, -0.3000},
-        Known{"dvxplorer_class2_data_sample.aedat4", 197.2832, -0.6000}, Known{"tonic-sample.aedat4", 197.2833, -0.6000}}) {
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-      if (entry.path().filename() != known.file) continue;
-      ++found;
-      const RecordingHealth health = examine_recording(entry.path());
-      const Readout& readout = health.streams.front().events->readout;
-      ASSERT_EQ(readout.kind, Kind::steady) << known.file;
-      EXPECT_EQ(readout.scan, Scan::columns) << known.file;
-      EXPECT_NEAR(readout.period_us.value, known.period_us, 2e-4) << known.file;
-      EXPECT_NEAR(readout.step_us.value, known.us_per_column, 2e-4) << known.file;
+  for (const Known& known : {Known{"derived/dvxplorer640_libcaer_rollover.aedat4", 195.1632, -0.3000},
+                             Known{"aermanager/dvxplorer_class2_data_sample.aedat4", 197.2832, -0.6000},
+                             Known{"tonic-sample.aedat4", 197.2833, -0.6000}}) {
+    const auto file = test::real_recording(known.file);
+    if (file.empty()) GTEST_SKIP() << test::not_tested_without(known.file);
+    const RecordingHealth health = examine_recording(file);
+    const Readout& readout = health.streams.front().events->readout;
+    ASSERT_EQ(readout.kind, Kind::steady) << known.file;
+    EXPECT_EQ(readout.scan, Scan::columns) << known.file;
+    EXPECT_NEAR(readout.period_us.value, known.period_us, 2e-4) << known.file;
+    EXPECT_NEAR(readout.step_us.value, known.us_per_column, 2e-4) << known.file;
+  }
+}
+
+TEST(RealReadout, IsNotFoundInSensorsWhoseEventsHaveTimesOfTheirOwn) {
+  for (const char* name :
+       {"faery/davis346.aedat4", "expelliarmus/evt2_sample.raw", "expelliarmus/evt3_sample.raw", "aestream-sample.aedat4"}) {
+    const auto file = test::real_recording(name);
+    if (file.empty()) GTEST_SKIP() << test::not_tested_without(name);
+    const RecordingHealth health = examine_recording(file);
+    for (const StreamHealth& stream : health.streams) {
+      if (stream.events) EXPECT_EQ(stream.events->readout.kind, Kind::none) << name;
     }
   }
-  if (found == 0) GTEST_SKIP() << folder << " has none of the recordings";
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ constexpr int highest_shape = 12;
 
 /// Moments for one pixel, not yet divided by means.
 struct PixelMoments {
-  double squared_difference = 0, product = 0, silent = 0;
+  double squared_difference = 0, product = 0;
+  double silent = 0;  ///< chance of no event in one window
 };
 
 /// Every k-th event of a Poisson process, starting anywhere between two that count.
@@ -48,26 +49,52 @@ PixelMoments pixel_moments(int k, double mean) {
   return {2 * (squares - product) / k, product / k, silent / k};
 }
 
-WindowMoments whole_shape_moments(int k, double spread, double mean) {
+/// Calls `use(weight, factor)` for rates of pixels that are `factor` times their mean. @return  the sum of the weights
+template <class Use>
+double for_rates(double spread, const Use& use) {
   constexpr int nodes = 33;
-  constexpr double reach = 4.0, most_events = 2000;
+  constexpr double reach = 4.0;
   double weights = 0;
-  WindowMoments moments;
   for (int i = 0; i < nodes; ++i) {
     const double z = reach * (2.0 * i / (nodes - 1) - 1);
     const double weight = std::exp(-z * z / 2);
-    const double events = std::min(most_events, mean * std::exp(spread * z - spread * spread / 2));
-    const PixelMoments pixel = pixel_moments(k, events);
     weights += weight;
-    moments.differences += weight * pixel.squared_difference;
-    moments.products += weight * pixel.product;
-    moments.silent += weight * pixel.silent;
+    use(weight, std::exp(spread * z - spread * spread / 2));
     if (spread == 0) break;
   }
+  return weights;
+}
+
+constexpr double most_events = 2000;  // of a pixel: more have the same moments
+
+WindowMoments whole_shape_moments(int k, double spread, double mean) {
+  WindowMoments moments;
+  const double weights = for_rates(spread, [&](double weight, double factor) {
+    const PixelMoments pixel = pixel_moments(k, std::min(most_events, mean * factor));
+    moments.differences += weight * pixel.squared_difference;
+    moments.products += weight * pixel.product;
+  });
   moments.differences /= weights * 2 * mean;
   moments.products = moments.products / weights / (mean * mean) - 1;
-  moments.silent /= weights;
   return moments;
+}
+
+double whole_shape_silent(int k, double spread, std::span<const double> means) {
+  double silent = 0;
+  const double weights = for_rates(spread, [&](double weight, double factor) {
+    double chance = weight;
+    for (const double mean : means) {
+      if (chance < 1e-12) break;
+      chance *= pixel_moments(k, std::min(most_events, mean * factor)).silent;
+    }
+    silent += chance;
+  });
+  return silent / weights;
+}
+
+/// How far a shape lies from `below` to the next whole one.
+double share_above(int below, double shape) {
+  return std::clamp((1.0 / below - 1 / shape) / (1.0 / below - 1.0 / (below + 1)), 0.0, 1.0);
 }
 
 /// The spread with these products, for a whole shape.
@@ -100,9 +127,15 @@ WindowMoments moments_of(const NoiseModel& model, double mean) {
   const int below = std::min(highest_shape - 1, static_cast<int>(model.shape));
   const WindowMoments a = whole_shape_moments(below, model.spread, mean);
   const WindowMoments b = whole_shape_moments(below + 1, model.spread, mean);
-  const double share = std::clamp((1.0 / below - 1 / model.shape) / (1.0 / below - 1.0 / (below + 1)), 0.0, 1.0);
-  return {a.differences + share * (b.differences - a.differences), a.products + share * (b.products - a.products),
-          a.silent + share * (b.silent - a.silent)};
+  const double share = share_above(below, model.shape);
+  return {a.differences + share * (b.differences - a.differences), a.products + share * (b.products - a.products)};
+}
+
+double silent_share(const NoiseModel& model, std::span<const double> means) {
+  if (model.shape <= 1) return whole_shape_silent(1, model.spread, means);
+  const int below = std::min(highest_shape - 1, static_cast<int>(model.shape));
+  const double a = whole_shape_silent(below, model.spread, means), b = whole_shape_silent(below + 1, model.spread, means);
+  return a + share_above(below, model.shape) * (b - a);
 }
 
 NoiseModel noise_model(const WindowSums& sums) {

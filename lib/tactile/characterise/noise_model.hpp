@@ -19,12 +19,15 @@ struct NoiseModel {
 struct WindowMoments {
   double differences = 0;  ///< mean of (n1 - n2)^2 / mean of (n1 + n2): 1 for a Poisson process
   double products = 0;     ///< mean of n1 n2 / (mean of n)^2 - 1: 0 if all pixels have the same rate
-  double silent = 0;       ///< share of the pixels with n1 = 0
 };
 
 /// What the model says, for windows with `mean` events per pixel. A process of whole shape k is a Poisson process of k times the
 /// rate of which every k-th event counts; other shapes lie between, on a line over 1 / k. @param mean  > 0
 WindowMoments moments_of(const NoiseModel& model, double mean);
+
+/// The share of the pixels without an event in any of several recordings, with these mean numbers of events per pixel. A pixel
+/// has its rate in all of them, but recordings do not continue each other.
+double silent_share(const NoiseModel& model, std::span<const double> means);
 
 /// Counts of pixels in pairs of successive windows, as sums.
 struct WindowSums {

@@ -336,7 +336,10 @@ void SecondReading::State::put_dead(Sensor& sensor, const NoiseModel& model) con
   }
   DeadPixels& dead = sensor.dead;
   dead.silent = static_cast<std::uint64_t>(silent);
-  dead.expected = events > 0 ? pixels * moments_of(model, events / pixels).silent : pixels;
+  std::vector<double> means;  // of the recordings
+  for (const ReadRecording& recording : first.recordings)
+    means.push_back(events / std::max(1.0, pixels) * recording.seconds() / first.counts.seconds);
+  dead.expected = pixels * silent_share(model, means);
   constexpr double model_error = 0.1;  // the rates are not quite log-normal
   dead.count.value = std::max(0.0, silent - dead.expected);
   dead.count.uncertainty = std::hypot(std::sqrt(silent), model_error * dead.expected);
