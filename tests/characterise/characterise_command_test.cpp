@@ -71,7 +71,8 @@ TEST(CharacteriseCommand, WritesNothingForAFileThatItCannotRead) {
 /// The lens of the simulated camera is capped, so that its noise is all it shows.
 TEST(CharacteriseCommand, FindsTheSameInRunsThatWereSimulatedWithItsPhysics) {
   const test::TemporaryFolder folder;
-  const test::MadeSensor made{.size = {160, 120}, .seconds = 6, .background_hz = 0.8, .shape = 2, .hot = made_sensor().hot};
+  const test::MadeSensor made{
+      .size = {160, 120}, .seconds = 6, .step_us = -1.2, .background_hz = 0.8, .shape = 2, .hot = made_sensor().hot};
   test::write_recording(folder / "quiet.aedat4", made.size, events_of(made, 4));
   ASSERT_EQ(test::run_tactile("characterise quiet.aedat4 --out first", folder.path()).exit_code, 0);
   nlohmann::json physics = read_json(folder / "first/physics.json");
