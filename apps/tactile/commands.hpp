@@ -18,6 +18,7 @@ void add_record_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_repair_command(CLI::App& app);
+void add_characterise_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_label_command(CLI::App& app);
 void add_windows_command(CLI::App& app);
@@ -56,6 +57,7 @@ consteval auto command_table() {
       CommandEntry{"serve", Program::runs, add_serve_command},
       CommandEntry{"info", Program::tactile, add_info_command},
       CommandEntry{"repair", Program::tactile, add_repair_command},
+      CommandEntry{"characterise", Program::runs, add_characterise_command},
       CommandEntry{"convert", Program::runs, add_convert_command},
       CommandEntry{"label", Program::runs, add_label_command},
       CommandEntry{"windows", Program::runs, add_windows_command},

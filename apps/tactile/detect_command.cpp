@@ -19,6 +19,7 @@
 #include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
+#include "rendering_arguments.hpp"
 #include "robot_arguments.hpp"
 #include "source_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -44,7 +45,7 @@ struct DetectArguments {
   bool gate = false;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
-  std::string ticks, plot, udp;
+  std::string ticks, plot, udp, mask;
   RobotArguments robot;
   bool no_real_time = false, no_rehearsal = false, awake = false;
   bool record = false;
@@ -120,6 +121,7 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   options.input = model.input;
   heatmaps::HeatmapOptions& rendering = options.detector.rendering;
   rendering = model.settings.rendering;
+  if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
   check(rendering);
   if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
   options.detector.confirmation = confirmation_in(args.confirm);
@@ -187,6 +189,7 @@ void add_model_options(Command& command, DetectArguments& args) {
       .show_default();
   command.add_flag("--gate", args.gate,
                    "Report none without running the network while there are fewer events than the model's limit");
+  add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
       .check(one_of({"fp32", "int8"}))

@@ -13,6 +13,7 @@
 #include "label_exchange.hpp"
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
+#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/folders_in.hpp"
@@ -37,6 +38,7 @@ struct LabelArguments {
   bool no_pictures = false;
   std::string roi;
   std::string robot_columns;
+  std::string mask;
   LabelExchangeArguments exchange;
 };
 
@@ -191,6 +193,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   labels::LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   options.label.signals.robot.columns = arguments.robot_columns;
+  if (!arguments.mask.empty()) options.label.signals.rate.mask = events::read_mask(arguments.mask);
   Pictures pictures;
   if (!arguments.no_pictures) {
     // A picture that is older than the labels shows what they were before somebody edited them.
@@ -304,6 +307,7 @@ void add_label_command(CLI::App& app) {
       .type_name("NAMES")
       .check(Check{check_columns, ""})
       .excludes(summary);
+  add_mask_option(command, arguments->mask).excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
           .excludes(summary);

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <ctime>
 
 namespace tactile::cli {
@@ -18,6 +20,13 @@ std::string rate_text(double per_second) {
   if (per_second < 999.5) return fmt::format("{:.0f} /s", per_second);
   if (per_second < 999.95e3) return fmt::format("{:.1f} k/s", per_second / 1e3);
   return fmt::format("{:.2f} M/s", per_second / 1e6);
+}
+
+std::string measured_text(const Measured& measured) {
+  const double u = measured.uncertainty;
+  if (!std::isfinite(u) || u <= 1e-7 * std::abs(measured.value)) return fmt::format("{:.7g}", measured.value);
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(u))), 0, 9);
+  return fmt::format("{:.{}f} ± {:.{}f}", measured.value, digits, u, digits);
 }
 
 std::string duration_text(microseconds duration) {

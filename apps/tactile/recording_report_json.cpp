@@ -3,6 +3,7 @@
 #include "recording_json.hpp"
 #include "recording_report.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/events/readout_json.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -56,7 +57,9 @@ nlohmann::json json_of(const events::StreamHealth& stream, const ReportOptions& 
   json["hot_pixels"] = events.pixels_counted
                            ? nlohmann::json{{"count", events.hot_pixels}, {"events", events.hot_events}, {"hottest", hottest}}
                            : nlohmann::json();
-  json["readout_period_us"] = json_or_null(events.readout_period_us);
+  json["readout"] = events::json_of(events.readout);
+  json["readout_period_us"] =
+      events.readout.kind == events::Readout::Kind::none ? nlohmann::json() : nlohmann::json(events.readout.period_us.value);
   return json;
 }
 

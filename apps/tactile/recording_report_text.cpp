@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "quantity_text.hpp"
+#include "readout_text.hpp"
 #include "recording_report.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "text_table.hpp"
@@ -109,9 +110,8 @@ std::string event_lines(const events::StreamHealth& stream, const ReportOptions&
                                         stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "no", rate_text(events.peak_rate_hz),
                                         counted(events.peak_tick_events, "event")),
                             16));
-  lines.add("read-out", !events.readout_period_us           ? "too few timestamps"
-                        : *events.readout_period_us <= 10.0 ? "no common period: events have individual times"
-                                                            : fmt::format("every {:.0f} us", *events.readout_period_us));
+  lines.add("read-out", wrapped(readout_text(events.readout), 16));
+  lines.add("stamps", wrapped(precision_text(events.readout), 16));
   lines.add("silences", wrapped(gaps_text(stamps, options), 16));
   lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();

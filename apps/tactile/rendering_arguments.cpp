@@ -26,14 +26,22 @@ void add_rendering_options(Command command, RenderingArguments& args) {
   command.add_option("--tick-us", args.tick_us, "Time between two ticks [us]; samples of a dataset must be at ticks")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .show_default();
+  add_mask_option(command, args.mask);
+}
+
+Option add_mask_option(Command command, std::string& mask) {
+  return command.add_option("--mask", mask, "Do not count the events of these pixels: a CSV file, as characterise writes")
+      .type_name("FILE.csv")
+      .check(is_existing_file());
 }
 
 heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args) {
-  const nlohmann::json settings = {{"history_us", whole_us(history_ms, "--th").count()},
-                                   {"tick_us", args.tick_us},
-                                   {"denoise", args.denoise},
-                                   {"resize", args.resize},
-                                   {"factor", args.factor}};
+  nlohmann::json settings = {{"history_us", whole_us(history_ms, "--th").count()},
+                             {"tick_us", args.tick_us},
+                             {"denoise", args.denoise},
+                             {"resize", args.resize},
+                             {"factor", args.factor}};
+  if (!args.mask.empty()) settings["mask"] = events::read_mask(args.mask);
   const auto options = settings.get<heatmaps::HeatmapOptions>();
   try {
     check(options);

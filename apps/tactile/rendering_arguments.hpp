@@ -14,9 +14,13 @@ struct RenderingArguments {
   std::string denoise = "mean", resize = "area";
   double factor = 0.2;
   std::int64_t tick_us = 2000;
+  std::string mask;  ///< a mask's file; empty: none
 };
 
 void add_rendering_options(Command command, RenderingArguments& args);
+
+/// --mask, of every command that leaves out pixels.
+Option add_mask_option(Command command, std::string& mask);
 
 /// @throws Error  if the history is not a whole number of ticks, or an option is out of range
 heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);

@@ -29,6 +29,28 @@ TEST(EventRate, CountsEveryEventExceptThoseOfHotPixels) {
   EXPECT_NEAR(sum(5'000, 6'000), 43'000, 1'200);
 }
 
+TEST(EventRate, LeavesOutMaskedPixels) {
+  const test::TemporaryFolder folder;
+  test::write_made_events(folder / "events.aedat4", {.bursts = {{1'000'000, 1'200'000}}});
+  events::RecordingReader recording(folder / "events.aedat4");
+  const auto total = [](const EventRate& rate) { return std::accumulate(rate.counts.begin(), rate.counts.end(), 0U); };
+  std::size_t masked_events = 0, counted = 0;
+  const events::MaskPixels mask{{5, 20}, {6, 20}, {7, 20}};
+  events::for_all_events(recording, 0, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) masked_events += event.y == 20 && event.x >= 5 && event.x <= 7;
+  });
+  ASSERT_GT(masked_events, 0U);
+  const EventRate all = event_rate(recording, 0), without = event_rate(recording, 0, {.mask = mask});
+  EXPECT_EQ(total(all) - total(without), masked_events);
+  EXPECT_EQ(without.hot_pixels, all.hot_pixels + 3);
+  for_counted_events(recording, 0, without, [&](const events::Event& event, std::size_t) {
+    EXPECT_FALSE(event.y == 20 && event.x >= 5 && event.x <= 7);
+    ++counted;
+  });
+  EXPECT_EQ(counted, total(without));
+  EXPECT_THROW(event_rate(recording, 0, {.mask = {{64, 5}}}), Error) << "outside the sensor";
+}
+
 TEST(EventRate, RefusesARecordingWithoutEvents) {
   const test::TemporaryFolder folder;
   events::RecordingWriter(folder / "empty.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")}).close();

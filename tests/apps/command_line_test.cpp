@@ -21,8 +21,8 @@ namespace {
 
 using test::run_tactile;
 
-const std::vector<std::string> commands{"simulate", "record",   "serve", "info",  "repair", "convert", "label",
-                                        "windows",  "heatmaps", "view",  "train", "eval",   "doctor"};
+const std::vector<std::string> commands{"simulate", "record",  "serve",    "info", "repair", "characterise", "convert",
+                                        "label",    "windows", "heatmaps", "view", "train",  "eval",         "doctor"};
 
 TEST(CommandLine, VersionNamesTheGitRevision) {
   const auto result = run_tactile("--version");

@@ -424,6 +424,31 @@ TEST(DetectCommand, ReportsAClockOf31BitsThatStartedAgain) {
   EXPECT_GT(nlohmann::json::parse(result.out).at("ticks").at("told").get<int>(), 0);
 }
 
+TEST(DetectCommand, DoesNotCountMaskedPixels) {
+  const fs::path folder = trained().folder.path();
+  const test::TemporaryFolder own;
+  const events::RecordingReader recording(folder / "data/fan/02/events.aedat4");
+  const events::SensorSize sensor = *events::event_stream(recording).size;
+  std::string mask = "x,y\n";  // the left half
+  for (int y = 0; y < sensor.height; ++y) {
+    for (int x = 0; x < sensor.width / 2; ++x) mask += std::to_string(x) + "," + std::to_string(y) + "\n";
+  }
+  write_whole(own / "mask.csv", mask);
+  const auto events_with = [&](const std::string& options) {
+    const auto result = run_tactile("detect --quiet --json --model small --from file:data/fan/02 --speed 0 --ticks '" +
+                                        (own / "ticks.csv").string() + "'" + options,
+                                    folder);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("rendering").contains("mask"), !options.empty());
+    std::uint64_t events = 0;
+    for (const Row& row : rows_of(own / "ticks.csv")) events += std::stoull(row.at("events"));
+    return events;
+  };
+  const std::uint64_t all = events_with(""), masked = events_with(" --mask '" + (own / "mask.csv").string() + "'");
+  EXPECT_GT(masked, 0U);
+  EXPECT_LT(masked, all);
+}
+
 TEST(DetectCommand, SaysWhatIsWrong) {
   const fs::path folder = trained().folder.path();
   const auto expect_error = [&](const std::string& options, const std::string& words) {

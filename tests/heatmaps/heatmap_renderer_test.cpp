@@ -43,6 +43,30 @@ TEST(Heatmap, OfOneEventIsATwentyFifthOfItsMaximumInOneCell) {
   }
 }
 
+TEST(Heatmap, DoesNotCountMaskedPixels) {
+  const std::vector<Hits> both{{.x = 2, .y = 2, .count = 4}, {.x = 7, .y = 2, .count = 900}}, first{both.front()};
+  for (HeatmapOptions options : every_way()) {
+    const auto expected = rendered<float>(first, {20, 10}, options);
+    options.mask = {{7, 2}};
+    EXPECT_EQ(rendered<float>(both, {20, 10}, options), expected);
+  }
+}
+
+TEST(HeatmapOptions, HaveAMaskInTheirSettingsOnlyIfThereIsOne) {
+  HeatmapOptions options;
+  EXPECT_FALSE(nlohmann::json(options).contains("mask"));
+  EXPECT_EQ(stored_name(options), "th_040");
+  options.mask = {{7, 2}, {1, 5}};
+  const nlohmann::json settings = options;
+  EXPECT_EQ(settings.at("mask"), nlohmann::json({{7, 2}, {1, 5}}));
+  EXPECT_EQ(settings.get<HeatmapOptions>(), options);
+  EXPECT_EQ(stored_name(options).size(), std::string("th_040-12345678").size());
+  HeatmapOptions other = options;
+  other.mask = {{7, 2}};
+  EXPECT_NE(stored_name(other), stored_name(options)) << "heatmaps with different masks are not mixed";
+  EXPECT_THROW(HeatmapRenderer({7, 10}, options), Error) << "a masked pixel lies outside the sensor";
+}
+
 TEST(Heatmap, OfTwoCountsFollowsTheEquation) {
   // Pixels with 1 and 3 events: b = 2, D(1) = 1/(1+e^-1) = 0.731, D(3) = 3/(1+e) = 0.807.
   const std::vector<Hits> two{{.x = 2, .y = 2, .count = 1}, {.x = 7, .y = 2, .count = 3}};

@@ -95,6 +95,21 @@ TEST_F(HeatmapsCommand, NamesOtherRenderingsByTheirSettings) {
   EXPECT_EQ(dataset.heatmaps()[1].width, 4);
 }
 
+TEST_F(HeatmapsCommand, LeavesOutMaskedPixels) {
+  write_whole(folder / "mask.csv", "x,y,kind\n3,4,hot\n1,1,hot\n");
+  const test::CommandResult masked = run_tactile("heatmaps --th 40 --mask mask.csv", folder.path());
+  ASSERT_EQ(masked.exit_code, 0) << masked.err;
+  ASSERT_EQ(run_tactile("heatmaps --th 40", folder.path()).exit_code, 0);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
+  ASSERT_EQ(dataset.heatmaps().size(), 2U);
+  EXPECT_FALSE(dataset.heatmaps()[0].settings.contains("mask"));
+  EXPECT_EQ(dataset.heatmaps()[1].settings.at("mask"), nlohmann::json({{1, 1}, {3, 4}}));
+  write_whole(folder / "far.csv", "x,y\n30000,4\n");
+  const test::CommandResult far = run_tactile("heatmaps --th 40 --mask far.csv", folder.path());
+  EXPECT_EQ(far.exit_code, 1);
+  EXPECT_NE(far.err.find("pixel (30000, 4) lies outside the sensor"), std::string::npos) << far.err;
+}
+
 TEST_F(HeatmapsCommand, GivesTheSameBytesForAnyThreads) {
   fs::copy(folder / "data", folder / "other", fs::copy_options::recursive);
   ASSERT_EQ(run_tactile("heatmaps data --th 10,40 --threads 1", folder.path()).exit_code, 0);

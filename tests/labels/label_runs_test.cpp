@@ -58,6 +58,10 @@ TEST(LabelRuns, KeepsTheLabelsOfUnchangedRuns) {
   LabelRunsOptions other;
   other.label.longest_disagreement = 90ms;
   EXPECT_FALSE(label_runs(runs, other)[0].unchanged) << "other settings";
+  LabelRunsOptions masked;
+  masked.label.signals.rate.mask = {{1, 2}};
+  EXPECT_FALSE(label_runs(runs, masked)[0].unchanged) << "a mask";
+  EXPECT_TRUE(label_runs(runs, masked)[0].unchanged);
   EXPECT_FALSE(label_runs(runs, {.force = true})[0].unchanged);
   EXPECT_TRUE(label_runs(runs)[0].unchanged);
   test::write_made_events(runs[0].events(), {.bursts = press_and_slip.bursts, .seed = 5});

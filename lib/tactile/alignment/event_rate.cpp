@@ -29,14 +29,14 @@ Span span_of(events::RecordingReader& recording, std::int32_t stream_id) {
   events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { meter.add_packet(events); });
   const events::StampHealth stamps = meter.stamps();
   Span span{.first = stamps.first, .last = stamps.last, .empty = stamps.elements == 0, .readout_us = {}};
-  if (!span.empty) span.readout_us = meter.health().readout_period_us;
+  const events::Readout readout = meter.health().readout;
+  if (readout.kind != events::Readout::Kind::none) span.readout_us = readout.period_us.value;
   return span;
 }
 
 /// Bins that hold no whole number of read-outs would beat: some would hold one more than others.
 microseconds whole_readouts(microseconds bin, const std::optional<double>& readout_us) {
-  constexpr double least_us = 10.0;  // shorter: every event has its own time, there are no read-outs
-  if (!readout_us || *readout_us <= least_us) return bin;
+  if (!readout_us) return bin;  // every event has its own time, there are no read-outs
   const std::int64_t readout = std::llround(*readout_us);
   return microseconds{readout * std::max<std::int64_t>(1, (bin.count() + readout / 2) / readout)};
 }
@@ -187,7 +187,10 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
   if (length > longest_run) {
     throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
   }
-  const std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+  std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
+  const events::PixelMask mask(*stream.size, options.mask, where + ": mask");
+  for (const auto& [x, y] : mask.pixels())
+    hot[static_cast<std::size_t>(y) * static_cast<std::size_t>(stream.size->width) + static_cast<std::size_t>(x)] = true;
 
   const microseconds bin = whole_readouts(options.bin, span.readout_us);
   EventRate rate{.begin = span.first,

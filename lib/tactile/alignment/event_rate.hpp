@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/events/pixel_mask.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile::alignment {
@@ -31,6 +32,7 @@ struct EventRate {
 struct EventRateOptions {
   microseconds bin{200};      ///< > 0; brought to the nearest whole number of read-outs, one at least
   double hot_pixel_hz = 8.0;  ///< a pixel that fires less often is not hot
+  events::MaskPixels mask{};  ///< pixels that are left out like hot ones
   double flickers = 0.3;      ///< the rate flickers if one frequency has at least this share of the variance
 };
 

@@ -26,7 +26,7 @@ void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, cons
                  std::uint32_t run, unsigned threads) {
   const auto indexes = model::samples_of_runs(dataset, {&run, 1});
   const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
-  const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history);
+  const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history, classifier.rendering().mask);
   const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
   for (std::size_t i = 0; i < indexes.size(); ++i) {
     samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells),

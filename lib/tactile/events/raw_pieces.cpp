@@ -17,13 +17,13 @@ namespace tactile::events {
 namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{64} << 10;
-constexpr SensorSize widest_sensor{2048, 2048};
+constexpr SensorSize largest_image{2048, 2048};
 
 template <class Decoder>
 class DecodedPieces final : public RawPieces {
  public:
   DecodedPieces(const RecordingFile& file, const RawHeader& header)
-      : file_(&file), begin_(header.data_begin), sensor_(header.size.value_or(widest_sensor)), decoder_(sensor_) {}
+      : file_(&file), begin_(header.data_begin), sensor_(header.size.value_or(largest_image)), decoder_(sensor_) {}
 
   std::vector<PacketRecord> find(RecordingProblems& problems) override {
     std::vector<PacketRecord> records;
@@ -113,7 +113,7 @@ std::unique_ptr<RawPieces> open_raw_pieces(const RecordingFile& file, const RawH
 }
 
 std::vector<Stream> raw_streams(const RawHeader& header) {
-  Stream events = event_stream_declaration(header.size.value_or(widest_sensor), header.camera);
+  Stream events = event_stream_declaration(header.size.value_or(largest_image), header.camera);
   events.id = RawPieces::event_stream_id;
   events.size = header.size;
   Stream triggers;

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numeric>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/ticks.hpp"
 #include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/recording_header.hpp"
@@ -17,10 +15,6 @@
 
 namespace tactile::events {
 namespace {
-
-constexpr std::size_t longest_difference_us = 20'000;
-constexpr std::uint64_t fewest_differences = 50;
-constexpr double fewest_active_share = 0.01;
 
 std::string counted(std::uint64_t n, const std::string& thing, const std::string& things) {
   return fmt::format("{} {}", n, n == 1 ? thing : things);
@@ -253,7 +247,7 @@ StampHealth StampMeter::health() const {
 }
 
 EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& options)
-    : options_(options), stamps_(options.gap, options.listed), differences_(longest_difference_us + 1) {
+    : options_(options), stamps_(options.gap, options.listed), readout_(size, ReadoutMeter::Extent::beginning) {
   const bool is_valid = size && size->width > 0 && size->height > 0 && std::int64_t{size->width} * size->height <= most_pixels;
   if (!is_valid) return;
   size_ = *size;
@@ -262,14 +256,8 @@ EventMeter::EventMeter(std::optional<SensorSize> size, const HealthOptions& opti
 
 void EventMeter::add_packet(std::span<const Event> events) {
   stamps_.begin_packet();
+  readout_.add(events);
   for (const Event& event : events) {
-    if (!any_ || event.t > latest_) {
-      if (any_) {
-        const std::int64_t difference = between(latest_, event.t).count();
-        if (difference <= static_cast<std::int64_t>(longest_difference_us)) ++differences_[static_cast<std::size_t>(difference)];
-      }
-      latest_ = event.t;
-    }
     if (!any_ || event.t < tick_begin_ || event.t >= tick_end_) {
       tick_begin_ = last_tick_until(event.t, options_.tick);
       tick_end_ = after(tick_begin_, options_.tick);
@@ -292,79 +280,20 @@ EventHealth EventMeter::health() const {
   health.on = on_;
   health.peak_tick_events = peak_tick_events_;
   health.peak_rate_hz = static_cast<double>(peak_tick_events_) / std::chrono::duration<double>(options_.tick).count();
-  health.readout_period_us = readout_period_us();
+  health.readout = readout_.readout();
   health.pixels_counted = !counts_.empty();
   if (health.pixels_counted) find_hot_pixels(health);
   return health;
 }
 
 void EventMeter::find_hot_pixels(EventHealth& health) const {
-  std::vector<std::uint32_t> fired;
-  std::copy_if(counts_.begin(), counts_.end(), std::back_inserter(fired), [](std::uint32_t count) { return count > 0; });
-  health.pixels_fired = fired.size();
   const double seconds = std::chrono::duration<double>(stamps_.health().duration()).count();
-  if (fired.empty() || seconds <= 0) return;
-
-  const HotPixelRule& rule = options_.hot;
-  const bool has_scene = static_cast<double>(fired.size()) >= fewest_active_share * static_cast<double>(counts_.size());
-  const double median = has_scene ? lower_median<std::uint32_t>(fired) : 1;
-  const double least = std::max({rule.over_median * median, rule.min_rate_hz * seconds, static_cast<double>(rule.min_events)});
-  const auto count_at = [&](int x, int y) -> std::uint32_t {
-    if (x < 0 || y < 0 || x >= size_.width || y >= size_.height) return 0;
-    return counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
-  };
-  std::vector<HotPixel> hot;
-  for (int y = 0; y < size_.height; ++y) {
-    for (int x = 0; x < size_.width; ++x) {
-      const std::uint32_t count = count_at(x, y);
-      if (count < least) continue;
-      std::uint32_t largest = 0, second = 0;  // of the 24 neighbours
-      for (int dy = -2; dy <= 2; ++dy) {
-        for (int dx = -2; dx <= 2; ++dx) {
-          const std::uint32_t other = dx == 0 && dy == 0 ? 0 : count_at(x + dx, y + dy);
-          second = std::max(second, std::min(largest, other));
-          largest = std::max(largest, other);
-        }
-      }
-      if (count < rule.over_neighbours * second) continue;
-      hot.push_back({x, y, count, count / seconds});
-      health.hot_events += count;
-    }
-  }
-  health.hot_pixels = hot.size();
-  std::stable_sort(hot.begin(), hot.end(), [](const HotPixel& a, const HotPixel& b) { return a.events > b.events; });
-  hot.resize(std::min(hot.size(), options_.listed));
-  health.hottest = std::move(hot);
-}
-
-std::optional<double> EventMeter::readout_period_us() const {
-  std::vector<std::uint64_t> up_to(differences_.size());  // number of differences that are at most the index
-  std::partial_sum(differences_.begin(), differences_.end(), up_to.begin());
-  const std::uint64_t total = up_to.back();
-  if (total < fewest_differences) return std::nullopt;
-
-  const auto last_index = static_cast<double>(longest_difference_us);
-  const auto share_between = [&](double low, double high) {  // both included; low >= 1
-    const auto below = static_cast<std::size_t>(std::ceil(low)) - 1;
-    return up_to[static_cast<std::size_t>(std::min(high, last_index))] - up_to[below];
-  };
-  const auto median_between = [&](double low, double high) {
-    const auto below = up_to[static_cast<std::size_t>(std::ceil(low)) - 1];
-    const std::uint64_t middle = below + (share_between(low, high) + 1) / 2;
-    return static_cast<double>(std::lower_bound(up_to.begin(), up_to.end(), middle) - up_to.begin());
-  };
-  for (double low = 1; low <= last_index; ++low) {
-    if (20 * share_between(low, low * 1.05 / 0.95) < total) continue;
-    // Coming from below, the window holds only the lower part of the cluster. It follows its own median into the middle.
-    double period = median_between(low, low * 1.05 / 0.95);
-    for (int step = 0; step < 100; ++step) {
-      const double next = median_between(std::max(1.0, 0.95 * period), 1.05 * period);
-      if (next == period) break;
-      period = next;
-    }
-    return period;
-  }
-  return std::nullopt;
+  HotPixels hot = events::find_hot_pixels(counts_, size_, seconds, options_.hot);
+  health.pixels_fired = hot.fired;
+  health.hot_pixels = hot.pixels.size();
+  for (const HotPixel& pixel : hot.pixels) health.hot_events += pixel.events;
+  hot.pixels.resize(std::min(hot.pixels.size(), options_.listed));
+  health.hottest = std::move(hot.pixels);
 }
 
 std::uint64_t RecordingHealth::packets() const {

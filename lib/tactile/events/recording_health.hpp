@@ -10,26 +10,12 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
+#include "tactile/events/hot_pixels.hpp"
+#include "tactile/events/readout.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 
 namespace tactile::events {
-
-/// When a pixel is hot: it fires by itself, whatever the scene does. An absolute rate does not decide: a read-out of 200 us
-/// allows at most 5000 events/s, and a trembling edge reaches hundreds. A pixel with n events in a recording of length T is hot
-/// if all of these hold:
-///
-///   n >= over_median * m        m = median count of the pixels that fired; 1 if fewer than 1 % of the pixels fired
-///   n >= over_neighbours * n2   n2 = second largest count among the 24 pixels around it: edges are rows of pixels, hot pixels
-///                               are single or in pairs
-///   n >= min_events
-///   n / T >= min_rate_hz
-struct HotPixelRule {
-  double over_median = 10;
-  double over_neighbours = 5;
-  double min_rate_hz = 50;
-  std::uint32_t min_events = 30;
-};
 
 struct HealthOptions {
   std::string stream{};       ///< the event stream to examine, by id or source; all if empty
@@ -97,12 +83,6 @@ class StampMeter {
   bool at_packet_begin_ = true;
 };
 
-struct HotPixel {
-  int x = 0, y = 0;
-  std::uint32_t events = 0;
-  double rate_hz = 0;
-};
-
 /// Health of an event stream.
 struct EventHealth {
   std::uint64_t on = 0;                ///< events of polarity 1
@@ -114,14 +94,10 @@ struct EventHealth {
   std::uint64_t hot_events = 0;   ///< of the hot pixels
   std::vector<HotPixel> hottest;  ///< sorted by events, most first
 
-  /// Time from one read-out of the sensor to the next [us]; nothing with fewer than 50 differences. A mean would be wrong: empty
-  /// read-outs leave no stamp, and busy ones take longer. Of the differences of successive distinct stamps up to 20 ms, it is the
-  /// shortest with at least 5 % of all differences within +-5 %, and then the median of those. 1 to 10 us means that pixels are
-  /// not read out together.
-  std::optional<double> readout_period_us;
+  Readout readout;  ///< as the beginning of the stream shows it
 };
 
-/// Takes the events of one stream packet by packet; keeps 4 bytes per pixel of the sensor.
+/// Takes the events of one stream packet by packet; keeps 4 bytes per pixel of the sensor, and 2^19 time stamps at most.
 class EventMeter {
  public:
   /// Pixels are counted if `size` is given and has at most `most_pixels`.
@@ -135,7 +111,6 @@ class EventMeter {
 
  private:
   void find_hot_pixels(EventHealth& health) const;
-  std::optional<double> readout_period_us() const;
 
   HealthOptions options_;
   SensorSize size_;
@@ -143,10 +118,9 @@ class EventMeter {
   std::uint64_t on_ = 0;
   CameraTime tick_begin_{}, tick_end_{};  ///< of the tick that is being counted
   std::uint64_t tick_events_ = 0, peak_tick_events_ = 0;
-  CameraTime latest_{};
   bool any_ = false;
-  std::vector<std::uint32_t> counts_;       ///< per pixel, row by row; limited to the largest value
-  std::vector<std::uint64_t> differences_;  ///< of distinct stamps; the index is the difference [us]
+  std::vector<std::uint32_t> counts_;  ///< per pixel, row by row; limited to the largest value
+  ReadoutMeter readout_;
 };
 
 struct StreamHealth {

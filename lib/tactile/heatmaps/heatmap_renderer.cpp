@@ -56,6 +56,7 @@ void to_json(nlohmann::json& json, const HeatmapOptions& options) {
           {"denoise", denoise_names.at(static_cast<std::size_t>(options.denoise))},
           {"resize", resize_names.at(static_cast<std::size_t>(options.resize))},
           {"factor", options.factor}};
+  if (!options.mask.empty()) json["mask"] = options.mask;
 }
 
 void from_json(const nlohmann::json& json, HeatmapOptions& options) {
@@ -65,6 +66,8 @@ void from_json(const nlohmann::json& json, HeatmapOptions& options) {
   options.denoise = enumerator_named<Denoise>(member<std::string>(json, "denoise", where), denoise_names, "denoise");
   options.resize = enumerator_named<Resize>(member<std::string>(json, "resize", where), resize_names, "resize");
   options.factor = member<double>(json, "factor", where);
+  options.mask.clear();
+  if (json.contains("mask")) options.mask = events::ordered(member<events::MaskPixels>(json, "mask", where));
 }
 
 void check(const HeatmapOptions& options) {
@@ -104,6 +107,7 @@ HeatmapRenderer::HeatmapRenderer(events::SensorSize sensor, const HeatmapOptions
     : options_(options),
       size_(checked_size(sensor, options)),
       grid_(grid_of(sensor, size_, options)),
+      mask_(sensor, options.mask),
       counts_(sensor, options.history, grid_),
       weights_(64),
       column_shares_(static_cast<std::size_t>(size_.width) + CellCounts<std::uint8_t>::block_cells),

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/events/pixel_mask.hpp"
 #include "tactile/heatmaps/cell_counts.hpp"
 #include "tactile/heatmaps/sliding_counts.hpp"
 
@@ -24,7 +25,8 @@ struct HeatmapOptions {
   microseconds tick{2'000};      ///< between two heatmaps, > 0
   Denoise denoise = Denoise::mean;
   Resize resize = Resize::area;
-  double factor = 0.2;  ///< output size / input size, in (0, 1]; 1/factor must be a whole number
+  double factor = 0.2;        ///< output size / input size, in (0, 1]; 1/factor must be a whole number
+  events::MaskPixels mask{};  ///< pixels whose events do not count; in the JSON only if there are any
 
   friend bool operator==(const HeatmapOptions&, const HeatmapOptions&) = default;
 };
@@ -59,10 +61,11 @@ class HeatmapRenderer {
   events::SensorSize size() const { return size_; }
   const HeatmapOptions& options() const { return options_; }
 
-  void add(std::span<const events::Event> events) { counts_.add(events); }  ///< as `SlidingCounts::add`
-  void move_to(CameraTime tick) { counts_.move_to(tick); }                  ///< as `SlidingCounts::move_to`
-  const SlidingCounts& counts() const { return counts_; }                   ///< E of the current window
-  std::uint64_t events() const { return counts_.events(); }                 ///< in the current window
+  /// As `SlidingCounts::add`, without the events of masked pixels.
+  void add(std::span<const events::Event> events) { counts_.add(mask_.without(events, unmasked_)); }
+  void move_to(CameraTime tick) { counts_.move_to(tick); }   ///< as `SlidingCounts::move_to`
+  const SlidingCounts& counts() const { return counts_; }    ///< E of the current window
+  std::uint64_t events() const { return counts_.events(); }  ///< in the current window
 
   /// Renders the current window.
   /// @param heatmap  [height, width] of `size()`, row by row; in [0, 255], not rounded
@@ -80,6 +83,8 @@ class HeatmapRenderer {
   HeatmapOptions options_;
   events::SensorSize size_;
   CellGrid grid_;
+  events::PixelMask mask_;
+  std::vector<events::Event> unmasked_;
   SlidingCounts counts_;
   std::vector<double> weights_;  // D by count, of the counts in the window, in units in which max D is `strongest_weight_`
   double strongest_weight_ = 1.0;

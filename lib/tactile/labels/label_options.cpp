@@ -67,6 +67,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
       {"longest_disagreement_us", options.longest_disagreement.count()},
       {"latest_slip_us", options.latest_slip.count()},
       {"earliest_slip_us", options.earliest_slip.count()}};
+  if (!options.signals.rate.mask.empty()) settings["rate"]["mask"] = options.signals.rate.mask;
   if (!options.signals.robot.columns.empty()) settings["robot_columns"] = options.signals.robot.columns;
   return settings;
 }

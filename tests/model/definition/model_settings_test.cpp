@@ -19,13 +19,14 @@ TEST(DefaultName, HasHistorySplitRunAndSeed) {
 
 TEST(DefaultName, AppendsAHashOfSettingsOffTheirDefault) {
   const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
-  ModelSettings epochs, other_epochs, denoise, history;
+  ModelSettings epochs, other_epochs, denoise, history, mask;
   epochs.training.epochs = 3;
   other_epochs.training.epochs = 4;
   denoise.rendering.denoise = heatmaps::Denoise::none;
   history.rendering.history = 40'500us;
   history.rendering.tick = 500us;
-  for (const ModelSettings& settings : {epochs, other_epochs, denoise, history}) {
+  mask.rendering.mask = {{1, 2}};
+  for (const ModelSettings& settings : {epochs, other_epochs, denoise, history, mask}) {
     EXPECT_TRUE(std::regex_match(default_name(settings), hashed)) << default_name(settings);
   }
   EXPECT_NE(default_name(epochs), default_name(other_epochs));

@@ -53,7 +53,7 @@ std::string default_name(const ModelSettings& settings) {
   nlohmann::json off_default = nlohmann::json::object();
   for (const auto& [group, options] : ours.items()) {
     for (const auto& [key, value] : options.items()) {
-      if (value != defaults.at(group).at(key)) off_default[group][key] = value;
+      if (!defaults.at(group).contains(key) || value != defaults.at(group).at(key)) off_default[group][key] = value;
     }
   }
   return off_default.empty() ? name : name + "-" + hash_of(off_default).substr(0, 8);

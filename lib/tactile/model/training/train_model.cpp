@@ -56,12 +56,12 @@ CutSamples cut_samples(const windows::Dataset& dataset, const ModelSettings& set
 }
 
 /// The gate for the presses and slips of these runs.
-Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, microseconds history) {
+Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, const heatmaps::HeatmapOptions& rendering) {
   std::vector<std::uint64_t> counts;
   for (const std::uint32_t run : runs) {
     std::vector<std::uint32_t> touches = samples_of_runs(dataset, {&run, 1});
     std::erase_if(touches, [&](std::uint32_t sample) { return dataset.samples()[sample].touch == Touch::none; });
-    const auto of_run = windows::event_counts(dataset, run, touches, history);
+    const auto of_run = windows::event_counts(dataset, run, touches, rendering.history, rendering.mask);
     counts.insert(counts.end(), of_run.begin(), of_run.end());
   }
   return calibrated_gate(counts);
@@ -179,7 +179,7 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.simulated = dataset.simulated();
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
-  description.gate = gate_of(dataset, split.train_runs, description.settings.rendering.history);
+  description.gate = gate_of(dataset, split.train_runs, description.settings.rendering);
   description.trained_at = now_utc();
   description.version = version();
   description.revision = revision();

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tactile/characterise/sensor.hpp"
+
+namespace tactile::characterise {
+
+/// As `sensor.json` has it; docs/format.md describes the members.
+nlohmann::json json_of(const Sensor& sensor);
+
+std::string_view name_of(UnusualPixel::Kind kind);  ///< "warm", "hot", "stuck"
+
+}  // namespace tactile::characterise

@@ -1,0 +1,175 @@
+#include "tactile/characterise/characterise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "characterise/made_sensor.hpp"
+#include "events/aedat4_bytes.hpp"
+#include "support/error_of.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/characterise/physics_file.hpp"
+#include "tactile/characterise/sensor_json.hpp"
+
+namespace tactile::characterise {
+namespace {
+
+using Kind = UnusualPixel::Kind;
+
+Sensor sensor_of(const test::MadeSensor& made, std::uint64_t seed) {
+  const test::TemporaryFolder folder;
+  return characterise({test::write_recording(folder / "quiet.aedat4", made.size, events_of(made, seed))}, {});
+}
+
+test::MadeSensor with_hot_pixels() {
+  test::MadeSensor made;
+  for (int i = 0; i < 12; ++i) made.hot.push_back({6 * i + 2, 4 * i + 3, 80.0 * (i + 1)});
+  made.hot.push_back({71, 55, 50'000});  // faster than any read-out
+  for (int i = 0; i < 8; ++i) made.dead.emplace_back(9 * i + 1, 7 * i + 1);
+  return made;
+}
+
+TEST(Characterise, FindsWhatASensorWasMadeOf) {
+  const test::MadeSensor made = with_hot_pixels();
+  const Sensor sensor = sensor_of(made, 1);
+  EXPECT_EQ(sensor.size, made.size);
+  EXPECT_NEAR(sensor.seconds, 10, 0.1);
+  EXPECT_EQ(sensor.readout.scan, events::Scan::columns);
+  EXPECT_NEAR(sensor.readout.period_us.value, made.period_us, 1e-4);
+  EXPECT_NEAR(sensor.readout.step_us.value, made.step_us, 1e-3);
+  EXPECT_EQ(sensor.unusual.hot.value, 12);
+  EXPECT_EQ(sensor.unusual.stuck.value, 1);
+  ASSERT_FALSE(sensor.unusual.pixels.empty());
+  EXPECT_EQ(sensor.unusual.pixels.front().kind, Kind::stuck);
+  EXPECT_EQ(sensor.unusual.pixels.front().x, 71);
+  EXPECT_EQ(sensor.unusual.pixels.front().y, 55);
+  EXPECT_EQ(sensor.dead.silent, 8U);
+  EXPECT_LT(test::off_by(sensor.dead.count, 8), 2);
+  auto dead = made.dead;
+  std::sort(dead.begin(), dead.end(), [](auto a, auto b) { return a.second < b.second; });
+  EXPECT_EQ(sensor.dead.places, dead);
+  EXPECT_TRUE(sensor.flicker.lines.empty());
+  EXPECT_EQ(sensor.shortest_interval_us->value, 195);
+  EXPECT_LT(test::off_by(*sensor.refractory_us, 0), 2) << "at most a read-out";
+  EXPECT_EQ(sensor.largest.tick, 11U) << "a stuck pixel fires at each of the read-outs in 2 ms";
+  EXPECT_EQ(sensor.largest.history, 205U);
+  EXPECT_FALSE(sensor.background.is_disturbed());
+}
+
+TEST(Characterise, HasValuesWithinTheirUncertainty) {
+  constexpr int seeds = 40;
+  std::map<std::string, int> within;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    test::MadeSensor made;
+    made.seconds = 6;
+    const Sensor sensor = sensor_of(made, 100 + seed);
+    const auto count = [&](const char* name, const Measured& measured, double truth) {
+      within[name] += test::off_by(measured, truth) < 2;
+    };
+    count("on", sensor.background.on_hz, 1.2);
+    count("off", sensor.background.off_hz, 0.8);
+    count("spread", sensor.background.spread_decades, 0.2);
+    count("regularity", sensor.background.regularity, 2);
+    count("on spread", sensor.background.on_spread, 0);
+    count("rate", sensor.rate_hz, 2.0 * 80 * 60);
+    count("across", sensor.neighbours.horizontal, 0);
+    count("down", sensor.neighbours.vertical, 0);
+    count("period", sensor.readout.period_us, made.period_us);
+    count("step", sensor.readout.step_us, made.step_us);
+    count("dead", sensor.dead.count, 0);
+    count("hot", sensor.unusual.hot, 0);
+  }
+  // Of normal errors 95.4 % are within two: fewer than 33 of 40 have a chance below 1 in 1000.
+  for (const auto& [name, number] : within) EXPECT_GE(number, 33) << name;
+}
+
+TEST(Characterise, FindsFlicker) {
+  test::MadeSensor made;
+  made.shape = 1;
+  made.background_hz = 5;
+  made.flicker_hz = 100;
+  made.flicker_depth = 0.3;
+  const Sensor sensor = sensor_of(made, 3);
+  ASSERT_EQ(sensor.flicker.lines.size(), 1U);
+  EXPECT_NEAR(sensor.flicker.lines[0].hz.value, 100, 0.3);
+  EXPECT_LT(test::off_by(sensor.flicker.lines[0].depth, 0.3), 3);
+}
+
+TEST(Characterise, CombinesRecordings) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made = with_hot_pixels();
+  std::vector<events::Event> events = events_of(made, 5);
+  const auto half =
+      std::partition_point(events.begin(), events.end(), [](const auto& e) { return e.t < camera_time(6'000'000); });
+  const auto whole = test::write_recording(folder / "whole.aedat4", made.size, events);
+  const auto first = test::write_recording(folder / "first.aedat4", made.size, {events.begin(), half});
+  const auto second = test::write_recording(folder / "second.aedat4", made.size, {half, events.end()});
+  const Sensor together = characterise({first, second}, {}), one = characterise({whole}, {});
+  EXPECT_EQ(together.events, one.events);
+  EXPECT_EQ(together.unusual.hot.value, one.unusual.hot.value);
+  EXPECT_NEAR(together.seconds, one.seconds, 0.001);
+  EXPECT_NEAR(together.background.on_hz.value, one.background.on_hz.value, one.background.on_hz.uncertainty);
+  EXPECT_NEAR(together.readout.period_us.value, one.readout.period_us.value, 3 * together.readout.period_us.uncertainty);
+}
+
+TEST(Characterise, TakesPassagesFromTouchedRecordings) {
+  const test::TemporaryFolder folder;
+  test::MadeSensor made;
+  made.seconds = 2;
+  made.background_hz = 0.3;
+  std::vector<events::Event> touched;
+  for (std::int64_t x = 0; x < 80; ++x) {
+    for (std::int64_t i = 0; i < 4; ++i) {
+      for (int y = 0; y < 60; ++y) touched.push_back(test::event(20'000 * x + 2'000 * i, static_cast<int>(x), y, 1));
+    }
+  }
+  const Sensor sensor = characterise({test::write_recording(folder / "quiet.aedat4", made.size, events_of(made, 6))},
+                                     {test::write_recording(folder / "touched.aedat4", made.size, touched)});
+  ASSERT_TRUE(sensor.passages);
+  EXPECT_NEAR(sensor.passages->on.value, 4, 0.05);
+  EXPECT_EQ(sensor.dead.silent, 0U) << "a pixel that a marker moves over is not dead";
+}
+
+TEST(Characterise, RefusesWhatItCannotUse) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made{.seconds = 0.2};
+  const auto file = test::write_recording(folder / "a.aedat4", made.size, events_of(made, 1));
+  const auto other = test::write_recording(folder / "b.aedat4", {81, 60}, {test::event(1, 80, 1, 1), test::event(9, 1, 1, 1)});
+  EXPECT_NE(test::error_of([&] {
+              characterise({file, other}, {});
+            }).find("b.aedat4: its sensor has 81x60 pixels; expected 80x60"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] { characterise({file}, {other}); }).find("b.aedat4: its sensor has 81x60"), std::string::npos);
+  const auto empty = test::write_recording(folder / "empty.aedat4", made.size, {});
+  EXPECT_NE(test::error_of([&] { characterise({empty}, {}); }).find("empty.aedat4: holds no event"), std::string::npos);
+  const auto moment = test::write_recording(folder / "moment.aedat4", made.size, {test::event(5, 1, 1, 1)});
+  EXPECT_NE(test::error_of([&] { characterise({moment}, {}); }).find("all events have the same time"), std::string::npos);
+  const auto huge =
+      test::write_bytes(folder / "huge.aedat4", test::file_start(0, test::xml_of(test::event_node(0, 32'767, 32'767, "A"))) +
+                                                    test::packet(0, test::event_payload({test::event(1, 2, 3, 1)})));
+  EXPECT_NE(test::error_of([&] { characterise({huge}, {}); }).find("expected at most 4194304 pixels"), std::string::npos);
+}
+
+TEST(Characterise, GivesTheSameForAnyNumberOfThreads) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made = with_hot_pixels();
+  const auto file = test::write_recording(folder / "a.aedat4", made.size, events_of(made, 9));
+  EXPECT_EQ(json_of(characterise({file}, {}, {.threads = 1})), json_of(characterise({file}, {}, {.threads = 4})));
+}
+
+TEST(PhysicsOf, HasTheMeasuredValues) {
+  const Sensor sensor = sensor_of(with_hot_pixels(), 11);
+  const nlohmann::json physics = physics_of(sensor), camera = physics.at("camera");
+  EXPECT_EQ(camera.at("size"), nlohmann::json({80, 60}));
+  EXPECT_NEAR(camera.at("readout_us"), 195.163, 1e-3);
+  EXPECT_NEAR(camera.at("scan_us_per_column"), 2.2, 1e-3) << "above 0 from high x to low x";
+  EXPECT_EQ(camera.at("scan_us_per_row"), 0);
+  EXPECT_NEAR(camera.at("background_hz"), 2, 0.1);
+  EXPECT_NEAR(camera.at("background_on_share"), 0.6, 0.02);
+  EXPECT_EQ(camera.at("hot_pixels"), 12);
+  EXPECT_EQ(camera.at("hot_hz").size(), 12U);
+  EXPECT_EQ(camera.at("stuck_pixels"), 1);
+  EXPECT_LT(camera.at("refractory_us"), 195);
+  EXPECT_FALSE(physics.at("sessions").at("vary"));
+}
+
+}  // namespace
+}  // namespace tactile::characterise
