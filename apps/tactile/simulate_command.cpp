@@ -22,10 +22,12 @@ namespace {
 struct SimulateArguments {
   std::string data = "data";
   std::string physics;
+  std::string camera;
   std::string preset = "quick";
   int runs = 0;
   std::vector<std::string> objects{"all"};
   std::uint64_t seed = 1;
+  bool one_camera = false;
   bool force = false;
 };
 
@@ -90,16 +92,23 @@ std::string speed_of(const SimulatedTotals& totals, double elapsed_s, double cor
   return wrapped(text) + "\n";
 }
 
+simulation::SimulationPhysics physics_of(const SimulateArguments& args) {
+  simulation::SimulationPhysics physics = !args.physics.empty() ? simulation::read_physics(args.physics, args.camera)
+                                          : args.camera.empty() ? simulation::default_physics()
+                                                                : simulation::with_camera(args.camera);
+  if (args.one_camera) physics.sessions.vary = false;
+  return physics;
+}
+
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
-  simulation::SimulateOptions options{
-      .data = args.data,
-      .preset = args.preset,
-      .runs = {},
-      .objects = args.objects,
-      .seed = args.seed,
-      .force = args.force,
-      .threads = common.threads,
-      .physics = args.physics.empty() ? simulation::default_physics() : simulation::read_physics(args.physics)};
+  simulation::SimulateOptions options{.data = args.data,
+                                      .preset = args.preset,
+                                      .runs = {},
+                                      .objects = args.objects,
+                                      .seed = args.seed,
+                                      .force = args.force,
+                                      .threads = common.threads,
+                                      .physics = physics_of(args)};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   const auto begun = std::chrono::steady_clock::now();
@@ -137,6 +146,11 @@ void add_simulate_command(CLI::App& app) {
       .check(is_existing_file())
       .type_name("FILE.json");
   command
+      .add_option("--camera", args->camera,
+                  "quiet: few and regular events without cause; measured: noise and stamps of a real camera; noisy: more of "
+                  "both. Default: that of --physics, else measured")
+      .check(one_of({"measured", "noisy", "quiet"}));
+  command
       .add_option("--preset", args->preset,
                   "tiny: 2 runs of about 2.5 s per object; quick: 3 runs of about 4 s; paper: 10 runs of about 4 s, some with "
                   "two presses, no slip or no press")
@@ -148,6 +162,7 @@ void add_simulate_command(CLI::App& app) {
       .type_name("NAME,...")
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the whole data set").check(is_seed()).show_default();
+  command.add_flag("--one-camera", args->one_camera, "The same camera in all sessions; otherwise each session has its own");
   command.add_flag("--force", args->force,
                    "Replace runs that were simulated with other settings, and remove extra simulated runs");
 }

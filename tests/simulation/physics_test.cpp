@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <set>
+#include <string_view>
 
 #include "support/error_of.hpp"
 #include "support/paths.hpp"
@@ -17,6 +20,8 @@ namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> source_words{"published", "measured here", "derived", "assumed", "no number"};
 
 const fs::path configs = fs::path(test::data_folder).parent_path().parent_path() / "configs";
 
@@ -31,13 +36,22 @@ std::string refusal(const std::string& text) {
 }
 
 TEST(DefaultPhysics, AreTheFilesOfConfigsAndNoMemberIsMissingThere) {
-  EXPECT_EQ(without_objects(default_physics()), read_json(configs / "simulation.json"));
+  nlohmann::json expected = read_json(configs / "simulation.json"), cameras = read_json(configs / "cameras.json");
+  expected["camera"] = cameras.at("measured");
+  expected["camera"]["preset"] = "measured";
+  EXPECT_EQ(without_objects(default_physics()), expected);
+  for (const auto& [name, camera] : cameras.items()) {
+    expected["camera"] = camera;
+    expected["camera"]["preset"] = name;
+    EXPECT_EQ(without_objects(with_camera(name)), expected);
+  }
   EXPECT_EQ(json_of(default_physics()).at("objects"), read_json(configs / "objects.json"));
 }
 
 TEST(DefaultPhysics, AreThoseOfTheStructs) {
   const SimulationPhysics& physics = default_physics();
-  EXPECT_EQ(json_of_fields(physics.camera), json_of_fields(EventCameraOptions{}));
+  EXPECT_EQ(json_of_fields(with_camera("quiet").camera), json_of_fields(EventCameraOptions{}));
+  EXPECT_EQ(json_of_fields(physics.sessions), json_of_fields(SessionPhysics{}));
   EXPECT_EQ(json_of_fields(physics.variation), json_of_fields(RunVariation{}));
   EXPECT_EQ(json_of_fields(physics.after_effects), json_of_fields(AfterEffects{}));
   EXPECT_EQ(json_of_fields(physics.special_runs), json_of_fields(SpecialRuns{}));
@@ -46,6 +60,38 @@ TEST(DefaultPhysics, AreThoseOfTheStructs) {
   EXPECT_EQ(json_of_fields(physics.imu), json_of_fields(ImuPhysics{}));
   EXPECT_EQ(json_of_fields(physics.clocks), json_of_fields(ClockPhysics{}));
   EXPECT_EQ(json_of_fields(physics.preset("quick").timings), json_of_fields(RunTimings{}));
+}
+
+/// The members of a file of configs/, at any depth but without the names of presets.
+void collect_keys(const nlohmann::json& json, std::set<std::string>& keys) {
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object())
+      collect_keys(value, keys);
+    else
+      keys.insert(key);
+  }
+}
+
+TEST(Configs, HaveASourceForEachNumber) {
+  std::set<std::string> keys, explained;
+  for (const char* file : {"simulation.json", "cameras.json"}) collect_keys(read_json(configs / file), keys);
+  std::ifstream page(configs / "README.md");
+  for (std::string line; std::getline(page, line);) {
+    const std::size_t bar = line.find(" | ", 2);
+    if (line.substr(0, 3) != "| `" || bar == std::string::npos) continue;
+    const std::string source = line.substr(bar);
+    const bool is_source = std::any_of(source_words.begin(), source_words.end(),
+                                       [&](std::string_view word) { return source.find(word) != std::string::npos; });
+    for (std::size_t from = line.find('`'); is_source && from < bar; from = line.find('`', from)) {
+      const std::size_t to = line.find('`', from + 1);
+      explained.insert(line.substr(from + 1, to - from - 1));
+      from = to + 1;
+    }
+  }
+  for (const std::string& key : keys) EXPECT_TRUE(explained.contains(key)) << key << ": configs/README.md has no source for it";
+  for (const char* file :
+       {"objects.json", "scenes/*.json", "train-thorough.json", "windows-as-paper.json", "heatmaps-as-printed.json"})
+    EXPECT_TRUE(explained.contains(file)) << file;
 }
 
 TEST(DefaultPhysics, HaveThePapersPresets) {
@@ -165,7 +211,7 @@ TEST(Physics, ReplaceAndAddObjectsMemberByMember) {
   EXPECT_EQ(physics.source, "soft.json");
   EXPECT_EQ(default_physics().source, "default");
   EXPECT_EQ(physics.camera.threshold, 0.5);
-  EXPECT_EQ(physics.camera.readout, default_physics().camera.readout);
+  EXPECT_EQ(physics.camera.readout_us, default_physics().camera.readout_us);
   EXPECT_EQ(physics.preset("quick").runs, 7);
   ASSERT_EQ(physics.objects.size(), 11U);
   EXPECT_EQ(physics.object("fan").compliance, 0.4);
@@ -173,6 +219,24 @@ TEST(Physics, ReplaceAndAddObjectsMemberByMember) {
   EXPECT_EQ(physics.place_of("cup"), 10U);
   EXPECT_EQ(physics.object("cup").radius_mm, 40);
   EXPECT_EQ(physics.object("cup").depth_mm, ObjectModel{}.depth_mm);
+}
+
+TEST(Physics, ChangeTheCameraThatTheyName) {
+  const SimulationPhysics physics = physics_from({{"camera", {{"preset", "quiet"}, {"threshold", 0.4}}}}, "FILE");
+  EXPECT_EQ(physics.camera.threshold, 0.4);
+  EXPECT_EQ(physics.camera.readout_us, 200);
+  EXPECT_EQ(physics.camera.hot_pixels, 24);
+  const test::TemporaryFolder folder;
+  write_whole(folder / "camera.json", R"({"camera": {"preset": "quiet", "threshold": 0.4}})");
+  const SimulationPhysics noisy = read_physics(folder / "camera.json", "noisy");
+  EXPECT_EQ(noisy.camera.threshold, 0.4) << "the command line names the camera, the file changes it";
+  EXPECT_EQ(noisy.camera.hot_pixels, with_camera("noisy").camera.hot_pixels);
+  EXPECT_EQ(refusal(R"({"camera": {"preset": "quite"}})"),
+            "FILE: 'quite' is no preset of the camera; the nearest is 'quiet', of "
+            "measured, noisy, quiet");
+  EXPECT_EQ(refusal(R"({"camera": {"preset": 3}})").substr(0, 5), "FILE:");
+  EXPECT_EQ(refusal(R"({"camera": {"hot_hz": []}})"),
+            "FILE: camera.hot_hz is []; expected 1 to 1000 ascending numbers from 0.001 to 1000000");
 }
 
 TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
@@ -188,14 +252,14 @@ TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
   EXPECT_EQ(refusal(R"({"objects": [{"name": "fan", "weight": 1}]})"),
             "FILE: there is no 'objects.fan.weight'; the nearest is 'objects.fan.weight_g'");
   EXPECT_EQ(refusal(R"({"special_runs": {"two_presses": 0.5, "without_slip": 0.75, "without_press": 0}})"),
-            "FILE: special_runs.two_presses, without_slip and without_press add up to 1.25; expected at most 1");
+            "FILE: special_runs.two_presses, without_slip, without_press and firm_lifts add up to 1.33; expected at most 1");
   EXPECT_NO_THROW(
-      physics_from({{"special_runs", {{"two_presses", 0.6}, {"without_slip", 0.3}, {"without_press", 0.1}}}}, "FILE"));
+      physics_from({{"special_runs", {{"two_presses", 0.6}, {"without_slip", 0.3}, {"without_press", 0.02}}}}, "FILE"));
   EXPECT_EQ(refusal(R"({"why": 3})"), "FILE: why is 3; expected a text");
   for (const std::string wrong :
        {"[]", "3", R"({"camera": 3})", R"({"objects": {}})", R"({"objects": [3]})", R"({"objects": [{}]})",
         R"({"objects": [{"name": "../fan"}]})", R"({"objects": [{"name": "Fan"}]})",
-        R"({"objects": [{"name": "fan"}, {"name": "fan"}]})", R"({"camera": {"hot_min_hz": 3000}})",
+        R"({"objects": [{"name": "fan"}, {"name": "fan"}]})", R"({"camera": {"hot_hz": [3000, 100]}})",
         R"({"camera": {"size": [20, 20], "dead_pixels": 300}})", R"({"camera": {"hot_pixels": 1.5}})"}) {
     EXPECT_EQ(refusal(wrong).substr(0, 5), "FILE:") << wrong;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/capture/pace.hpp"
@@ -40,6 +41,10 @@ std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
   return last;
 }
 
+microseconds readout_of(const simulation::DrawnRun& drawn) {
+  return microseconds{std::llround(std::ceil(drawn.camera.readout_us))};
+}
+
 /// One simulated run.
 struct Scene {
   Scene(simulation::DrawnRun run, const simulation::CameraPixels& pixels)
@@ -61,7 +66,6 @@ class SimulatorSource final : public CameraSource {
         pace_(speed),
         live_(speed > 0),
         physics_(simulation::default_physics()),
-        pixels_(simulation::simulated_camera_pixels(physics_, seed)),
         streams_{events::event_stream_declaration(physics_.camera.size, simulation::simulated_camera_name(seed)),
                  simulation::simulated_imu_stream(simulation::simulated_camera_name(seed))} {
     if (object_) physics_.object(*object_);
@@ -76,7 +80,7 @@ class SimulatorSource final : public CameraSource {
   bool begins_again() const override { return true; }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
-    json["readout_us"] = physics_.camera.readout.count();
+    json["readout_us"] = camera_ ? camera_->options.readout_us : physics_.camera.readout_us;
     json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
                          {"preset", preset},
                          {"seed", seed_},
@@ -85,7 +89,10 @@ class SimulatorSource final : public CameraSource {
   }
 
   void begin_run(const RunFolder& run) override {
-    if (!recorded_) clocks_.reset();  // what came before the first run is not kept
+    if (!recorded_) {  // what came before the first run is not kept
+      clocks_.reset();
+      camera_.reset();
+    }
     begin(object_.value_or(is_model(run.object) ? run.object : std::string(usual_object)), run.run, between_recordings);
     recorded_ = run.folder;
     pace_.reset();
@@ -136,12 +143,16 @@ class SimulatorSource final : public CameraSource {
 
  private:
   void begin(const std::string& object, const std::string& run, microseconds gap) {
-    simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_);
+    simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_, camera_);
     if (clocks_) {
       drawn.clocks =
-          simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
+          simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + readout_of(drawn) + gap);
     } else {
       clocks_ = drawn.clocks;
+    }
+    if (!camera_) {
+      camera_ = {.options = drawn.camera, .pixels_seed = drawn.pixels_seed};
+      pixels_ = simulation::camera_pixels_of(drawn);
     }
     next_.clear();
     scene_ = std::make_unique<Scene>(std::move(drawn), pixels_);
@@ -149,7 +160,7 @@ class SimulatorSource final : public CameraSource {
 
   /// The read-outs of the next millisecond, and further ones until there is an event, with the IMU samples of this time.
   void film_next() {
-    const auto readouts = packet_span / scene_->drawn.camera.readout;
+    const auto readouts = packet_span / readout_of(scene_->drawn);
     for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
       const std::span<const events::Event> events = scene_->film.next();
       next_.events.insert(next_.events.end(), events.begin(), events.end());
@@ -166,6 +177,7 @@ class SimulatorSource final : public CameraSource {
   Pace pace_;
   bool live_;
   const simulation::SimulationPhysics& physics_;
+  std::optional<simulation::SessionCamera> camera_;  ///< that of the first run: the source is one session
   simulation::CameraPixels pixels_;
   std::array<events::Stream, 2> streams_;        ///< events and IMU samples
   std::optional<simulation::RunClocks> clocks_;  ///< of the first run

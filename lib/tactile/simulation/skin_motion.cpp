@@ -112,13 +112,18 @@ void add_presses(MotionList& list, const RunPlan& plan) {
     const double end_s = press_end_s(press, std::min(shut_s, plan.end_s));
     list.add(Touch::press, "press", press.contact_s >= 0, press.contact_s, end_s);
     list.add(Touch::press, "relaxation", false, end_s, std::min(press.creeping_end_s(), shut_s));
-    if (press.release_start_s) list.add(Touch::press, "release", false, shut_s, shut_s + press.release_s);
+    if (!press.release_start_s) continue;
+    const double free_s = shut_s + press.release_s, kept_mm = plan.hysteresis_share * press.depth_mm;
+    list.add(Touch::press, "release", false, shut_s, free_s);
+    list.add(Touch::press, "recovery", false, free_s, free_s + ringing_s(kept_mm, plan.hysteresis_s));
   }
 }
 
 void add_after_effects(MotionList& list, const RunPlan& plan, std::span<const MicroSlip> slips) {
   for (const MicroSlip& slip : slips)
-    list.add(Touch::slip, "micro-slip", false, slip.plan->at_s, slip.end_s(), slip.plan->markers);
+    list.add(Touch::slip, slip.is_partial() ? "partial slip" : "micro-slip", false, slip.plan->at_s, slip.end_s(),
+             slip.plan->markers);
+  for (const TurnPlan& turn : plan.turns) list.add(Touch::slip, "turn", false, turn.start_s, turn.end_s());
   for (const RecontactPlan& rocks : plan.recontacts) list.add(Touch::press, "re-contact", false, rocks.start_s, rocks.end_s());
   for (const TapPlan& tap : plan.taps) list.add(Touch::press, "tap", false, tap.contact_s(), tap.free_s());
 }
@@ -139,11 +144,11 @@ void add_vibrations(MotionList& list, const RunPlan& plan, double tail_start_s, 
 }
 
 /// Whether a marker moves visibly between two times.
-bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds readout, microseconds start,
+bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds step, microseconds start,
                    microseconds end) {
   const double least_px = view.px_per_mm * least_motion_mm;
-  const auto first = static_cast<std::size_t>(start / readout);
-  const auto last = std::min(static_cast<std::size_t>((end + readout - 1us) / readout), poses.size() - 1);
+  const auto first = static_cast<std::size_t>(start / step);
+  const auto last = std::min(static_cast<std::size_t>((end + step - 1us) / step), poses.size() - 1);
   for (std::size_t k = first + 1; k <= last; ++k) {
     for (std::size_t m = 0; m < marker_count; ++m) {
       const MarkerPose &a = poses[first][m], &b = poses[k][m];
@@ -156,12 +161,13 @@ bool moves_between(std::span<const SkinPose> poses, const SkinView& view, micros
 
 }  // namespace
 
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random) {
-  assert(readout > 0us && "read-outs follow each other in time");
-  const double dt_s = 1e-6 * static_cast<double>(readout.count());
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random) {
+  assert(step > 0us && "steps follow each other in time");
+  const double dt_s = 1e-6 * static_cast<double>(step.count());
   const auto steps = static_cast<std::size_t>(std::floor(plan.end_s / dt_s + 1e-6)) + 1;
   MovingTips tips(plan, view, dt_s, random);
   SkinMotion motion;
+  motion.step = step;
   motion.poses.reserve(steps);
   for (std::size_t k = 0; k < steps; ++k) motion.poses.push_back(tips.advance_to(static_cast<double>(k) * dt_s, random));
 
@@ -172,11 +178,11 @@ SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds rea
   double tail_start_s = infinite;
   if (dragged.drags()) {
     tail_start_s = dragged.end_s();
-    list.add(Touch::slip, "slip", true, dragged.start_s(), tail_start_s);
+    list.add(Touch::slip, dragged.is_firm() ? "firm shear" : "slip", !dragged.is_firm(), dragged.start_s(), tail_start_s);
   }
   add_vibrations(list, plan, tail_start_s, dragged.ringing_end_s());
   motion.motions =
-      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, readout, start, end); });
+      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, step, start, end); });
   for (MarkerMotion& moved : motion.motions) {
     if (moved.what == "slip" && dragged.gross_s() < infinite) moved.gross = whole_us(dragged.gross_s());
   }

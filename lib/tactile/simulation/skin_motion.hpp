@@ -17,7 +17,8 @@ inline constexpr unsigned all_markers = (1U << marker_count) - 1U;
 /// A motion of markers. Times count from the camera's first read-out.
 struct MarkerMotion {
   Touch touch = Touch::press;  ///< its class; the most similar class if it is unlabelled
-  std::string what;  ///< "press", "slip"; unlabelled: "release", "relaxation", "micro-slip", "re-contact", "vibration", "tap"
+  std::string what;  ///< "press", "slip"; unlabelled: "release", "relaxation", "recovery", "micro-slip", "partial slip",
+                     ///< "turn", "firm shear", "re-contact", "vibration", "tap"
   bool labelled = true;
   microseconds start{};
   microseconds end{};                 ///< by the rules of labels
@@ -27,12 +28,13 @@ struct MarkerMotion {
 
 /// The motion of the skin in a run, with its intervals by the rules of labels.
 struct SkinMotion {
-  std::vector<SkinPose> poses;        ///< one per read-out, from the first
+  std::vector<SkinPose> poses;  ///< one per step, from the camera's first read-out
+  microseconds step{200};
   std::vector<MarkerMotion> motions;  ///< by start; only unlabelled ones may overlap each other
   std::optional<microseconds> lift_start;
 };
 
-/// Moves the markers through a run, read-out by read-out.
+/// Moves the markers through a run, step by step.
 ///
 /// Press: marker m is pushed in by q(t) = max(0, depth(t) - gap). It starts with the object's speed at that time, and moves
 /// sideways in proportion. Lift: after the slack, each touched tip is dragged with the object at the arm's speed until the shear
@@ -42,10 +44,14 @@ struct SkinMotion {
 /// skin is one piece. Creeping, micro-slips, re-contacts, taps and the arm's ringing are added. A micro-slip is opposite to the
 /// tip's bending. When the object releases a tip, the tip straightens in proportion.
 ///
+/// In a firm lift the object comes along: the shear of each tip approaches an end, and nothing slips. The object may turn, and
+/// the touched tips move with it. A partial slip moves some tips back slowly. Released tips keep a share of their displacement
+/// for a while.
+///
 /// After contact, a press ends at the begin of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
 /// ends at the begin of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
 /// unlabelled. Motions that move no marker by a hundredth of a pixel are omitted.
-/// @param readout  > 0
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random);
+/// @param step  > 0
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random);
 
 }  // namespace tactile::simulation
