@@ -317,6 +317,17 @@ TEST(VideoSawMotion, IsUnknownWhereTheFilmDoesNotShowIt) {
   EXPECT_EQ(saw(0.0, 0.8), false);
 }
 
+TEST(VideoRisesNear, KnowsAMotionThatBeginsWhileAnotherFades) {
+  const MadeFilm made{.motions = {closing, lift}};
+  MotionEnergy film = film_of(made);
+  const FittedClock clock = clock_of(made);
+  for (MotionStep& step : film.steps)
+    step.energy += 5.0 * film.noise * 1e6 / static_cast<double>((step.end - step.begin).count());
+  EXPECT_TRUE(video_rises_near(film, clock, certain(lift.start_s).at, 100ms));
+  EXPECT_FALSE(video_rises_near(film, clock, certain(0.5).at, 100ms));
+  EXPECT_FALSE(video_rises_near(film, clock, certain(lift.end_s).at, 100ms));
+}
+
 TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {
   ArmMotion arm;
   arm.begin = RobotTime{500s};

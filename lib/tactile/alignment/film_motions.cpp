@@ -231,6 +231,26 @@ std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions
   return nearest(motions, t, apart, &VideoMotion::end, &VideoMotion::end_cut);
 }
 
+bool video_rises_near(const MotionEnergy& energy, const FittedClock& clock, CameraTime t, microseconds apart) {
+  constexpr double clear = 10.0, times_more = 3.0;
+  const auto mean_over = [&](CameraTime from, CameraTime to, double& largest) {
+    double sum = 0, length = 0;
+    for (const MotionStep& step : energy.steps) {
+      const CameraTime middle = clock.relation.camera_from(step.begin + (step.end - step.begin) / 2);
+      if (middle < from || middle >= to) continue;
+      const auto step_us = static_cast<double>((step.end - step.begin).count());
+      sum += step.energy * step_us;
+      length += step_us;
+      largest = std::max(largest, size_of(step, energy.noise));
+    }
+    return length > 0 ? sum / length : 0.0;
+  };
+  double ignored = 0, largest = 0;
+  const double earlier = mean_over(before(t, 3 * apart), before(t, apart), ignored);
+  const double later = mean_over(after(t, apart), after(t, 3 * apart), largest);
+  return largest >= clear && later > times_more * earlier;
+}
+
 std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClock& clock, CameraTime begin, CameraTime end) {
   if (energy.steps.empty() || begin >= end) return std::nullopt;
   constexpr std::int64_t longest_in_frames = 4;

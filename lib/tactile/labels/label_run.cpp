@@ -320,7 +320,9 @@ class Labeller {
     }
     if (filmed) {
       interval.evidence.video = filmed->at;
-    } else if (interval.touch == Touch::slip && labels_.video_clock && filmed_at(interval)) {
+    } else if (interval.touch == Touch::slip && labels_.video_clock && filmed_at(interval) &&
+               !alignment::video_rises_near(*signals_.video, *labels_.video_clock, interval.start.at,
+                                            options_.longest_disagreement)) {
       // A stage that closes slowly on an object of the same grey shows in few films; an arm that rises shows in any.
       const std::string sentence = fmt::format("the film shows nothing that rises within {:.0f} ms of this slip's start",
                                                ms(options_.longest_disagreement));

@@ -76,8 +76,9 @@ std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const Tr
       lines.push_back({std::move(line), colour});
     }
   };
-  say("Blue: press; orange: slip; darker: 95 % interval of onset and end. Dashed: evidence of another source; its bar: the "
-      "uncertainty of its clock (95 %).",
+  say("Blue: press. Orange: slip. Darker: 95 % interval of onset and end. Grey: release. Dashed: evidence of another source, "
+      "with a "
+      "bar for the uncertainty of its clock (95 %).",
       figure_colours::faint_ink);
   for (const alignment::FittedClock& clock : labels.robot_clocks) say(clock_words("Robot", clock), figure_colours::ink);
   if (labels.video_clock) say(clock_words("Video", *labels.video_clock), figure_colours::ink);
@@ -189,6 +190,8 @@ class LabelPanels : public LabelScript {
 
   /// Presses and slips over the whole panel, with the evidence of the panel's own source.
   void mark_intervals(std::optional<TraceKind> kind) {
+    for (const TouchInterval& release : picture().labels.releases)
+      band(shown(release.start), shown(release.end), label_colours::release);
     for (const labels::LabelledInterval& interval : picture().labels.intervals)
       band(shown(interval.start.at), shown(interval.end.at), figure_colours::of_interval(interval.touch).area);
     for (const labels::LabelledInterval& interval : picture().labels.intervals) {

@@ -12,7 +12,8 @@ namespace tactile::pictures {
 // What the panels of a label picture, its enlarged onsets and its words share.
 
 namespace label_colours {
-inline constexpr std::string_view robot = "#1B7F3B", height = "#8A6D00", video = "#8E24AA", imu = "#00838F", flag = "#B00000";
+inline constexpr std::string_view robot = "#1B7F3B", height = "#8A6D00", video = "#8E24AA", imu = "#00838F", flag = "#B00000",
+                                  release = "#E8E8E8";
 }
 
 /// "+1.5", "−0.3"
