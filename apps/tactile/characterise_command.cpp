@@ -38,6 +38,7 @@ constexpr std::array written{"sensor.json", "sensor.png", "mask.csv", "physics.j
 
 std::vector<fs::path> recordings_of(const std::vector<std::string>& places) {
   std::vector<fs::path> files;
+  files.reserve(places.size());
   for (const std::string& place : places) files.push_back(fs::is_directory(place) ? recording_in(place) : fs::path(place));
   return files;
 }

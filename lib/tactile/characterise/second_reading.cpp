@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tactile::characterise {
@@ -45,7 +46,7 @@ class WindowCounter {
   }
   /// A pair that the recording covers counts too. @param length_us  of the recording
   void end_recording(double length_us) {
-    if (length_us >= window_us_ * static_cast<double>(window_ / 2 * 2 + 2) * (1 - 1e-6)) end_pair(window_ + 2);
+    if (length_us >= window_us_ * static_cast<double>(window_ - window_ % 2 + 2) * (1 - 1e-6)) end_pair(window_ + 2);
   }
   void prefetch(std::size_t pixel) const { __builtin_prefetch(&counts_[static_cast<std::size_t>(window_ % 2)][pixel], 1); }
   const std::array<WindowSums, groups>& sums() const { return sums_; }
