@@ -38,7 +38,7 @@ class WindowCounter {
     window_ = 0;
   }
   void add(std::size_t pixel, std::int64_t t_us) {
-    const auto window = static_cast<std::int64_t>(static_cast<double>(t_us) / window_us_);
+    const auto window = static_cast<std::int64_t>(static_cast<double>(t_us) * per_us_);
     if (window / 2 > window_ / 2) end_pair(window);
     window_ = std::max(window_, window);
     std::uint16_t& count = counts_[static_cast<std::size_t>(window_ % 2)][pixel];
@@ -65,7 +65,7 @@ class WindowCounter {
   }
 
   const std::vector<bool>& ordinary_;
-  double window_us_;
+  double window_us_, per_us_ = 1 / window_us_;
   std::array<std::vector<std::uint16_t>, 2> counts_;
   std::array<WindowSums, groups> sums_{};
   std::int64_t window_ = 0;
@@ -100,12 +100,13 @@ microseconds shortest_of(const FirstReading& first) {
 /// Places events in the bins of the spectrum: read-outs of a steady sensor, else of 125 us.
 struct Bins {
   static constexpr double unsteady_us = 125;
-  double length_us = unsteady_us, begin_us = 0, step_us = 0;
+  double length_us = unsteady_us, per_us = 1 / unsteady_us, begin_us = 0, step_us = 0;
   bool by_row = false;
 
   explicit Bins(const events::Readout& readout) {
     if (readout.kind != events::Readout::Kind::steady) return;
     length_us = readout.period_us.value;
+    per_us = 1 / length_us;
     step_us = readout.scan == events::Scan::none ? 0 : readout.step_us.value;
     by_row = readout.scan == events::Scan::rows;
     begin_us = readout.begin_us -
@@ -113,7 +114,7 @@ struct Bins {
                    length_us;
   }
   std::int64_t index_of(std::int64_t t_us, const events::Event& event) const {
-    return static_cast<std::int64_t>((static_cast<double>(t_us) - begin_us - step_us * (by_row ? event.y : event.x)) / length_us);
+    return static_cast<std::int64_t>((static_cast<double>(t_us) - begin_us - step_us * (by_row ? event.y : event.x)) * per_us);
   }
 };
 

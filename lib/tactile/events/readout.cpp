@@ -47,7 +47,13 @@ StraightLine line_through(std::span<const WeightedPoint> points) {
   return line;
 }
 
-double wrapped(double value, double period) { return value - period * std::nearbyint(value / period); }
+/// The nearest whole number of |value| < 2^51, without a call of the library.
+double rounded(double value) {
+  constexpr double no_fractions = 0x1.8p52;
+  return value + no_fractions - no_fractions;
+}
+
+double wrapped(double value, double period) { return value - period * rounded(value / period); }
 
 /// Where each line lies within the period, as a sum of unit vectors.
 using PhaseSums = std::vector<std::complex<double>>;
