@@ -180,6 +180,7 @@ void SecondReading::State::prefetch(const events::Event& event) const {
 void SecondReading::State::begin_part(double seconds) {
   parts.push_back({.seconds = seconds});
   neighbours.begin_part();
+  largest.begin_part();
   quiet.begin_part();
 }
 
