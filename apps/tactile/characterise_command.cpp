@@ -38,6 +38,7 @@ constexpr std::array written{"sensor.json", "sensor.png", "mask.csv", "physics.j
 
 std::vector<fs::path> recordings_of(const std::vector<std::string>& places) {
   std::vector<fs::path> files;
+  files.reserve(places.size());
   for (const std::string& place : places) files.push_back(fs::is_directory(place) ? recording_in(place) : fs::path(place));
   return files;
 }
@@ -91,25 +92,26 @@ std::vector<std::pair<std::string, std::string>> rows_of(const Sensor& sensor) {
   if (sensor.packets)
     rows.emplace_back("packets", fmt::format("an event waits {} us for the end of its packet, {:.0f} us at most",
                                              measured_text(sensor.packets->wait_us), sensor.packets->longest_us));
-  rows.insert(
-      rows.end(),
-      {{"background", fmt::format("{} ON, {} OFF per pixel and s; spread {} decades; regularity {}",
-                                  measured_text(background.on_hz), measured_text(background.off_hz),
-                                  measured_text(background.spread_decades), measured_text(background.regularity))},
-       {"hot pixels", fmt::format("{} with {} of the events; {} stuck",
-                                  measured_text({unusual.hot.value + unusual.stuck.value, unusual.hot.uncertainty}),
-                                  percent_text(unusual.hot_share), unusual.stuck.value)},
-       {"warm pixels", measured_text(unusual.warm)},
-       {"dead pixels", dead_text(sensor.dead)},
-       {"flicker", flicker_text(sensor.flicker)},
-       {"neighbours", fmt::format("correlation {} across, {} down, in 2 ms", measured_text(sensor.neighbours.horizontal),
-                                  measured_text(sensor.neighbours.vertical))},
-       {"refractory", sensor.refractory_us
-                          ? fmt::format("{} us; the shortest interval is {} us", measured_text(*sensor.refractory_us),
-                                        measured_text(*sensor.shortest_interval_us))
-                          : std::string("too few intervals")},
-       {"most events", fmt::format("of a pixel {} in 2 ms, {} in 40 ms; of an ordinary one {} and {}", sensor.largest.tick,
-                                   sensor.largest.history, sensor.largest_ordinary.tick, sensor.largest_ordinary.history)}});
+  rows.insert(rows.end(),
+              {{"background", fmt::format("{} ON, {} OFF per pixel and s; spread {} decades; regularity {}",
+                                          measured_text(background.on_hz), measured_text(background.off_hz),
+                                          measured_text(background.spread_decades), measured_text(background.regularity))},
+               {"hot pixels", fmt::format("{} with {} of the events; {} stuck",
+                                          measured_text({unusual.hot.value + unusual.stuck.value, unusual.hot.uncertainty}),
+                                          percent_text(unusual.hot_share), unusual.stuck.value)},
+               {"warm pixels", measured_text(unusual.warm)},
+               {"dead pixels", dead_text(sensor.dead)},
+               {"flicker", flicker_text(sensor.flicker)},
+               {"neighbours", fmt::format("correlation {} across, {} down, in 2 ms", measured_text(sensor.neighbours.horizontal),
+                                          measured_text(sensor.neighbours.vertical))},
+               {"refractory", sensor.refractory_us
+                                  ? fmt::format("{} us; the shortest interval is {} us", measured_text(*sensor.refractory_us),
+                                                measured_text(*sensor.shortest_interval_us))
+                                  : std::string("too few intervals")},
+               {"most events",
+                fmt::format("of a pixel {} in 2 ms, {} in 40 ms; of an ordinary one {} and {}",
+                            measured_text(sensor.largest.tick), measured_text(sensor.largest.history),
+                            measured_text(sensor.largest_ordinary.tick), measured_text(sensor.largest_ordinary.history))}});
   if (sensor.passages)
     rows.emplace_back("passages", fmt::format("{} ON and {} OFF events as a marker's edge passes a pixel",
                                               measured_text(sensor.passages->on), measured_text(sensor.passages->off)));

@@ -49,8 +49,8 @@ TEST(Characterise, FindsWhatASensorWasMadeOf) {
   EXPECT_TRUE(sensor.flicker.lines.empty());
   EXPECT_EQ(sensor.shortest_interval_us->value, 195);
   EXPECT_LT(test::off_by(*sensor.refractory_us, 0), 2) << "at most a read-out";
-  EXPECT_EQ(sensor.largest.tick, 11U) << "a stuck pixel fires at each of the read-outs in 2 ms";
-  EXPECT_EQ(sensor.largest.history, 205U);
+  EXPECT_EQ(sensor.largest.tick.value, 11) << "a stuck pixel fires at each of the read-outs in 2 ms";
+  EXPECT_EQ(sensor.largest.history.value, 205);
   EXPECT_FALSE(sensor.background.is_disturbed());
 }
 

@@ -83,7 +83,7 @@ TEST(LargestCounts, AreThoseOfASlowCount) {
   meter.begin_recording();
   std::map<std::size_t, std::map<std::int64_t, std::uint32_t>> counts;
   Random random(4);
-  LargestCounts expected;
+  std::uint32_t most_in_tick = 0, most_in_history = 0;
   for (std::int64_t tick = 0; tick < 2000; tick += 1 + static_cast<std::int64_t>(random.below(random.below(40) == 0 ? 60 : 2))) {
     for (std::uint64_t n = random.poisson(6); n > 0; --n) {
       const std::size_t pixel = random.below(1 + random.below(30));
@@ -93,14 +93,14 @@ TEST(LargestCounts, AreThoseOfASlowCount) {
   }
   for (const auto& [pixel, ticks] : counts) {
     for (const auto& [tick, count] : ticks) {
-      expected.tick = std::max(expected.tick, count);
+      most_in_tick = std::max(most_in_tick, count);
       std::uint32_t history = 0;
       for (const auto& [other, n] : ticks) history += other > tick - 20 && other <= tick ? n : 0;
-      expected.history = std::max(expected.history, history);
+      most_in_history = std::max(most_in_history, history);
     }
   }
-  EXPECT_EQ(meter.all().tick, expected.tick);
-  EXPECT_EQ(meter.all().history, expected.history);
+  EXPECT_EQ(meter.all().tick.value, most_in_tick);
+  EXPECT_EQ(meter.all().history.value, most_in_history);
 }
 
 TEST(LargestCounts, AreSeparateForOrdinaryPixelsAndRecordings) {
@@ -110,9 +110,20 @@ TEST(LargestCounts, AreSeparateForOrdinaryPixelsAndRecordings) {
   for (int i = 0; i < 3; ++i) meter.add(1, 5, true);
   meter.begin_recording();
   meter.add(1, 0, true);
-  EXPECT_EQ(meter.all().tick, 9U);
-  EXPECT_EQ(meter.ordinary().tick, 3U);
-  EXPECT_EQ(meter.ordinary().history, 3U) << "what another recording had does not count";
+  EXPECT_EQ(meter.all().tick.value, 9);
+  EXPECT_EQ(meter.ordinary().tick.value, 3);
+  EXPECT_EQ(meter.ordinary().history.value, 3) << "what another recording had does not count";
+}
+
+TEST(LargestCounts, ScatterAsThoseOfTheParts) {
+  LargestCountMeter meter(1);
+  meter.begin_recording();
+  for (int part = 0; part < 3; ++part) {  // 2, 4 and 6 events in one tick
+    meter.begin_part();
+    for (int i = 0; i < 2 * (part + 1); ++i) meter.add(0, 100 * part, true);
+  }
+  EXPECT_EQ(meter.all().tick.value, 6);
+  EXPECT_DOUBLE_EQ(meter.all().tick.uncertainty, 2);
 }
 
 }  // namespace

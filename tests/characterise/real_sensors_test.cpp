@@ -19,8 +19,8 @@ TEST(RealSensors, StillSceneOfADvxplorerHasTheKnownNoise) {
   EXPECT_EQ(sensor.unusual.hot.value + sensor.unusual.stuck.value, 130);
   EXPECT_EQ(sensor.unusual.stuck.value, 1);
   EXPECT_NEAR(sensor.unusual.hot_share.value, 0.185, 0.0005);
-  EXPECT_EQ(sensor.largest.tick, 11U);
-  EXPECT_EQ(sensor.largest.history, 205U);
+  EXPECT_EQ(sensor.largest.tick.value, 11);
+  EXPECT_EQ(sensor.largest.history.value, 205);
   EXPECT_NEAR(sensor.readout.period_us.value, 195.1632, 2e-4);
   EXPECT_FALSE(sensor.background.is_disturbed());
   EXPECT_TRUE(sensor.flicker.lines.empty());

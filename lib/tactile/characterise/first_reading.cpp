@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"

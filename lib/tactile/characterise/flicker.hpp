@@ -1,6 +1,6 @@
 #pragma once
 
-#include <complex>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

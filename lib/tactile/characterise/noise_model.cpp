@@ -36,15 +36,18 @@ PixelMoments pixel_moments(int k, double mean) {
   double squares = 0, product = 0, silent = 0;
   for (std::size_t phase = 0; phase < phases; ++phase) {
     for (std::size_t m = 0; m <= most; ++m) {
-      const auto n = static_cast<double>((m + phase) / phases);
+      const std::size_t counted = (m + phase) / phases;
+      const auto n = static_cast<double>(counted);
       expected[phase] += chance[m] * n;
       squares += chance[m] * n * n;
       if (m + phase < phases) silent += chance[m];
     }
   }
   for (std::size_t phase = 0; phase < phases; ++phase) {
-    for (std::size_t m = 0; m <= most; ++m)
-      product += chance[m] * static_cast<double>((m + phase) / phases) * expected[(m + phase) % phases];
+    for (std::size_t m = 0; m <= most; ++m) {
+      const std::size_t counted = (m + phase) / phases;
+      product += chance[m] * static_cast<double>(counted) * expected[(m + phase) % phases];
+    }
   }
   return {2 * (squares - product) / k, product / k, silent / k};
 }

@@ -84,6 +84,24 @@ void LargestCountMeter::begin_recording() {
   tick_ = 0;
 }
 
+LargestCounts LargestCountMeter::over_parts(Largest Part::*pixels) const {
+  std::vector<double> ticks, histories;
+  LargestCounts largest;
+  for (const Part& part : parts_) {
+    const Largest& found = part.*pixels;
+    if (found.tick == 0) continue;
+    ticks.push_back(found.tick);
+    histories.push_back(found.history);
+    largest.tick.value = std::max(largest.tick.value, ticks.back());
+    largest.history.value = std::max(largest.history.value, histories.back());
+  }
+  if (ticks.size() < 2) return largest;
+  const double root = std::sqrt(static_cast<double>(ticks.size()));
+  largest.tick.uncertainty = root * mean_of(ticks).uncertainty;
+  largest.history.uncertainty = root * mean_of(histories).uncertainty;
+  return largest;
+}
+
 void LargestCountMeter::advance(std::int64_t tick) {
   for (const std::uint32_t pixel : recent_[static_cast<std::size_t>(tick_) % ticks_per_history]) tick_counts_[pixel] = 0;
   const std::int64_t steps = std::min<std::int64_t>(tick - tick_, ticks_per_history);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -89,7 +90,7 @@ class IntervalMeter {
 
 /// The largest counts of a pixel in a tick and in a history.
 struct LargestCounts {
-  std::uint32_t tick = 0, history = 0;
+  Measured tick, history;  ///< over all parts of time; the uncertainty is the standard deviation of the largest ones of the parts
 };
 
 /// Counts per pixel in ticks and in histories of `ticks_per_history` ticks that end with a tick, as heatmaps have them.
@@ -100,32 +101,42 @@ class LargestCountMeter {
   explicit LargestCountMeter(std::size_t pixels) : tick_counts_(pixels), history_counts_(pixels) {}
 
   void begin_recording();
+  void begin_part() { parts_.emplace_back(); }  ///< of time
   /// One event. @param tick  ascending; an earlier one counts as the last
   void add(std::size_t pixel, std::int64_t tick, bool ordinary) {
     if (tick > tick_) advance(tick);
     recent_[static_cast<std::size_t>(tick_) % ticks_per_history].push_back(static_cast<std::uint32_t>(pixel));
     const std::uint32_t in_tick = ++tick_counts_[pixel], in_history = ++history_counts_[pixel];
-    take(all_, in_tick, in_history);
-    if (ordinary) take(ordinary_, in_tick, in_history);
+    Part& part = parts_.back();
+    part.all.take(in_tick, in_history);
+    if (ordinary) part.ordinary.take(in_tick, in_history);
   }
   void prefetch(std::size_t pixel) const {
     __builtin_prefetch(&tick_counts_[pixel], 1);
     __builtin_prefetch(&history_counts_[pixel], 1);
   }
-  LargestCounts all() const { return all_; }
-  LargestCounts ordinary() const { return ordinary_; }
+  LargestCounts all() const { return over_parts(&Part::all); }
+  LargestCounts ordinary() const { return over_parts(&Part::ordinary); }
 
  private:
-  static void take(LargestCounts& largest, std::uint32_t in_tick, std::uint32_t in_history) {
-    largest.tick = std::max(largest.tick, in_tick);
-    largest.history = std::max(largest.history, in_history);
-  }
+  struct Largest {
+    std::uint32_t tick = 0, history = 0;
+
+    void take(std::uint32_t in_tick, std::uint32_t in_history) {
+      tick = std::max(tick, in_tick);
+      history = std::max(history, in_history);
+    }
+  };
+  struct Part {
+    Largest all, ordinary;
+  };
+  LargestCounts over_parts(Largest Part::*pixels) const;
   void advance(std::int64_t tick);
 
   std::vector<std::uint32_t> tick_counts_, history_counts_;
   std::array<std::vector<std::uint32_t>, ticks_per_history> recent_;
   std::int64_t tick_ = 0;
-  LargestCounts all_, ordinary_;
+  std::vector<Part> parts_ = {{}};
 };
 
 }  // namespace tactile::characterise

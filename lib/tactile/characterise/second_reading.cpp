@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tactile::characterise {
@@ -37,7 +38,7 @@ class WindowCounter {
     window_ = 0;
   }
   void add(std::size_t pixel, std::int64_t t_us) {
-    const auto window = static_cast<std::int64_t>(static_cast<double>(t_us) / window_us_);
+    const auto window = static_cast<std::int64_t>(static_cast<double>(t_us) * per_us_);
     if (window / 2 > window_ / 2) end_pair(window);
     window_ = std::max(window_, window);
     std::uint16_t& count = counts_[static_cast<std::size_t>(window_ % 2)][pixel];
@@ -45,7 +46,7 @@ class WindowCounter {
   }
   /// A pair that the recording covers counts too. @param length_us  of the recording
   void end_recording(double length_us) {
-    if (length_us >= window_us_ * static_cast<double>(window_ / 2 * 2 + 2) * (1 - 1e-6)) end_pair(window_ + 2);
+    if (length_us >= window_us_ * static_cast<double>(window_ - window_ % 2 + 2) * (1 - 1e-6)) end_pair(window_ + 2);
   }
   void prefetch(std::size_t pixel) const { __builtin_prefetch(&counts_[static_cast<std::size_t>(window_ % 2)][pixel], 1); }
   const std::array<WindowSums, groups>& sums() const { return sums_; }
@@ -64,7 +65,7 @@ class WindowCounter {
   }
 
   const std::vector<bool>& ordinary_;
-  double window_us_;
+  double window_us_, per_us_ = 1 / window_us_;
   std::array<std::vector<std::uint16_t>, 2> counts_;
   std::array<WindowSums, groups> sums_{};
   std::int64_t window_ = 0;
@@ -99,12 +100,13 @@ microseconds shortest_of(const FirstReading& first) {
 /// Places events in the bins of the spectrum: read-outs of a steady sensor, else of 125 us.
 struct Bins {
   static constexpr double unsteady_us = 125;
-  double length_us = unsteady_us, begin_us = 0, step_us = 0;
+  double length_us = unsteady_us, per_us = 1 / unsteady_us, begin_us = 0, step_us = 0;
   bool by_row = false;
 
   explicit Bins(const events::Readout& readout) {
     if (readout.kind != events::Readout::Kind::steady) return;
     length_us = readout.period_us.value;
+    per_us = 1 / length_us;
     step_us = readout.scan == events::Scan::none ? 0 : readout.step_us.value;
     by_row = readout.scan == events::Scan::rows;
     begin_us = readout.begin_us -
@@ -112,7 +114,7 @@ struct Bins {
                    length_us;
   }
   std::int64_t index_of(std::int64_t t_us, const events::Event& event) const {
-    return static_cast<std::int64_t>((static_cast<double>(t_us) - begin_us - step_us * (by_row ? event.y : event.x)) / length_us);
+    return static_cast<std::int64_t>((static_cast<double>(t_us) - begin_us - step_us * (by_row ? event.y : event.x)) * per_us);
   }
 };
 
@@ -178,6 +180,7 @@ void SecondReading::State::prefetch(const events::Event& event) const {
 void SecondReading::State::begin_part(double seconds) {
   parts.push_back({.seconds = seconds});
   neighbours.begin_part();
+  largest.begin_part();
   quiet.begin_part();
 }
 

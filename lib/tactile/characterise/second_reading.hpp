@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "tactile/characterise/first_reading.hpp"
 #include "tactile/characterise/noise_model.hpp"
 

@@ -52,7 +52,9 @@ nlohmann::json json_of(const PacketTimes& packets) {
           {"beginning_before_the_last_ended", packets.back}};
 }
 
-nlohmann::json json_of(const LargestCounts& counts) { return {{"tick", counts.tick}, {"history", counts.history}}; }
+nlohmann::json json_of(const LargestCounts& counts) {
+  return {{"tick", json_of(counts.tick)}, {"history", json_of(counts.history)}};
+}
 
 }  // namespace
 

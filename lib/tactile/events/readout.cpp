@@ -47,7 +47,13 @@ StraightLine line_through(std::span<const WeightedPoint> points) {
   return line;
 }
 
-double wrapped(double value, double period) { return value - period * std::nearbyint(value / period); }
+/// The nearest whole number of |value| < 2^51, without a call of the library.
+double rounded(double value) {
+  constexpr double no_fractions = 0x1.8p52;
+  return value + no_fractions - no_fractions;
+}
+
+double wrapped(double value, double period) { return value - period * rounded(value / period); }
 
 /// Where each line lies within the period, as a sum of unit vectors.
 using PhaseSums = std::vector<std::complex<double>>;
@@ -57,10 +63,11 @@ using PhaseSums = std::vector<std::complex<double>>;
 double step_of(const PhaseSums& phases) {
   const auto lines = static_cast<double>(phases.size());
   double best = 0, most = -1;
-  for (double turns = -1.05; turns <= 1.05; turns += 0.025) {
+  for (int step = -42; step <= 42; ++step) {
+    const double turns = 0.025 * step;
     std::complex<double> sum = 0;
-    for (std::size_t i = 0; i < phases.size(); ++i)
-      sum += phases[i] * std::polar(1.0, -2 * std::numbers::pi * turns / lines * static_cast<double>(i));
+    for (std::size_t line = 0; line < phases.size(); ++line)
+      sum += phases[line] * std::polar(1.0, -2 * std::numbers::pi * turns / lines * static_cast<double>(line));
     if (std::abs(sum) <= most) continue;
     most = std::abs(sum);
     best = turns / lines;
@@ -282,6 +289,7 @@ void ReadoutMeter::Follower::measure_period(Readout& readout, const std::vector<
   }
   variance = std::max(variance / n, 1e-6);
   std::vector<WeightedPoint> points;
+  points.reserve(blocks.size());
   for (const Block& b : blocks) points.push_back({b.t / b.n, b.shift_us + b.r / b.n, b.n / variance});
   const StraightLine line = line_through(points);
   readout.period_us.value = line_.period_us * (1 + line.gradient);

@@ -98,7 +98,8 @@ std::optional<double> shortest_period(std::span<const std::uint64_t> differences
     const std::uint64_t middle = below + (share_between(low, high) + 1) / 2;
     return static_cast<double>(std::lower_bound(up_to.begin(), up_to.end(), middle) - up_to.begin());
   };
-  for (double low = 1; low <= last_index; ++low) {
+  for (std::size_t first = 1; first < differences.size(); ++first) {
+    const auto low = static_cast<double>(first);
     if (20 * share_between(low, low * 1.05 / 0.95) < total) continue;
     // Coming from below, the window holds only the lower part of the cluster. It follows its own median into the middle.
     double period = median_between(low, low * 1.05 / 0.95);
