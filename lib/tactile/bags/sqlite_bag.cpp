@@ -152,7 +152,7 @@ struct SqliteBagReader::State {
     if (missing_bytes == 0) ++problems.broken_chunks;
     if (++errors > most_errors || newest_row > std::numeric_limits<std::int64_t>::max() - step) return false;
     newest_row = std::max<std::int64_t>(newest_row, 0) + step;
-    step *= 2;
+    step = 2 * std::min(step, std::numeric_limits<std::int64_t>::max() / 2);
     seek();
     return true;
   }

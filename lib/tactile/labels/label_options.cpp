@@ -33,6 +33,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
         {"rise_us", options.onset.rise.count()},
         {"first_drag_us", options.onset.first_drag.count()},
         {"latency_us", options.onset.latency.count()},
+        {"noise_ahead_us", options.onset.noise_ahead.count()},
         {"longest_blind_us", options.onset.longest_blind.count()},
         {"blind_anew_us", options.onset.blind_reset.count()},
         {"too_wide_ms", options.onset.too_wide_ms}}},

@@ -154,8 +154,9 @@ class Labeller {
       } else if (kinds[i] == BurstKind::slip) {
         FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]), moves_.rings);
         if (is_confirmed_by_lift(onset.time, bursts[i])) onset.doubt.clear();
-        const FoundTime end = slip_end(lit[i], onset.time, options_.end, arm_stop(bursts[i]));
-        if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end);
+        const std::optional<alignment::UncertainTime> stop = arm_stop(bursts[i]);
+        const FoundTime end = slip_end(lit[i], onset.time, options_.end, stop);
+        if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end, stop.has_value());
       }
     }
   }
@@ -224,7 +225,8 @@ class Labeller {
     }
   }
 
-  void add(Touch touch, FoundTime start, FoundTime end) {
+  /// @param ends_with_arm  the arm's stop is known: a slip that is no longer seen ends by then
+  void add(Touch touch, FoundTime start, FoundTime end, bool ends_with_arm = false) {
     constexpr microseconds least_rest = 20ms;  // of a skin that is seen at rest before a touch
     if (start.time.at < after(signals_.rate.begin, least_rest))
       start.doubt = "the recording begins within it: its onset lies before the first event";
@@ -234,8 +236,8 @@ class Labeller {
     // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
     // may lie far off and soon after the onset. Tips that creep on a little after a press are in its interval.
     const double end_width_ms = ms(between(end.time.low, end.time.high));
-    const bool end_is_wide =
-        end_width_ms > options_.end.too_wide_ms && ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
+    const bool end_is_wide = !ends_with_arm && end_width_ms > options_.end.too_wide_ms &&
+                             ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
     const bool is_worth_a_word = touch == Touch::slip || end_width_ms > 0.5 * options_.end.too_wide_ms;
     if (!end.doubt.empty() && end_is_wide) {
       flag(end.doubt, labels_.intervals.size());

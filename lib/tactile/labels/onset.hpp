@@ -23,6 +23,7 @@ struct OnsetOptions {
   microseconds rise{150'000};           ///< a slip's tips reach their speed within this time
   microseconds first_drag{25'000};      ///< the first drag reaches its speed within this time
   microseconds latency{400};            ///< the least time by which a marker may move before its first event
+  microseconds noise_ahead{400};        ///< so long before an onset noise may look like its first event
   microseconds longest_blind{15'000};   ///< the greatest such time
   microseconds blind_reset{40'000};     ///< the same where noise has reset all pixels
   double too_wide_ms = 40.0;            ///< doubtful if the interval is wider than this

@@ -126,7 +126,7 @@ FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts r
   const microseconds blind = std::max(options.latency, blind_time_before(rate.bin, counts, repeats, scan.best, longest));
   FoundTime result{.time = {.at = before(rate.begin_of(scan.best), rate.bin / 2),
                             .low = before(rate.begin_of(scan.low), rate.bin + blind),
-                            .high = after(rate.begin_of(scan.high), rate.bin / 2)},
+                            .high = after(rate.begin_of(scan.high), rate.bin / 2 + options.noise_ahead)},
                    .doubt = {}};
   const double width_ms = 1e-3 * static_cast<double>(between(result.time.low, result.time.high).count());
   if (width_ms > options.too_wide_ms) result.doubt = fmt::format("its onset is only known to within {:.0f} ms", width_ms);
