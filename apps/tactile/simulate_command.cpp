@@ -22,6 +22,7 @@ namespace {
 struct SimulateArguments {
   std::string data = "data";
   std::string physics;
+  std::string camera;
   std::string preset = "quick";
   int runs = 0;
   std::vector<std::string> objects{"all"};
@@ -90,16 +91,20 @@ std::string speed_of(const SimulatedTotals& totals, double elapsed_s, double cor
   return wrapped(text) + "\n";
 }
 
+simulation::SimulationPhysics physics_of(const SimulateArguments& args) {
+  if (!args.physics.empty()) return simulation::read_physics(args.physics, args.camera);
+  return args.camera.empty() ? simulation::default_physics() : simulation::with_camera(args.camera);
+}
+
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
-  simulation::SimulateOptions options{
-      .data = args.data,
-      .preset = args.preset,
-      .runs = {},
-      .objects = args.objects,
-      .seed = args.seed,
-      .force = args.force,
-      .threads = common.threads,
-      .physics = args.physics.empty() ? simulation::default_physics() : simulation::read_physics(args.physics)};
+  simulation::SimulateOptions options{.data = args.data,
+                                      .preset = args.preset,
+                                      .runs = {},
+                                      .objects = args.objects,
+                                      .seed = args.seed,
+                                      .force = args.force,
+                                      .threads = common.threads,
+                                      .physics = physics_of(args)};
   if (args.runs > 0) options.runs = args.runs;
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
   const auto begun = std::chrono::steady_clock::now();
@@ -136,6 +141,11 @@ void add_simulate_command(CLI::App& app) {
                   "JSON file with the distributions of runs, instead of configs/simulation.json and configs/objects.json")
       .check(is_existing_file())
       .type_name("FILE.json");
+  command
+      .add_option("--camera", args->camera,
+                  "quiet: few and regular events without cause; measured: noise and stamps of a real camera; noisy: more of "
+                  "both. Default: that of --physics, else measured")
+      .check(one_of({"measured", "noisy", "quiet"}));
   command
       .add_option("--preset", args->preset,
                   "tiny: 2 runs of about 2.5 s per object; quick: 3 runs of about 4 s; paper: 10 runs of about 4 s, some with "

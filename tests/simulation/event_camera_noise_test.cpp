@@ -32,8 +32,7 @@ struct Seen {
 
 Seen watch(const EventCameraOptions& o, const CameraPixels& pixels, int readouts, std::uint64_t seed = 1) {
   EventCamera camera(pixels, o, camera_time(0), seed, {});
-  Seen seen{.of_pixel = std::vector<std::uint64_t>(pixels.thresholds.size()),
-            .seconds = 1e-6 * static_cast<double>(o.readout.count()) * readouts};
+  Seen seen{.of_pixel = std::vector<std::uint64_t>(pixels.thresholds.size()), .seconds = 1e-6 * o.readout_us * readouts};
   for (int k = 0; k < readouts; ++k) {
     const auto readout = camera.read_out({});
     seen.caused += readout.caused;
@@ -139,10 +138,9 @@ TEST(EventCameraNoise, FillsEveryPixelAtMost) {
 TEST(HotPixels, FireAtTheirRates) {
   EventCameraOptions o = silent();
   o.hot_pixels = 20;
-  o.hot_on_share = 0.8;
+  o.hot_on_shares = {0.8};
   for (const auto& [least, most] : {std::pair{100.0, 2500.0}, std::pair{1e5, 1e6}}) {
-    o.hot_min_hz = least;
-    o.hot_max_hz = most;
+    o.hot_hz = {least, most};
     const CameraPixels pixels = draw_camera_pixels(o, 3);
     std::map<std::size_t, double> hz;
     for (const SimulatedHotPixel& hot : hot_pixels_of_run(pixels, 0)) {
@@ -209,7 +207,7 @@ TEST(DeadPixels, NeverFire) {
   EventCameraOptions o = silent();
   o.dead_pixels = 700;
   o.hot_pixels = 200;
-  o.hot_max_hz = 5000;
+  o.hot_hz = {100, 5000};
   o.leak_hz = o.shot_hz = 100;
   o.flicker_depth = 0.9;
   const CameraPixels pixels = draw_camera_pixels(o, 3);
@@ -227,7 +225,7 @@ TEST(Refractory, KeepsAPixelsEventsApart) {
   EventCameraOptions o = silent();
   o.shot_hz = 2000;
   o.hot_pixels = 5;
-  o.hot_min_hz = o.hot_max_hz = 5000;
+  o.hot_hz = {5000};
   const CameraPixels pixels = draw_camera_pixels(o, 3);
   // The first read-out at which the time has passed.
   for (const auto& [refractory, expected] :
@@ -388,9 +386,12 @@ TEST(EventCameraOptions, ReportWhatIsOutOfRange) {
   EXPECT_EQ(message_of([](auto&) {}), "");
   EXPECT_EQ(message_of([](auto& o) { o.threshold = 0; }), "simulated camera: threshold is 0; expected 1e-06 to 1000");
   EXPECT_EQ(message_of([](auto& o) { o.size.width = 0; }), "simulated camera: size is 0; expected 1 to 4096");
-  EXPECT_EQ(message_of([](auto& o) { o.readout = 0us; }), "simulated camera: readout_us is 0; expected 1 to 1000000");
+  EXPECT_EQ(message_of([](auto& o) { o.readout_us = 0; }), "simulated camera: readout_us is 0; expected 1 to 1000000");
   EXPECT_EQ(message_of([](auto& o) { o.flicker_depth = 1; }), "simulated camera: flicker_depth is 1; expected 0 to 0.99");
-  EXPECT_EQ(message_of([](auto& o) { o.hot_max_hz = 50; }), "simulated camera: hot_max_hz is 50; expected 100 to 1000000");
+  EXPECT_EQ(message_of([](auto& o) {
+              o.hot_hz = {100, 50};
+            }),
+            "simulated camera: hot_hz or hot_on_shares falls; expected ascending numbers");
   EXPECT_EQ(message_of([](auto& o) { o.veil = -1; }), "simulated camera: veil is -1; expected 0 to 10");
   EXPECT_EQ(message_of([](auto& o) { o.leak_hz = std::nan(""); }), "simulated camera: leak_hz is nan; expected 0 to 10000");
   EXPECT_EQ(message_of([](auto& o) {

@@ -73,7 +73,7 @@ Compared compare_with_rule(const EventCameraOptions& o, const Film& film) {
   Compared compared;
   int wrong = 0;
   for (std::size_t k = 0; k < film.size(); ++k) {
-    const std::int64_t us = static_cast<std::int64_t>(k) * o.readout.count();
+    const std::int64_t us = static_cast<std::int64_t>(static_cast<double>(k) * o.readout_us);
     const double light = 1 + o.flicker_depth * std::sin(2 * std::numbers::pi * o.flicker_hz * 1e-6 * static_cast<double>(us));
     std::vector<int> seen(count, -1);  // polarity
     const auto readout = camera.read_out(film[k]);

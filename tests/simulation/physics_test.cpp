@@ -31,13 +31,21 @@ std::string refusal(const std::string& text) {
 }
 
 TEST(DefaultPhysics, AreTheFilesOfConfigsAndNoMemberIsMissingThere) {
-  EXPECT_EQ(without_objects(default_physics()), read_json(configs / "simulation.json"));
+  nlohmann::json expected = read_json(configs / "simulation.json"), cameras = read_json(configs / "cameras.json");
+  expected["camera"] = cameras.at("measured");
+  expected["camera"]["preset"] = "measured";
+  EXPECT_EQ(without_objects(default_physics()), expected);
+  for (const auto& [name, camera] : cameras.items()) {
+    expected["camera"] = camera;
+    expected["camera"]["preset"] = name;
+    EXPECT_EQ(without_objects(with_camera(name)), expected);
+  }
   EXPECT_EQ(json_of(default_physics()).at("objects"), read_json(configs / "objects.json"));
 }
 
 TEST(DefaultPhysics, AreThoseOfTheStructs) {
   const SimulationPhysics& physics = default_physics();
-  EXPECT_EQ(json_of_fields(physics.camera), json_of_fields(EventCameraOptions{}));
+  EXPECT_EQ(json_of_fields(with_camera("quiet").camera), json_of_fields(EventCameraOptions{}));
   EXPECT_EQ(json_of_fields(physics.variation), json_of_fields(RunVariation{}));
   EXPECT_EQ(json_of_fields(physics.after_effects), json_of_fields(AfterEffects{}));
   EXPECT_EQ(json_of_fields(physics.special_runs), json_of_fields(SpecialRuns{}));
@@ -165,7 +173,7 @@ TEST(Physics, ReplaceAndAddObjectsMemberByMember) {
   EXPECT_EQ(physics.source, "soft.json");
   EXPECT_EQ(default_physics().source, "default");
   EXPECT_EQ(physics.camera.threshold, 0.5);
-  EXPECT_EQ(physics.camera.readout, default_physics().camera.readout);
+  EXPECT_EQ(physics.camera.readout_us, default_physics().camera.readout_us);
   EXPECT_EQ(physics.preset("quick").runs, 7);
   ASSERT_EQ(physics.objects.size(), 11U);
   EXPECT_EQ(physics.object("fan").compliance, 0.4);
@@ -173,6 +181,24 @@ TEST(Physics, ReplaceAndAddObjectsMemberByMember) {
   EXPECT_EQ(physics.place_of("cup"), 10U);
   EXPECT_EQ(physics.object("cup").radius_mm, 40);
   EXPECT_EQ(physics.object("cup").depth_mm, ObjectModel{}.depth_mm);
+}
+
+TEST(Physics, ChangeTheCameraThatTheyName) {
+  const SimulationPhysics physics = physics_from({{"camera", {{"preset", "quiet"}, {"threshold", 0.4}}}}, "FILE");
+  EXPECT_EQ(physics.camera.threshold, 0.4);
+  EXPECT_EQ(physics.camera.readout_us, 200);
+  EXPECT_EQ(physics.camera.hot_pixels, 24);
+  const test::TemporaryFolder folder;
+  write_whole(folder / "camera.json", R"({"camera": {"preset": "quiet", "threshold": 0.4}})");
+  const SimulationPhysics noisy = read_physics(folder / "camera.json", "noisy");
+  EXPECT_EQ(noisy.camera.threshold, 0.4) << "the command line names the camera, the file changes it";
+  EXPECT_EQ(noisy.camera.hot_pixels, with_camera("noisy").camera.hot_pixels);
+  EXPECT_EQ(refusal(R"({"camera": {"preset": "quite"}})"),
+            "FILE: 'quite' is no preset of the camera; the nearest is 'quiet', of "
+            "measured, noisy, quiet");
+  EXPECT_EQ(refusal(R"({"camera": {"preset": 3}})").substr(0, 5), "FILE:");
+  EXPECT_EQ(refusal(R"({"camera": {"hot_hz": []}})"),
+            "FILE: camera.hot_hz is []; expected 1 to 1000 ascending numbers from 0.001 to 1000000");
 }
 
 TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
@@ -195,7 +221,7 @@ TEST(Physics, RefuseWhatTheyCannotBeByItsName) {
   for (const std::string wrong :
        {"[]", "3", R"({"camera": 3})", R"({"objects": {}})", R"({"objects": [3]})", R"({"objects": [{}]})",
         R"({"objects": [{"name": "../fan"}]})", R"({"objects": [{"name": "Fan"}]})",
-        R"({"objects": [{"name": "fan"}, {"name": "fan"}]})", R"({"camera": {"hot_min_hz": 3000}})",
+        R"({"objects": [{"name": "fan"}, {"name": "fan"}]})", R"({"camera": {"hot_hz": [3000, 100]}})",
         R"({"camera": {"size": [20, 20], "dead_pixels": 300}})", R"({"camera": {"hot_pixels": 1.5}})"}) {
     EXPECT_EQ(refusal(wrong).substr(0, 5), "FILE:") << wrong;
   }

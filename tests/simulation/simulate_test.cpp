@@ -96,11 +96,18 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   EXPECT_EQ(recording.compression(), events::Compression::lz4);
   std::uint64_t events = 0;
   CameraTime first{}, last{};
+  const auto readout_us = info.extra.at("camera").at("readout_us").get<double>();
+  const double scan_us = default_physics().camera.scan_us_per_column;
+  const auto start_us = read_truth(runs[0].truth()).parameters.at("camera_start_us").get<std::int64_t>();
   events::for_all_events(recording, stream.id, [&](std::span<const events::Event> batch) {
     if (events == 0) first = batch.front().t;
     last = batch.back().t;
     events += batch.size();
-    for (const events::Event& event : batch) ASSERT_EQ((us_of(event.t) - us_of(first)) % 200, 0);
+    for (const events::Event& event : batch) {
+      // The read-out's time without the scan, which wanders by 0.2 us, and the stamp is rounded down.
+      const double us = static_cast<double>(us_of(event.t) - start_us) - scan_us * (639 - event.x);
+      ASSERT_LT(std::abs(std::remainder(us + 0.5, readout_us)), 2.0);
+    }
   });
   EXPECT_EQ(events, outcome.events);
   EXPECT_NEAR(static_cast<double>(us_of(last) - us_of(first)), 1e6 * outcome.duration_s, 2000.0);
@@ -116,7 +123,8 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   EXPECT_GT(labelled[0].interval.start, first + 600ms);
   EXPECT_LT(labelled[1].interval.end, last);
   EXPECT_GT(truth.intervals.size(), 2U) << "the skin creeps after a press, unlabelled";
-  EXPECT_EQ(truth.hot_pixels.size(), static_cast<std::size_t>(default_physics().camera.hot_pixels));
+  const EventCameraOptions& camera = default_physics().camera;
+  EXPECT_EQ(truth.hot_pixels.size(), static_cast<std::size_t>(camera.hot_pixels + camera.stuck_pixels));
   EXPECT_EQ(truth.dead_pixels.size(), static_cast<std::size_t>(default_physics().camera.dead_pixels));
   EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "default");
@@ -145,7 +153,7 @@ TEST(Simulate, WritesATruthThatFitsItsEvents) {
     std::uint64_t touch_events = 0;
     for (const TrueInterval& interval : labelled_in(truth)) {
       const auto [touch, start, end] = interval.interval;
-      EXPECT_GT(rate(start, end), 3.0 * rate(start - 100ms, start - 20ms)) << made.run.name() << ": " << interval.what;
+      EXPECT_GT(rate(start, end), 1.2 * rate(start - 100ms, start - 20ms)) << made.run.name() << ": " << interval.what;
       touch_events += static_cast<std::uint64_t>(std::count_if(
           events.begin(), events.end(), [&, from = start, to = end](const events::Event& e) { return from <= e.t && e.t < to; }));
     }

@@ -21,7 +21,7 @@ struct Filmed {
   Filmed(const RunPlan& plan, std::uint64_t seed) {
     Random random(seed);
     const EventCameraOptions options;
-    motion = move_skin(plan, view_of(options), options.readout, random);
+    motion = move_skin(plan, view_of(options), 200us, random);
     const CameraPixels pixels = draw_camera_pixels(options, 11);
     SkinFilm film(motion, pixels, options, start, seed);
     film_whole(film, [&](std::span<const events::Event> batch) { events.insert(events.end(), batch.begin(), batch.end()); });
@@ -129,7 +129,7 @@ TEST(FilmWhole, EndsWhereItsListenerThrows) {
   plan.end_s = 0.5;
   Random random(1);
   const EventCameraOptions options;
-  const SkinMotion motion = move_skin(plan, view_of(options), options.readout, random);
+  const SkinMotion motion = move_skin(plan, view_of(options), 200us, random);
   const CameraPixels pixels = draw_camera_pixels(options, 11);
   SkinFilm film(motion, pixels, options, camera_time(0), 1);
   const auto stop = [](double share) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "tactile/capture/camera_streams.hpp"
 #include "tactile/capture/pace.hpp"
@@ -38,6 +39,10 @@ std::optional<CameraTime> last_event_in(const std::filesystem::path& file) {
     return std::nullopt;
   }
   return last;
+}
+
+microseconds readout_of(const simulation::DrawnRun& drawn) {
+  return microseconds{std::llround(std::ceil(drawn.camera.readout_us))};
 }
 
 /// One simulated run.
@@ -76,7 +81,7 @@ class SimulatorSource final : public CameraSource {
   bool begins_again() const override { return true; }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
-    json["readout_us"] = physics_.camera.readout.count();
+    json["readout_us"] = physics_.camera.readout_us;
     json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
                          {"preset", preset},
                          {"seed", seed_},
@@ -139,7 +144,7 @@ class SimulatorSource final : public CameraSource {
     simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_);
     if (clocks_) {
       drawn.clocks =
-          simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + drawn.camera.readout + gap);
+          simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + readout_of(drawn) + gap);
     } else {
       clocks_ = drawn.clocks;
     }
@@ -149,7 +154,7 @@ class SimulatorSource final : public CameraSource {
 
   /// The read-outs of the next millisecond, and further ones until there is an event, with the IMU samples of this time.
   void film_next() {
-    const auto readouts = packet_span / scene_->drawn.camera.readout;
+    const auto readouts = packet_span / readout_of(scene_->drawn);
     for (std::int64_t k = 0; !scene_->film.ended() && (k < readouts || next_.events.empty()); ++k) {
       const std::span<const events::Event> events = scene_->film.next();
       next_.events.insert(next_.events.end(), events.begin(), events.end());

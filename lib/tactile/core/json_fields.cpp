@@ -52,6 +52,20 @@ void FieldReader::operator()(std::string_view name, std::string& value) {
   value = json->get<std::string>();
 }
 
+void FieldReader::operator()(std::string_view name, std::vector<double>& values, double low, double high) {
+  constexpr std::size_t most = 1000;
+  const nlohmann::json* json = find(name);
+  if (json == nullptr) return;
+  const auto is_sound = [&](const nlohmann::json& number) {
+    return number.is_number() && lies_in(number.get<double>(), low, high);
+  };
+  const bool sound =
+      json->is_array() && !json->empty() && json->size() <= most && std::all_of(json->begin(), json->end(), is_sound);
+  if (!sound || !std::is_sorted(json->begin(), json->end()))
+    refuse(name, *json, fmt::format("1 to {} ascending numbers from {}", most, from_to(low, high)));
+  values = json->get<std::vector<double>>();
+}
+
 void FieldReader::refuse_others() const {
   for (const auto& [key, value] : json_.items()) {
     if (std::find(names_.begin(), names_.end(), key) != names_.end()) continue;

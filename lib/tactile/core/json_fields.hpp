@@ -24,7 +24,8 @@ namespace tactile {
 //   void list_fields(Fields& fields, RobotPhysics& robot) {
 //     fields("rate_hz", robot.rate_hz, 1, 1000);             // a number and the range it must lie in
 //     fields("speed_noise_mm_s", robot.speed_noise_mm_s, 0, 100);  // a Range: [low, high], both in it, low <= high
-//     fields("readout_us", camera.readout, 1, 1'000'000);    // a duration, as a whole number of microseconds
+//     fields("refractory_us", camera.refractory, 1, 1'000'000);  // a duration, as a whole number of microseconds
+//     fields("hot_hz", camera.hot_hz, 0, 1e6);               // 1 to 1000 ascending numbers, each in the range
 //     fields("size", camera.size, 16, 4096);                 // a SensorSize: [width, height], both in it
 //     fields("name", robot.name);                            // text, bool, a struct that lists its fields too, or a map of such
 //   }
@@ -64,6 +65,7 @@ class FieldReader {
   void operator()(std::string_view name, microseconds& value, double low, double high);
   void operator()(std::string_view name, bool& value);
   void operator()(std::string_view name, std::string& value);
+  void operator()(std::string_view name, std::vector<double>& values, double low, double high);
 
   template <WholeNumber T>
   void operator()(std::string_view name, T& value, double low, double high) {
@@ -129,6 +131,7 @@ class FieldWriter {
   void operator()(const std::string& name, microseconds& value, double, double) { json_[name] = value.count(); }
   void operator()(const std::string& name, bool& value) { json_[name] = value; }
   void operator()(const std::string& name, std::string& value) { json_[name] = value; }
+  void operator()(const std::string& name, std::vector<double>& values, double, double) { json_[name] = values; }
 
   template <WholeNumber T>
   void operator()(const std::string& name, T& value, double, double) {

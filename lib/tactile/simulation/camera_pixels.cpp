@@ -39,6 +39,26 @@ std::uint32_t PixelLottery::draw(Random& random) const {
   return share < keep_[place] ? place : other_[place];
 }
 
+namespace {
+
+/// Each pixel's own rate, log-normal with the mean kept, and share of ON events, normal and cut to 0 to 1.
+void draw_background(CameraPixels& pixels, const EventCameraOptions& options, std::uint64_t seed) {
+  Random random(seed);
+  const double spread = options.background_spread_decades * std::numbers::ln10, mean = std::exp(0.5 * spread * spread);
+  const std::size_t count = pixels.thresholds.size();
+  pixels.background_interval.assign(count, 0.0F);
+  pixels.background_on_share.assign(count, static_cast<float>(options.background_on_share));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::isinf(pixels.thresholds[i])) continue;
+    pixels.background_interval[i] = static_cast<float>(mean * (spread > 0 ? std::exp(spread * random.normal()) : 1.0));
+    if (!(options.background_on_spread > 0)) continue;
+    const double share = options.background_on_share + options.background_on_spread * random.normal();
+    pixels.background_on_share[i] = static_cast<float>(std::clamp(share, 0.0, 1.0));
+  }
+}
+
+}  // namespace
+
 CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t seed) {
   check(options);
   Random random(seed);
@@ -62,31 +82,50 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
     leak[i] = shot[i] = 0;
     ++dead;
   }
-  pixels.leak = PixelLottery(leak);
-  pixels.shot = PixelLottery(shot);
+  // A camera with a measured background seldom has these too.
+  if (options.leak_hz > 0 || !(options.background_hz > 0)) pixels.leak = PixelLottery(leak);
+  if (options.shot_hz > 0 || !(options.background_hz > 0)) pixels.shot = PixelLottery(shot);
   pixels.hot_seed = random.bits();
-  pixels.hot_pixels = options.hot_pixels;
-  pixels.hot_min_hz = options.hot_min_hz;
-  pixels.hot_max_hz = options.hot_max_hz;
-  pixels.hot_turnover = options.hot_turnover;
+  pixels.hot = options;
+  if (options.background_hz > 0) draw_background(pixels, options, seed_for(seed, {"background"}));
   return pixels;
 }
 
+double quantile_at(const std::vector<double>& quantiles, double share) {
+  if (quantiles.size() == 1) return quantiles.front();
+  const double place = share * static_cast<double>(quantiles.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), quantiles.size() - 2);
+  return quantiles[below] + (place - static_cast<double>(below)) * (quantiles[below + 1] - quantiles[below]);
+}
+
 std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index) {
+  const EventCameraOptions& options = pixels.hot;
+  std::vector<double> log_hz;
+  for (const double hz : options.hot_hz) log_hz.push_back(std::log(hz));
+  const auto draw_place = [&](Random& random) {
+    std::uint64_t index = random.below(pixels.thresholds.size());
+    while (std::isinf(pixels.thresholds[index])) index = random.below(pixels.thresholds.size());
+    return static_cast<std::uint32_t>(index);
+  };
   std::vector<SimulatedHotPixel> hot;
-  for (int i = 0; i < pixels.hot_pixels; ++i) {
+  for (int i = 0; i < options.hot_pixels; ++i) {
     Random random(seed_for(pixels.hot_seed, {"hot pixel", std::to_string(i)}));
     const auto born = [&] {
-      std::uint64_t index = random.below(pixels.thresholds.size());
-      while (std::isinf(pixels.thresholds[index])) index = random.below(pixels.thresholds.size());
-      const double hz = pixels.hot_min_hz * std::pow(pixels.hot_max_hz / pixels.hot_min_hz, random.uniform());
-      return SimulatedHotPixel{static_cast<std::uint32_t>(index), hz};
+      SimulatedHotPixel pixel{.index = draw_place(random)};
+      pixel.hz = std::exp(quantile_at(log_hz, random.uniform()));
+      pixel.on_share = quantile_at(options.hot_on_shares, options.hot_on_shares.size() > 1 ? random.uniform() : 0.0);
+      return pixel;
     };
     SimulatedHotPixel pixel = born();
     for (std::size_t run = 0; run < run_index; ++run) {
-      if (random.uniform() < pixels.hot_turnover) pixel = born();
+      if (random.uniform() < options.hot_turnover) pixel = born();
     }
     hot.push_back(pixel);
+  }
+  for (int i = 0; i < options.stuck_pixels; ++i) {
+    Random random(seed_for(pixels.hot_seed, {"stuck pixel", std::to_string(i)}));
+    hot.push_back(
+        {.index = draw_place(random), .hz = 1e6 / options.readout_us, .on_share = options.stuck_on_share, .stuck = true});
   }
   return hot;
 }

@@ -13,6 +13,8 @@ namespace tactile::simulation {
 struct SimulatedHotPixel {
   std::uint32_t index = 0;  ///< y * width + x
   double hz = 0;
+  double on_share = 0;
+  bool stuck = false;
 
   friend bool operator==(const SimulatedHotPixel&, const SimulatedHotPixel&) = default;
 };
@@ -37,17 +39,23 @@ struct CameraPixels {
   std::vector<float> thresholds;  ///< row by row from the top; infinite for dead pixels
   PixelLottery leak;              ///< weights 1 in the mean
   PixelLottery shot;              ///< weights threshold / the pixel's threshold
-  // Hot pixels are drawn from these.
+  // For the background; empty if there is none.
+  std::vector<float> background_interval;  ///< mean interval / that of a pixel with the mean rate; 0 for dead pixels
+  std::vector<float> background_on_share;
+  // Hot and stuck pixels are drawn from these.
   std::uint64_t hot_seed = 0;
-  int hot_pixels = 0;
-  double hot_min_hz = 0, hot_max_hz = 0, hot_turnover = 0;
+  EventCameraOptions hot;
 };
 
 /// Draws the pixels. The options of single runs have no effect. @throws Error  if an option is out of range
 CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t seed);
 
-/// The `hot_pixels` hot pixels in the camera's run `run_index`. Between two runs each is replaced, with the chance
-/// `hot_turnover`, by another pixel with another rate. Dead pixels are never hot.
+/// The value at the share `share` of a distribution: its quantiles are at equal steps from 0 to 1, linear between them.
+double quantile_at(const std::vector<double>& quantiles, double share);
+
+/// The `hot_pixels` hot pixels, then the `stuck_pixels` stuck ones, which fire at every read-out, in the camera's run
+/// `run_index`. Between two runs each is replaced, with the chance `hot_turnover`, by another pixel with another rate. Stuck
+/// pixels stay. Dead pixels are never hot.
 std::vector<SimulatedHotPixel> hot_pixels_of_run(const CameraPixels& pixels, std::size_t run_index);
 
 }  // namespace tactile::simulation

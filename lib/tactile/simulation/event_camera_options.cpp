@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <string_view>
 
 #include "tactile/core/error.hpp"
@@ -17,6 +18,12 @@ struct RangeCheck {
   }
   void operator()(std::string_view name, double& value, double low, double high) const { need(name, value, low, high); }
   void operator()(std::string_view name, int& value, double low, double high) const { need(name, value, low, high); }
+  void operator()(std::string_view name, const std::vector<double>& values, double low, double high) const {
+    need(fmt::format("the number of {}", name), static_cast<double>(values.size()), 1, 1000);
+    for (const double value : values) need(name, value, low, high);
+  }
+  void operator()(std::string_view, bool) const {}
+  void operator()(std::string_view, const std::string&) const {}
   void operator()(std::string_view name, microseconds& value, double low, double high) const {
     need(name, static_cast<double>(value.count()), low, high);
   }
@@ -32,7 +39,8 @@ void check(const EventCameraOptions& options) {
   EventCameraOptions o = options;
   RangeCheck fields;
   list_fields(fields, o);
-  RangeCheck::need("hot_max_hz", o.hot_max_hz, o.hot_min_hz, 1e6);
+  if (!std::is_sorted(o.hot_hz.begin(), o.hot_hz.end()) || !std::is_sorted(o.hot_on_shares.begin(), o.hot_on_shares.end()))
+    throw Error("simulated camera: hot_hz or hot_on_shares falls; expected ascending numbers");
   RangeCheck::need("dead_pixels", o.dead_pixels, 0, static_cast<double>(pixel_count(o.size) / 2));
   RangeCheck::need("veil", o.veil, 0, 10);
   RangeCheck::need("noise_factor", o.noise_factor, 0, 1000);
@@ -41,6 +49,9 @@ void check(const EventCameraOptions& options) {
 SkinView view_of(const EventCameraOptions& options) {
   SkinView view = view_of_skin(options.size);
   if (options.px_per_mm > 0) view.px_per_mm = options.px_per_mm;
+  view.centre_x_px += view.px_per_mm * options.shift_x_mm;
+  view.centre_y_px += view.px_per_mm * options.shift_y_mm;
+  view.rotation_rad = options.rotation_rad;
   return view;
 }
 

@@ -45,7 +45,33 @@ void read_objects(const nlohmann::json& json, std::vector<ObjectModel>& objects,
   }
 }
 
+/// The cameras of configs/cameras.json by name. @throws Error  if it is none of them
+EventCameraOptions preset_camera(std::string_view name) {
+  static const std::map<std::string, EventCameraOptions> cameras = [] {
+    const std::string where = "configs/cameras.json";
+    std::map<std::string, EventCameraOptions> read;
+    const nlohmann::json json = nlohmann::json::parse(default_cameras_config());
+    for (const auto& [preset, members] : json.items()) {
+      read_fields(members, read[preset], where);
+      read[preset].preset = preset;
+    }
+    return read;
+  }();
+  const auto found = cameras.find(std::string(name));
+  if (found != cameras.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, camera] : cameras) names.push_back(known);
+  refuse_name(name, "preset of the camera", names);
+}
+
 void read_into(SimulationPhysics& physics, const nlohmann::json& json, const std::string& where) {
+  if (json.is_object() && json.contains("camera") && json["camera"].is_object() && json["camera"].contains("preset")) {
+    try {
+      physics.camera = preset_camera(member<std::string>(json["camera"], "preset", "camera"));
+    } catch (const Error& e) {
+      throw Error(where + ": " + e.what());
+    }
+  }
   FieldReader members(json, where, {});
   std::string why;
   members("why", why);
@@ -106,8 +132,13 @@ const SimulationPhysics& default_physics() {
   return physics;
 }
 
-SimulationPhysics read_physics(const std::filesystem::path& file) {
-  SimulationPhysics physics = physics_from(read_json(file), file.string());
+SimulationPhysics with_camera(std::string_view preset) { return physics_from({{"camera", {{"preset", preset}}}}, "--camera"); }
+
+SimulationPhysics read_physics(const std::filesystem::path& file, std::string_view camera_preset) {
+  nlohmann::json json = read_json(file);
+  if (!camera_preset.empty() && json.is_object() && (!json.contains("camera") || json["camera"].is_object()))
+    json["camera"]["preset"] = camera_preset;
+  SimulationPhysics physics = physics_from(json, file.string());
   physics.source = file.filename().string();
   return physics;
 }

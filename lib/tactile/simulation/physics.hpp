@@ -46,13 +46,18 @@ struct SimulationPhysics {
   RunPlanOptions plan_options(const SimulationPreset& preset, int run_number) const;
 };
 
-/// configs/simulation.json and configs/objects.json, as of the build.
+/// configs/simulation.json, configs/cameras.json and configs/objects.json, as of the build.
 const SimulationPhysics& default_physics();
 
+/// The defaults with another camera of configs/cameras.json. @throws Error  for an unknown name
+SimulationPhysics with_camera(std::string_view preset);
+
 /// The defaults, changed by the file: any member of configs/simulation.json, and `objects`, a list as in configs/objects.json.
-/// Its entries change the object of the same name member by member, or add an object. `why` may describe the file's purpose.
+/// Its entries change the object of the same name member by member, or add an object. `camera.preset` names a camera of
+/// configs/cameras.json, and the other members of `camera` change it. `why` may describe the file's purpose.
+/// @param camera_preset  instead of the file's, unless empty
 /// @throws Error  with the file and the member, and the nearest known name or the allowed range
-SimulationPhysics read_physics(const std::filesystem::path& file);
+SimulationPhysics read_physics(const std::filesystem::path& file, std::string_view camera_preset = {});
 
 /// The same from JSON. @param where  names it in errors
 SimulationPhysics physics_from(const nlohmann::json& json, const std::string& where);

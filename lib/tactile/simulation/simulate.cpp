@@ -228,7 +228,7 @@ SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const Cam
            {"camera",
             {{"source", simulated_camera_name(drawn.seed)},
              {"readout_mode", "constant"},
-             {"readout_us", drawn.camera.readout.count()}}},
+             {"readout_us", drawn.camera.readout_us}}},
            {"simulation",
             {{"settings_hash", hash_of(simulation_settings(physics, drawn.object.name, drawn.run, drawn.preset, drawn.seed))},
              {"physics", {{"source", physics.source}, {"hash", hash_of(json_of(physics))}}},

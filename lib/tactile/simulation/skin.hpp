@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "tactile/events/event.hpp"
@@ -28,13 +29,15 @@ struct SkinView {
   double px_per_mm = 16;
   double centre_x_px = 320;
   double centre_y_px = 240;
+  double rotation_rad = 0;  ///< clockwise in the image, about the centre
 };
 
 /// The view with the whole skin in the middle of an image of this size: 640 x 480 has 16 px/mm, 320 x 240 has 8.
 constexpr SkinView view_of_skin(events::SensorSize size) {
   return {.px_per_mm = std::min(size.width / view_width_mm, size.height / view_height_mm),
           .centre_x_px = 0.5 * size.width,
-          .centre_y_px = 0.5 * size.height};
+          .centre_y_px = 0.5 * size.height,
+          .rotation_rad = 0};
 }
 
 /// A pair of markers in the image: `x`, `y` is the middle of the edge between black and white.
@@ -53,15 +56,16 @@ constexpr double marker_x_mm(std::size_t index) { return (static_cast<double>(in
 constexpr double marker_y_mm(std::size_t index) { return (static_cast<double>(index / 3) - 1.0) * row_pitch_mm; }
 
 /// The pose of a marker whose tip is pushed inward by `inward_mm` and sideways by (`aside_x_mm`, `aside_y_mm`).
-constexpr MarkerPose marker_pose(const SkinView& view, std::size_t index, double inward_mm, double aside_x_mm,
-                                 double aside_y_mm) {
+inline MarkerPose marker_pose(const SkinView& view, std::size_t index, double inward_mm, double aside_x_mm, double aside_y_mm) {
   const double scale = 1.0 + inward_mm / eye_distance_mm;
-  return {.x = view.centre_x_px + view.px_per_mm * (marker_x_mm(index) * scale + aside_x_mm),
-          .y = view.centre_y_px + view.px_per_mm * (marker_y_mm(index) * scale + aside_y_mm),
-          .scale = scale};
+  const double x_px = view.px_per_mm * (marker_x_mm(index) * scale + aside_x_mm);
+  const double y_px = view.px_per_mm * (marker_y_mm(index) * scale + aside_y_mm);
+  if (view.rotation_rad == 0) return {.x = view.centre_x_px + x_px, .y = view.centre_y_px + y_px, .scale = scale};
+  const double c = std::cos(view.rotation_rad), s = std::sin(view.rotation_rad);
+  return {.x = view.centre_x_px + c * x_px - s * y_px, .y = view.centre_y_px + s * x_px + c * y_px, .scale = scale};
 }
 
-constexpr SkinPose skin_at_rest(const SkinView& view) {
+inline SkinPose skin_at_rest(const SkinView& view) {
   SkinPose pose;
   for (std::size_t i = 0; i < marker_count; ++i) pose[i] = marker_pose(view, i, 0, 0, 0);
   return pose;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -19,28 +20,29 @@ struct FilmedSkin {
   /// The time of the first event of each motion of the skin, in their order; nothing if it has caused none yet. If an unlabelled
   /// motion overlaps a labelled one, the events of the labelled one count from its start.
   std::vector<std::optional<CameraTime>> first_events;
-  CameraTime last_readout{};
+  CameraTime last_readout{};  ///< its begin
 };
 
-/// The camera in front of the skin, read-out by read-out.
+/// The camera in front of the skin, read-out by read-out. Between two poses the skin moves evenly.
 class SkinFilm {
  public:
   /// @param motion, pixels  must outlive the film
   SkinFilm(const SkinMotion& motion, const CameraPixels& pixels, const EventCameraOptions& options, CameraTime start,
            std::uint64_t seed);
 
-  bool ended() const { return next_ == motion_->poses.size(); }
-  double share_done() const { return static_cast<double>(next_) / static_cast<double>(motion_->poses.size()); }
+  bool ended() const { return camera_.next_us() > last_us_; }
+  double share_done() const { return last_us_ > 0 ? std::min(1.0, camera_.next_us() / last_us_) : 1.0; }
   /// The events of the next read-out, valid until the next call. Must not be called after the end.
   std::span<const events::Event> next();
   const FilmedSkin& filmed() const { return filmed_; }  ///< up to the last read-out
 
  private:
   const SkinMotion* motion_;
+  SkinPose pose_at(double us) const;
+
   EventCamera camera_;
-  microseconds readout_;
   CameraTime start_;
-  std::size_t next_ = 0;
+  double last_us_;  ///< of the last pose
   FilmedSkin filmed_;
 };
 

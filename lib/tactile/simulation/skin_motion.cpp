@@ -139,11 +139,11 @@ void add_vibrations(MotionList& list, const RunPlan& plan, double tail_start_s, 
 }
 
 /// Whether a marker moves visibly between two times.
-bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds readout, microseconds start,
+bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds step, microseconds start,
                    microseconds end) {
   const double least_px = view.px_per_mm * least_motion_mm;
-  const auto first = static_cast<std::size_t>(start / readout);
-  const auto last = std::min(static_cast<std::size_t>((end + readout - 1us) / readout), poses.size() - 1);
+  const auto first = static_cast<std::size_t>(start / step);
+  const auto last = std::min(static_cast<std::size_t>((end + step - 1us) / step), poses.size() - 1);
   for (std::size_t k = first + 1; k <= last; ++k) {
     for (std::size_t m = 0; m < marker_count; ++m) {
       const MarkerPose &a = poses[first][m], &b = poses[k][m];
@@ -156,12 +156,13 @@ bool moves_between(std::span<const SkinPose> poses, const SkinView& view, micros
 
 }  // namespace
 
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random) {
-  assert(readout > 0us && "read-outs follow each other in time");
-  const double dt_s = 1e-6 * static_cast<double>(readout.count());
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random) {
+  assert(step > 0us && "steps follow each other in time");
+  const double dt_s = 1e-6 * static_cast<double>(step.count());
   const auto steps = static_cast<std::size_t>(std::floor(plan.end_s / dt_s + 1e-6)) + 1;
   MovingTips tips(plan, view, dt_s, random);
   SkinMotion motion;
+  motion.step = step;
   motion.poses.reserve(steps);
   for (std::size_t k = 0; k < steps; ++k) motion.poses.push_back(tips.advance_to(static_cast<double>(k) * dt_s, random));
 
@@ -176,7 +177,7 @@ SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds rea
   }
   add_vibrations(list, plan, tail_start_s, dragged.ringing_end_s());
   motion.motions =
-      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, readout, start, end); });
+      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, step, start, end); });
   for (MarkerMotion& moved : motion.motions) {
     if (moved.what == "slip" && dragged.gross_s() < infinite) moved.gross = whole_us(dragged.gross_s());
   }

@@ -27,12 +27,13 @@ struct MarkerMotion {
 
 /// The motion of the skin in a run, with its intervals by the rules of labels.
 struct SkinMotion {
-  std::vector<SkinPose> poses;        ///< one per read-out, from the first
+  std::vector<SkinPose> poses;  ///< one per step, from the camera's first read-out
+  microseconds step{200};
   std::vector<MarkerMotion> motions;  ///< by start; only unlabelled ones may overlap each other
   std::optional<microseconds> lift_start;
 };
 
-/// Moves the markers through a run, read-out by read-out.
+/// Moves the markers through a run, step by step.
 ///
 /// Press: marker m is pushed in by q(t) = max(0, depth(t) - gap). It starts with the object's speed at that time, and moves
 /// sideways in proportion. Lift: after the slack, each touched tip is dragged with the object at the arm's speed until the shear
@@ -45,7 +46,7 @@ struct SkinMotion {
 /// After contact, a press ends at the begin of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
 /// ends at the begin of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
 /// unlabelled. Motions that move no marker by a hundredth of a pixel are omitted.
-/// @param readout  > 0
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds readout, Random& random);
+/// @param step  > 0
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random);
 
 }  // namespace tactile::simulation
