@@ -27,6 +27,7 @@ struct SimulateArguments {
   int runs = 0;
   std::vector<std::string> objects{"all"};
   std::uint64_t seed = 1;
+  bool one_camera = false;
   bool force = false;
 };
 
@@ -92,8 +93,11 @@ std::string speed_of(const SimulatedTotals& totals, double elapsed_s, double cor
 }
 
 simulation::SimulationPhysics physics_of(const SimulateArguments& args) {
-  if (!args.physics.empty()) return simulation::read_physics(args.physics, args.camera);
-  return args.camera.empty() ? simulation::default_physics() : simulation::with_camera(args.camera);
+  simulation::SimulationPhysics physics = !args.physics.empty() ? simulation::read_physics(args.physics, args.camera)
+                                          : args.camera.empty() ? simulation::default_physics()
+                                                                : simulation::with_camera(args.camera);
+  if (args.one_camera) physics.sessions.vary = false;
+  return physics;
 }
 
 void simulate_runs(const SimulateArguments& args, const CommonArguments& common) {
@@ -158,6 +162,7 @@ void add_simulate_command(CLI::App& app) {
       .type_name("NAME,...")
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the whole data set").check(is_seed()).show_default();
+  command.add_flag("--one-camera", args->one_camera, "The same camera in all sessions; otherwise each session has its own");
   command.add_flag("--force", args->force,
                    "Replace runs that were simulated with other settings, and remove extra simulated runs");
 }

@@ -46,6 +46,7 @@ TEST(DefaultPhysics, AreTheFilesOfConfigsAndNoMemberIsMissingThere) {
 TEST(DefaultPhysics, AreThoseOfTheStructs) {
   const SimulationPhysics& physics = default_physics();
   EXPECT_EQ(json_of_fields(with_camera("quiet").camera), json_of_fields(EventCameraOptions{}));
+  EXPECT_EQ(json_of_fields(physics.sessions), json_of_fields(SessionPhysics{}));
   EXPECT_EQ(json_of_fields(physics.variation), json_of_fields(RunVariation{}));
   EXPECT_EQ(json_of_fields(physics.after_effects), json_of_fields(AfterEffects{}));
   EXPECT_EQ(json_of_fields(physics.special_runs), json_of_fields(SpecialRuns{}));

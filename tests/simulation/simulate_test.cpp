@@ -123,8 +123,9 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   EXPECT_GT(labelled[0].interval.start, first + 600ms);
   EXPECT_LT(labelled[1].interval.end, last);
   EXPECT_GT(truth.intervals.size(), 2U) << "the skin creeps after a press, unlabelled";
-  const EventCameraOptions& camera = default_physics().camera;
-  EXPECT_EQ(truth.hot_pixels.size(), static_cast<std::size_t>(camera.hot_pixels + camera.stuck_pixels));
+  const nlohmann::json& camera = truth.parameters.at("camera");
+  EXPECT_EQ(truth.hot_pixels.size(), camera.at("hot_pixels").get<std::size_t>() + camera.at("stuck_pixels").get<std::size_t>());
+  EXPECT_EQ(camera.at("readout_us"), readout_us) << "the session's camera";
   EXPECT_EQ(truth.dead_pixels.size(), static_cast<std::size_t>(default_physics().camera.dead_pixels));
   EXPECT_EQ(truth.parameters.at("physics_hash"), hash_of(json_of(default_physics())));
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "default");
@@ -261,7 +262,7 @@ TEST(Simulate, TakesOtherPhysicsForOtherSettings) {
   const RunInfo info = read_run_info(run_folder_at(folder / "data" / "cup" / "01"));
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("source"), "soft.json");
   EXPECT_EQ(info.extra.at("simulation").at("physics").at("hash"), hash_of(json_of(options.physics)));
-  EXPECT_EQ(info.extra.at("simulation").at("model_version"), 2);
+  EXPECT_EQ(info.extra.at("simulation").at("model_version"), 3);
 }
 
 TEST(Simulate, WritesAFilmWhoseFramesHaveTheirTrueTimes) {

@@ -66,7 +66,6 @@ class SimulatorSource final : public CameraSource {
         pace_(speed),
         live_(speed > 0),
         physics_(simulation::default_physics()),
-        pixels_(simulation::simulated_camera_pixels(physics_, seed)),
         streams_{events::event_stream_declaration(physics_.camera.size, simulation::simulated_camera_name(seed)),
                  simulation::simulated_imu_stream(simulation::simulated_camera_name(seed))} {
     if (object_) physics_.object(*object_);
@@ -81,7 +80,7 @@ class SimulatorSource final : public CameraSource {
   bool begins_again() const override { return true; }
   nlohmann::json camera() const override {
     nlohmann::json json = camera_json(streams());
-    json["readout_us"] = physics_.camera.readout_us;
+    json["readout_us"] = camera_ ? camera_->options.readout_us : physics_.camera.readout_us;
     json["simulator"] = {{"object", scene_ ? scene_->drawn.object.name : object_.value_or(std::string(usual_object))},
                          {"preset", preset},
                          {"seed", seed_},
@@ -90,7 +89,10 @@ class SimulatorSource final : public CameraSource {
   }
 
   void begin_run(const RunFolder& run) override {
-    if (!recorded_) clocks_.reset();  // what came before the first run is not kept
+    if (!recorded_) {  // what came before the first run is not kept
+      clocks_.reset();
+      camera_.reset();
+    }
     begin(object_.value_or(is_model(run.object) ? run.object : std::string(usual_object)), run.run, between_recordings);
     recorded_ = run.folder;
     pace_.reset();
@@ -141,12 +143,16 @@ class SimulatorSource final : public CameraSource {
 
  private:
   void begin(const std::string& object, const std::string& run, microseconds gap) {
-    simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_);
+    simulation::DrawnRun drawn = simulation::draw_run(physics_, object, run, std::string(preset), seed_, camera_);
     if (clocks_) {
       drawn.clocks =
           simulation::continued_clocks(drawn.clocks, *clocks_, scene_->film.filmed().last_readout + readout_of(drawn) + gap);
     } else {
       clocks_ = drawn.clocks;
+    }
+    if (!camera_) {
+      camera_ = {.options = drawn.camera, .pixels_seed = drawn.pixels_seed};
+      pixels_ = simulation::camera_pixels_of(drawn);
     }
     next_.clear();
     scene_ = std::make_unique<Scene>(std::move(drawn), pixels_);
@@ -171,6 +177,7 @@ class SimulatorSource final : public CameraSource {
   Pace pace_;
   bool live_;
   const simulation::SimulationPhysics& physics_;
+  std::optional<simulation::SessionCamera> camera_;  ///< that of the first run: the source is one session
   simulation::CameraPixels pixels_;
   std::array<events::Stream, 2> streams_;        ///< events and IMU samples
   std::optional<simulation::RunClocks> clocks_;  ///< of the first run

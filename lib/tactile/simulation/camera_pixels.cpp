@@ -41,19 +41,43 @@ std::uint32_t PixelLottery::draw(Random& random) const {
 
 namespace {
 
+/// Quantiles of the normal distribution, in the middles of equal steps of probability.
+const std::vector<double>& normal_quantiles() {
+  static const std::vector<double> quantiles = [] {
+    std::vector<double> found(1 << 12);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(found.size());
+      double low = -5, high = 5;
+      while (high - low > 1e-9) {
+        const double middle = 0.5 * (low + high);
+        (0.5 * std::erfc(-middle / std::numbers::sqrt2) < share ? low : high) = middle;
+      }
+      found[i] = low;
+    }
+    return found;
+  }();
+  return quantiles;
+}
+
 /// Each pixel's own rate, log-normal with the mean kept, and share of ON events, normal and cut to 0 to 1.
 void draw_background(CameraPixels& pixels, const EventCameraOptions& options, std::uint64_t seed) {
-  Random random(seed);
+  const std::vector<double>& normals = normal_quantiles();
   const double spread = options.background_spread_decades * std::numbers::ln10, mean = std::exp(0.5 * spread * spread);
+  std::vector<float> intervals, shares;
+  for (const double normal : normals) {
+    intervals.push_back(static_cast<float>(mean * std::exp(spread * normal)));
+    const double share = options.background_on_share + options.background_on_spread * normal;
+    shares.push_back(static_cast<float>(std::clamp(share, 0.0, 1.0)));
+  }
+  Random random(seed);
   const std::size_t count = pixels.thresholds.size();
   pixels.background_interval.assign(count, 0.0F);
-  pixels.background_on_share.assign(count, static_cast<float>(options.background_on_share));
+  pixels.background_on_share.assign(count, 0.0F);
   for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t bits = random.bits();
     if (std::isinf(pixels.thresholds[i])) continue;
-    pixels.background_interval[i] = static_cast<float>(mean * (spread > 0 ? std::exp(spread * random.normal()) : 1.0));
-    if (!(options.background_on_spread > 0)) continue;
-    const double share = options.background_on_share + options.background_on_spread * random.normal();
-    pixels.background_on_share[i] = static_cast<float>(std::clamp(share, 0.0, 1.0));
+    pixels.background_interval[i] = intervals[bits >> 52];
+    pixels.background_on_share[i] = shares[bits >> 40 & 0xfff];
   }
 }
 
@@ -65,6 +89,9 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
   const std::size_t count = pixel_count(options.size);
   CameraPixels pixels;
   pixels.thresholds.reserve(count);
+  // A camera with a measured background seldom has these too.
+  const bool leaks = options.leak_hz > 0 || !(options.background_hz > 0),
+             shoots = options.shot_hz > 0 || !(options.background_hz > 0);
   std::vector<double> leak(count), shot(count);
   // A log-normal with this spread has a mean above 1; the division restores the nominal mean rate.
   const double spread = options.leak_spread_decades * std::numbers::ln10;
@@ -72,7 +99,7 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
   for (std::size_t i = 0; i < count; ++i) {
     const double threshold = std::max(options.threshold_floor, options.threshold + options.threshold_sigma * random.normal());
     pixels.thresholds.push_back(static_cast<float>(threshold));
-    leak[i] = std::exp(spread * random.normal()) / mean;
+    if (leaks) leak[i] = std::exp(spread * random.normal()) / mean;
     shot[i] = options.threshold / threshold;
   }
   for (int dead = 0; dead < options.dead_pixels;) {
@@ -82,9 +109,8 @@ CameraPixels draw_camera_pixels(const EventCameraOptions& options, std::uint64_t
     leak[i] = shot[i] = 0;
     ++dead;
   }
-  // A camera with a measured background seldom has these too.
-  if (options.leak_hz > 0 || !(options.background_hz > 0)) pixels.leak = PixelLottery(leak);
-  if (options.shot_hz > 0 || !(options.background_hz > 0)) pixels.shot = PixelLottery(shot);
+  if (leaks) pixels.leak = PixelLottery(leak);
+  if (shoots) pixels.shot = PixelLottery(shot);
   pixels.hot_seed = random.bits();
   pixels.hot = options;
   if (options.background_hz > 0) draw_background(pixels, options, seed_for(seed, {"background"}));

@@ -136,6 +136,7 @@ class EventCamera {
   void look_pixel_by_pixel(const Box& box, std::uint8_t cause);
   bool is_alone(std::size_t m, const Box& area, std::uint32_t moved) const;
   void follow(std::size_t m, std::uint32_t moved);
+  void find_levels(const Marker& marker, int left_end, int right_end);
   bool moves_visibly(std::size_t m, const MarkerPose& pose);
   void look_at_area(const Box& area, const Marker& marker, bool at_once, std::uint8_t cause);
   void follow_row(int row, int left, int right, std::uint8_t cause);

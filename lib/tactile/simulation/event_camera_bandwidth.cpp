@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 
 #include "tactile/simulation/event_camera.hpp"
 #include "tactile/simulation/fast_log.hpp"
@@ -83,54 +84,65 @@ void EventCamera::follow(std::size_t m, std::uint32_t moved) {
   if (at_once || readout_ - trail.drawn > settle_readouts_) trail.active = false;
 }
 
-/// Evaluates an area in which there is one marker. @param at_once  pixels see their light without delay
-void EventCamera::look_at_area(const Box& area, const Marker& marker, bool at_once, std::uint8_t cause) {
-  const Box& box = marker.box;
+/// ln I of a marker's strips, and of the columns where it fades, row by row.
+void EventCamera::find_levels(const Marker& marker, int left_end, int right_end) {
   const auto skin = static_cast<float>(options_.skin);
-  const int left_end = std::min(marker.full_left, box.right), right_end = std::max(left_end, marker.full_right);
   strip_levels_.resize(marker.contrast.size());
   for (std::size_t i = 0; i < strip_levels_.size(); ++i)
     strip_levels_[i] = intensity_of(std::max(0.0F, skin + marker.contrast[i]));
   take_logs(strip_levels_.data(), strip_levels_.size());
   end_levels_.clear();
-  const auto add_ends = [&](int row, int left, int right) {
-    for (int x = left; x < right; ++x)
-      end_levels_.push_back(intensity_of(std::max(0.0F, skin + marker.across_at(x) * marker.contrast[marker.place(x, row)])));
-  };
-  for (int row = box.top; row < box.bottom; ++row) {
-    add_ends(row, box.left, left_end);
-    add_ends(row, right_end, box.right);
+  const Box& box = marker.box;
+  const auto rows = static_cast<std::size_t>(marker.rows());
+  for (const auto& [from, to] : {std::pair{box.left, left_end}, std::pair{right_end, box.right}}) {
+    for (int x = from; x < to; ++x) {
+      const float* contrast = marker.contrast.data() + marker.place(x, box.top);
+      const float across = marker.across_at(x);
+      for (std::size_t row = 0; row < rows; ++row)
+        end_levels_.push_back(intensity_of(std::max(0.0F, skin + across * contrast[row])));
+    }
   }
   take_logs(end_levels_.data(), end_levels_.size());
+}
 
+/// Evaluates an area in which there is one marker. @param at_once  pixels see their light without delay
+void EventCamera::look_at_area(const Box& area, const Marker& marker, bool at_once, std::uint8_t cause) {
+  constexpr int together = 8;
+  const Box& box = marker.box;
+  const int left_end = std::min(marker.full_left, box.right), right_end = std::max(left_end, marker.full_right);
+  find_levels(marker, left_end, right_end);
   const auto kept = [&](float level) { return at_once ? 0.0F : kept_at(level); };
   const float skin_kept = kept(skin_level_);
-  const auto width = static_cast<std::size_t>(area.right - area.left);
+  const auto width = static_cast<std::size_t>(area.right - area.left) + together;
   levels_.assign(width, skin_level_);
   keeps_.assign(width, skin_kept);
-  float *const levels = levels_.data() - area.left, *const keeps = keeps_.data() - area.left;  // by column
-  const float* end = end_levels_.data();
-  const auto take_end = [&](int x) {
-    levels[x] = *end++;
-    keeps[x] = kept(levels[x]);
+  const auto lay = [&](int x, float level, float keep) {
+    levels_[static_cast<std::size_t>(x - area.left)] = level;
+    keeps_[static_cast<std::size_t>(x - area.left)] = keep;
   };
+  const int rows = marker.rows(), right_columns = std::max(0, box.right - right_end);
   for (int row = area.top; row < area.bottom; ++row) {
-    const bool on_marker = row >= box.top && row < box.bottom;
+    const int row_of_marker = row - box.top;
     if (row == box.bottom) {
       std::fill(levels_.begin(), levels_.end(), skin_level_);
       std::fill(keeps_.begin(), keeps_.end(), skin_kept);
     }
-    if (on_marker) {
-      for (int x = box.left; x < left_end; ++x) take_end(x);
+    if (row_of_marker >= 0 && row_of_marker < rows) {
+      const float* end = end_levels_.data() + row_of_marker;
+      for (int x = box.left; x < left_end; ++x, end += rows) lay(x, *end, kept(*end));
+      // Strips are laid eight columns at a time; what is too much is laid again.
       for (int x = left_end; x < right_end;) {
-        const int strip_end = std::min<int>(right_end, box.left + ((x - box.left) / marker.strip_px + 1) * marker.strip_px);
-        const float level = strip_levels_[marker.place(x, row)], keep = kept(level);
-        for (; x < strip_end; ++x) {
-          levels[x] = level;
-          keeps[x] = keep;
+        const int strip = (x - box.left) / marker.strip_px;
+        const int strip_end = std::min<int>(right_end, box.left + (strip + 1) * marker.strip_px);
+        const float level = strip_levels_[static_cast<std::size_t>(strip * rows + row_of_marker)], keep = kept(level);
+        for (; x < strip_end; x += together) {
+          std::fill_n(levels_.data() + (x - area.left), together, level);
+          std::fill_n(keeps_.data() + (x - area.left), together, keep);
         }
+        x = strip_end;
       }
-      for (int x = right_end; x < box.right; ++x) take_end(x);
+      for (int x = right_end; x < box.right; ++x, end += rows) lay(x, *end, kept(*end));
+      for (int x = box.right; x < std::min(area.right, box.right - right_columns + together); ++x) lay(x, skin_level_, skin_kept);
     }
     follow_row(row, area.left, area.right, cause);
   }

@@ -11,7 +11,11 @@
 namespace tactile::simulation {
 namespace {
 
-constexpr int rotated_strip_px = 8;
+/// The strips of a rotated marker are so narrow that one is at most a quarter of a pixel lower than the one before.
+int strip_width(double gradient) {
+  if (gradient == 0) return 1 << 16;
+  return std::clamp(static_cast<int>(0.25 / std::abs(gradient)), 1, 1 << 16);
+}
 
 /// A blurred edge: values[i] = smoothstep of (i + 0.5 - edge) over `blur` on both sides of it, 0 to 1.
 void draw_edge(double edge, double blur, float* values, int count) {
@@ -58,7 +62,7 @@ void EventCamera::place(const MarkerPose& pose, Marker& marker) {
   marker.full_left = inside(pose.x - half_width + blur + 0.5, width);
   marker.full_right = inside(pose.x + half_width - blur + 0.5, width);
   if (marker.full_left >= marker.full_right) marker.full_left = marker.full_right = box.right;
-  marker.strip_px = gradient == 0 ? 1 << 16 : rotated_strip_px;
+  marker.strip_px = strip_width(gradient);
   draw_strips(pose, gradient, shadow_px, marker);
 }
 

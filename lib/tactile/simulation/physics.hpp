@@ -10,6 +10,7 @@
 #include "tactile/simulation/object_model.hpp"
 #include "tactile/simulation/run_clocks.hpp"
 #include "tactile/simulation/run_plan.hpp"
+#include "tactile/simulation/session_camera.hpp"
 #include "tactile/simulation/simulated_imu.hpp"
 #include "tactile/simulation/simulated_robot.hpp"
 #include "tactile/simulation/simulated_video.hpp"
@@ -27,6 +28,7 @@ struct SimulationPreset {
 struct SimulationPhysics {
   std::string source = "default";  ///< the name of the file; not a setting
   EventCameraOptions camera;
+  SessionPhysics sessions;
   RunVariation variation;
   AfterEffects after_effects;
   SpecialRuns special_runs;
@@ -75,6 +77,7 @@ void list_fields(Fields& fields, SimulationPreset& preset) {
 template <class Fields>
 void list_fields(Fields& fields, SimulationPhysics& physics) {
   fields("camera", physics.camera);
+  fields("sessions", physics.sessions);
   fields("variation", physics.variation);
   fields("after_effects", physics.after_effects);
   fields("special_runs", physics.special_runs);

@@ -179,14 +179,16 @@ std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
 }
 
 /// Makes a run, unless another process has made the same one. @throws Error  as `plan_run`, or if it cannot be written
-SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const CameraPixels& pixels,
+/// @param one_camera  its pixels, if all sessions have the same
+SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const std::optional<CameraPixels>& one_camera,
                       const std::function<void(double)>& tell_share) {
   PlannedRun planned = plan_run(run, options);
   if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
   WholeFile whole(run.folder, IfThere::replace);
   fs::create_directory(whole.path());
   const DrawnRun drawn = draw_run(options.physics, run.object, run.run, options.preset, options.seed);
-  SimulatedRun made = simulate_run({whole.path(), run.object, run.run}, drawn, pixels, tell_share);
+  SimulatedRun made =
+      simulate_run({whole.path(), run.object, run.run}, drawn, one_camera ? *one_camera : camera_pixels_of(drawn), tell_share);
   made.run = run;
   if (planned.outcome.kind == SimulatedRun::Kind::made) {
     if (whole.commit_if_free()) return made;
@@ -255,7 +257,11 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
   std::vector<SimulatedRun> outcomes = plan_runs(options, runs);
   for (const fs::path& object : folders_in(options.data, Links::skip)) remove_leftovers_in(object);
-  const CameraPixels pixels = simulated_camera_pixels(options.physics, options.seed);
+  std::optional<CameraPixels> one_camera;
+  if (!options.physics.sessions.vary) {
+    const SessionCamera camera = session_camera(options.physics.camera, options.physics.sessions, options.seed, {});
+    one_camera = draw_camera_pixels(camera.options, camera.pixels_seed);
+  }
 
   std::vector<std::size_t> to_make;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -277,7 +283,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
         for (const std::uint64_t part : done) sum += part;
         tell(progress, sum, parts * done.size(), outcome.run.name());
       };
-      outcome = make_run(outcome.run, options, pixels, [&](double share) { tell_part(0.9 * share); });
+      outcome = make_run(outcome.run, options, one_camera, [&](double share) { tell_part(0.9 * share); });
       tell_part(1.0);
     });
   }

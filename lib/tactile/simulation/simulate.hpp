@@ -20,7 +20,7 @@ struct SimulateOptions {
   std::string preset = "quick";
   std::optional<int> runs = {};           ///< per object, 1 to 99; default: the preset's
   std::vector<std::string> objects = {};  ///< empty: all
-  std::uint64_t seed = 1;                 ///< of the whole data set, which has one camera
+  std::uint64_t seed = 1;                 ///< of the whole data set
   bool force = false;                     ///< replace simulated runs with other settings, and remove extra ones
   unsigned threads = 0;                   ///< 0: one per core
   SimulationPhysics physics = default_physics();
@@ -47,7 +47,7 @@ struct SimulatedRun {
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes the files of one run in its folder, which must exist and be empty.
-/// @param pixels  of the camera of the data set
+/// @param pixels  those of `camera_pixels_of(drawn)`
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
                           const std::function<void(double)>& tell_share = {});
 

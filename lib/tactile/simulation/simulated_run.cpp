@@ -41,9 +41,7 @@ TruePixel pixel_at(std::size_t index, events::SensorSize size, double hz) {
 
 }  // namespace
 
-CameraPixels simulated_camera_pixels(const SimulationPhysics& physics, std::uint64_t seed) {
-  return draw_camera_pixels(physics.camera, seed_for(seed, {"camera"}));
-}
+CameraPixels camera_pixels_of(const DrawnRun& drawn) { return draw_camera_pixels(drawn.camera, drawn.pixels_seed); }
 
 std::string simulated_camera_name(std::uint64_t seed) { return fmt::format("DVXplorer_SIM{:05}", seed % 100'000); }
 
@@ -64,7 +62,7 @@ nlohmann::json simulation_settings(const SimulationPhysics& physics, std::string
 std::uint64_t DrawnRun::seed_for_use(std::string_view use) const { return seed_for(seed, {"run", object.name, run, use}); }
 
 DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std::string run, std::string_view preset,
-                  std::uint64_t seed) {
+                  std::uint64_t seed, const std::optional<SessionCamera>& camera) {
   DrawnRun drawn;
   drawn.physics = &physics;
   drawn.object = physics.object(object);
@@ -76,7 +74,10 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   const RunPlanOptions options = physics.plan_options(size, number_of(drawn.run));
   drawn.plan = draw_run_plan(drawn.object, options, for_plan);
   drawn.clocks = clocks_of_run(physics.clocks, seed, drawn.object.name, options.run_number, longest_run_s(options));
-  drawn.camera = physics.camera;
+  const SessionCamera of_session =
+      camera ? *camera : session_camera(physics.camera, physics.sessions, seed, drawn.clocks.session);
+  drawn.camera = of_session.options;
+  drawn.pixels_seed = of_session.pixels_seed;
   drawn.camera.veil = drawn.plan.veil;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
   drawn.camera.run_index = runs_before(physics, drawn.object.name, drawn.run);
@@ -162,6 +163,7 @@ Truth truth_of(const DrawnRun& drawn, const CameraPixels& pixels, const FilmedSk
     if (std::isinf(pixels.thresholds[i])) truth.dead_pixels.push_back(pixel_at(i, drawn.camera.size, 0));
   }
   truth.parameters = {{"plan", drawn.plan},
+                      {"camera", json_of_fields(drawn.camera)},
                       {"camera_start_us", drawn.clocks.camera_start_us},
                       {"physics_hash", hash_of(json_of(*drawn.physics))},
                       {"settings", simulation_settings(*drawn.physics, drawn.object.name, drawn.run, drawn.preset, drawn.seed)}};

@@ -20,10 +20,8 @@
 
 namespace tactile::simulation {
 
-inline constexpr int simulation_model_version = 2;  ///< increased whenever the same settings give other runs
+inline constexpr int simulation_model_version = 3;  ///< increased whenever the same settings give other runs
 
-/// The camera for all runs of a data set with this seed. @throws Error  if the physics of the camera are invalid
-CameraPixels simulated_camera_pixels(const SimulationPhysics& physics, std::uint64_t seed);
 std::string simulated_camera_name(std::uint64_t seed);  ///< "DVXplorer_SIM00001"
 
 /// The complete settings of a run: equal settings give equal runs.
@@ -41,7 +39,8 @@ struct DrawnRun {
   std::uint64_t seed = 1;  ///< of the data set
   RunPlan plan;
   RunClocks clocks;
-  EventCameraOptions camera;  ///< with the values of this run
+  EventCameraOptions camera;      ///< with the values of this session and run
+  std::uint64_t pixels_seed = 0;  ///< of the camera's pixels: equal in all runs of a session
   SkinMotion motion;
 
   CameraTime start() const { return camera_time(clocks.camera_start_us); }  ///< the camera's first read-out
@@ -49,9 +48,13 @@ struct DrawnRun {
 };
 
 /// Draws from the seed, the object's name and the run's. `physics` must outlive the run.
+/// @param camera  instead of that of the run's session
 /// @throws Error  if there is no such object or preset
 DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std::string run, std::string_view preset,
-                  std::uint64_t seed);
+                  std::uint64_t seed, const std::optional<SessionCamera>& camera = {});
+
+/// The pixels of the camera of the run. @throws Error  if the physics of the camera are invalid
+CameraPixels camera_pixels_of(const DrawnRun& drawn);
 
 /// The camera's film of the run. `drawn` and `pixels` must outlive it.
 SkinFilm film_of(const DrawnRun& drawn, const CameraPixels& pixels);
