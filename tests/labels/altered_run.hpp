@@ -32,7 +32,7 @@ inline simulation::SimulationPhysics plain_physics() {
 /// Runs of one special kind alone, such as `only_runs(&SpecialRuns::two_presses)`.
 inline simulation::SimulationPhysics only_runs(double simulation::SpecialRuns::*kind) {
   simulation::SimulationPhysics physics = plain_physics();
-  physics.special_runs = {.from_run = 1, .two_presses = 0, .without_slip = 0, .without_press = 0, .taps = 0};
+  physics.special_runs = {.from_run = 1, .two_presses = 0, .without_slip = 0, .without_press = 0, .firm_lifts = 0, .taps = 0};
   physics.special_runs.*kind = 1;
   for (auto& [name, preset] : physics.presets) preset.special_runs = true;
   return physics;

@@ -373,13 +373,13 @@ TEST(LightDrift, IsSeenByEveryPixelOnceItExceedsTheThreshold) {
   EventCameraOptions o = silent();
   o.residual = 0;
   o.veil = 0;
-  o.light_drift = {.amplitude = 0.5, .period_s = 4, .phase_rad = 0};
+  o.light_drift = {.amplitude = 0.5, .period_s = 20, .phase_rad = 0};
   for (const double bandwidth : {0.0, 300.0}) {
     o.bandwidth_hz = bandwidth;
     const CameraPixels pixels = draw_camera_pixels(o, 3);
     EventCamera camera(pixels, o, camera_time(0), 1, std::vector<MarkerPose>{{.x = 32, .y = 20}});
     std::vector<int> counts(64 * 48);
-    for (int k = 0; k <= 5000; ++k) {  // up to the brightest
+    for (int k = 0; k <= 25'000; ++k) {  // up to the brightest
       for (const events::Event& event : camera.read_out(std::vector<MarkerPose>{{.x = 32, .y = 20}}).events) {
         EXPECT_TRUE(event.on);
         ++counts[static_cast<std::size_t>(event.y * 64 + event.x)];

@@ -71,8 +71,8 @@ TEST(Scenes, AreAllTestedAndDescribed) {
     EXPECT_TRUE(read_json(file.path()).contains("why")) << file.path();
     EXPECT_NO_THROW(read_physics(file.path())) << file.path();
   }
-  EXPECT_EQ(names, (std::set<std::string>{"blinding-flicker", "dead-quiet", "saturated-readout", "small-camera", "sync-taps",
-                                          "twenty-million"}));
+  EXPECT_EQ(names, (std::set<std::string>{"blinding-flicker", "dead-quiet", "plain", "saturated-readout", "small-camera",
+                                          "sync-taps", "twenty-million"}));
 }
 
 TEST(Scenes, SaturatedReadoutNeverGivesMoreThanItsLimitAndOftenGivesIt) {

@@ -89,7 +89,7 @@ DraggedTips::DraggedTips(const RunPlan& plan, double dt_s, Random& random) : dt_
     if (!(press->depth_mm - marker.gap_mm > least_pressed_mm)) continue;
     touched_[m] = true;
     const double limit_mm = plan.lift->shear_limit_mm * marker.shear_share;
-    gross_s_ = std::min(gross_s_, plan.lift->time_of_travel(plan.lift->slack_mm + limit_mm));
+    if (!(plan.lift->firm_mm > 0)) gross_s_ = std::min(gross_s_, plan.lift->time_of_travel(plan.lift->slack_mm + limit_mm));
     start_s_ = start_s;
   }
   if (!(start_s_ < infinite)) return;
@@ -114,6 +114,10 @@ void DraggedTips::advance(double t_s, Random& random) {
     dragged_mm_ = all_dragged_mm;
     for (std::size_t m = 0; m < marker_count; ++m) {
       if (!touched_[m]) continue;
+      if (is_firm()) {  // the grip gives way ever less
+        shear_mm_[m] = press_->markers[m].shear_share * plan_->firm_mm * (1.0 - std::exp(-all_dragged_mm / plan_->firm_mm));
+        continue;
+      }
       tips_[m].advance(t_s, dt_s_, dragged_mm, random);
       ringing_end_s_ = std::max(ringing_end_s_, tips_[m].ringing_end_s());
       const double moved_mm = tips_[m].shear_mm(speed_share) - shear_mm_[m];
@@ -125,6 +129,10 @@ void DraggedTips::advance(double t_s, Random& random) {
 }
 
 double DraggedTips::end_s() const {
+  if (is_firm()) {
+    const double shear_mm = plan_->firm_mm * std::log(std::max(1.0, plan_->firm_mm / least_motion_mm));
+    return std::min(plan_->end_s(), plan_->time_of_travel(plan_->slack_mm + shear_mm));
+  }
   if (!(gross_s_ < infinite)) return plan_->end_s();
   const double limit = still_share * *std::max_element(speeds_mm_s_.begin(), speeds_mm_s_.end());
   const auto quiet = static_cast<std::size_t>(std::ceil(slip_still_s / dt_s_));

@@ -27,6 +27,7 @@ class DraggedTips {
   DraggedTips& operator=(const DraggedTips&) = delete;
 
   bool drags() const { return plan_ != nullptr; }
+  bool is_firm() const { return plan_ != nullptr && plan_->firm_mm > 0; }  ///< the object comes along, and nothing slips
   bool drags(const PressPlan* press) const { return plan_ != nullptr && press == press_; }
   double start_s() const { return start_s_; }  ///< a tip first moves
   double gross_s() const { return gross_s_; }  ///< infinite if no tip ever slides

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tactile/simulation/draw_disturbances.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
 namespace tactile::simulation {
@@ -134,11 +135,9 @@ void draw_after_effects(RunPlan& plan, const ObjectModel& object, const RunPlanO
     slip.ring_hz = std::clamp(varied(object.ring_hz, options.variation.ring_hz_spread, random), options.variation.ring_hz.low,
                               options.variation.ring_hz.high);
     slip.ring_decay_s = 1e-3 * varied(object.ring_decay_ms, options.variation.ring_decay_spread, random);
-    unsigned touched = 0;
+    const unsigned touched = touched_markers(press);
     for (std::size_t m = 0; m < marker_count; ++m) {
-      if (!(press.depth_mm - press.markers[m].gap_mm > least_pressed_mm)) continue;
-      touched |= 1U << m;
-      if (random.uniform() < after.micro_slip_share) slip.markers |= 1U << m;
+      if ((touched >> m & 1U) != 0 && random.uniform() < after.micro_slip_share) slip.markers |= 1U << m;
     }
     if (slip.markers == 0) slip.markers = touched & (~touched + 1U);  // the first touched marker
     const bool beside_recontact =
@@ -149,7 +148,7 @@ void draw_after_effects(RunPlan& plan, const ObjectModel& object, const RunPlanO
 }
 
 struct RunKind {
-  bool two_presses = false, without_slip = false, without_press = false, taps = false;
+  bool two_presses = false, without_slip = false, without_press = false, firm_lift = false, taps = false;
 };
 
 RunKind draw_kind(const RunPlanOptions& options, Random& random) {
@@ -157,10 +156,16 @@ RunKind draw_kind(const RunPlanOptions& options, Random& random) {
   const double number = random.uniform(), tapped = random.uniform();
   if (!options.may_be_special || options.run_number < special.from_run) return {};
   RunKind kind;
-  kind.two_presses = number < special.two_presses;
-  kind.without_slip = !kind.two_presses && number < special.two_presses + special.without_slip;
-  kind.without_press =
-      !kind.two_presses && !kind.without_slip && number < special.two_presses + special.without_slip + special.without_press;
+  double from = 0;
+  const auto is_next = [&](double share) {
+    const bool is = from <= number && number < from + share;
+    from += share;
+    return is;
+  };
+  kind.two_presses = is_next(special.two_presses);
+  kind.without_slip = is_next(special.without_slip);
+  kind.without_press = is_next(special.without_press);
+  kind.firm_lift = is_next(special.firm_lifts);
   kind.taps = !kind.without_press && tapped < special.taps;  // a tap needs free tips
   return kind;
 }
@@ -248,6 +253,8 @@ RunPlan draw_run_plan(const ObjectModel& object, const RunPlanOptions& options, 
     if (is_lifted)
       draw_after_effects(plan, object, options, press, plan.lift->end_s() + options.after.after_lift_s, open_s, true, random);
   }
+  draw_disturbances(plan, object, options, random);
+  if (kind.firm_lift) plan.lift->firm_mm = drawn(options.special.firm_shear, random) * plan.lift->shear_limit_mm;
   return plan;
 }
 

@@ -46,7 +46,7 @@ namespace tactile::simulation {
 class EventCamera {
  public:
   static constexpr std::size_t max_markers = 32;
-  static constexpr int drift_rows = 128;
+  static constexpr int drift_rows = 256;
 
   struct ReadOut {
     std::span<const events::Event> events;  ///< valid until the next read-out

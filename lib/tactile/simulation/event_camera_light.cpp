@@ -254,16 +254,18 @@ void EventCamera::look_at_rows(int first, int step) {
 void EventCamera::look_at_marker_rows(std::size_t m, int first, int step) {
   const Marker& marker = markers_[m];
   const Box& box = marker.box;
-  const bool alone = marker.strip_px >= box.right - box.left && is_alone(m, box, 0);
+  const bool alone = is_alone(m, box, 0);
   const int above = std::max(0, box.top - first + step - 1) / step;
   for (int row = first + above * step; row < box.bottom; row += step) {
-    if (alone) {
-      add_stretch(row, box.left, box.right, marker.across.data(), marker.contrast[static_cast<std::size_t>(row - box.top)]);
-      continue;
-    }
-    for (int x = box.left; x < box.right; ++x) {
-      const float level = level_at(x, row);
-      compare(&level, row, x, x + 1, false, 0);
+    for (int x = box.left; x < box.right;) {
+      const int end = alone ? std::min(box.right, box.left + ((x - box.left) / marker.strip_px + 1) * marker.strip_px) : x + 1;
+      if (alone) {
+        add_stretch(row, x, end, marker.across.data() + (x - box.left), marker.contrast[marker.place(x, row)]);
+      } else {
+        const float level = level_at(x, row);
+        compare(&level, row, x, end, false, 0);
+      }
+      x = end;
     }
   }
   compare_stretches(0);

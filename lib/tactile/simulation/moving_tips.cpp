@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace tactile::simulation {
+namespace {
+
+constexpr double most_slid_share = 0.8;  // of a tip's displacement, in a partial slip
+
+}  // namespace
 
 MovingTips::MovingTips(const RunPlan& plan, const SkinView& view, double dt_s, Random& random)
     : plan_(plan), view_(view), dragged_(plan, dt_s, random) {
@@ -22,14 +27,27 @@ SkinPose MovingTips::advance_to(double t_s, Random& random) {
   const double ringing_mm = plan_.vibration_at(t_s);
   SkinPose pose;
   for (std::size_t m = 0; m < marker_count; ++m) {
-    const double inward_mm =
-        pressed.inward_mm[m] + plan_.skin_coupling * std::max(0.0, pressed.mean_inward_mm - pressed.inward_mm[m]);
-    const Sideways sideways = press != nullptr ? sideways_at(*press, pressed, m, inward_mm, t_s) : Sideways{};
+    double inward_mm = pressed.inward_mm[m] + plan_.skin_coupling * std::max(0.0, pressed.mean_inward_mm - pressed.inward_mm[m]);
+    Sideways sideways = press != nullptr ? sideways_at(*press, pressed, m, inward_mm, t_s) : Sideways{};
+    add_kept(m, inward_mm, sideways, t_s);
     pose[m] = marker_pose(view_, m, inward_mm + tapped_mm, sideways.x_mm + ringing_mm * along_x_,
                           sideways.y_mm + ringing_mm * along_y_);
   }
   for (MicroSlip& slip : micro_slips_) slip.begun = slip.begun || t_s >= slip.plan->at_s;
   return pose;
+}
+
+/// Adds what released tips still keep of their displacement.
+void MovingTips::add_kept(std::size_t m, double& inward_mm, Sideways& sideways, double t_s) const {
+  for (const PressPlan& press : plan_.presses) {
+    const double share = plan_.kept_share_at(press, t_s);
+    if (!(share > 0)) continue;
+    const MarkerContact& marker = press.markers[m];
+    const double kept_mm = share * std::max(0.0, press.depth_at(*press.release_start_s) - marker.gap_mm);
+    inward_mm += kept_mm;
+    sideways.x_mm += kept_mm * marker.pull_x;
+    sideways.y_mm += kept_mm * marker.pull_y;
+  }
 }
 
 /// The factor by which the lift changes the depth.
@@ -62,14 +80,23 @@ MovingTips::Sideways MovingTips::sideways_at(const PressPlan& press, const Press
   const double shear_mm =
       is_dragged ? dragged_.shear_mm(m) * (1.0 - pressed.upright_share[m]) : plan_.skin_coupling * pressed.mean_shear_mm;
   Sideways sideways{inward_mm * marker.pull_x + shear_mm * along_x_, inward_mm * marker.pull_y + shear_mm * along_y_};
+  if (press.depth_mm - marker.gap_mm > least_pressed_mm) {
+    for (const TurnPlan& turn : plan_.turns) {
+      if (t_s <= turn.start_s || turn.start_s < press.contact_s) continue;
+      const double angle_rad = turn.angle_at(t_s) * (1.0 - pressed.upright_share[m]);
+      sideways.x_mm -= angle_rad * marker_y_mm(m);
+      sideways.y_mm += angle_rad * marker_x_mm(m);
+    }
+  }
   for (MicroSlip& slip : micro_slips_) {
     if (!slip.moves(m) || t_s < slip.plan->at_s || slip.plan->at_s < press.contact_s) continue;
     if (!slip.begun) {
       const double bent = std::hypot(sideways.x_mm, sideways.y_mm);
       slip.toward_x[m] = bent > 0 ? -sideways.x_mm / bent : -along_x_;
       slip.toward_y[m] = bent > 0 ? -sideways.y_mm / bent : -along_y_;
+      slip.most_mm[m] = most_slid_share * bent;
     }
-    const double gone_mm = slip.gone_mm(t_s) * (1.0 - pressed.upright_share[m]);
+    const double gone_mm = slip.gone_mm(m, t_s) * (1.0 - pressed.upright_share[m]);
     sideways.x_mm += gone_mm * slip.toward_x[m];
     sideways.y_mm += gone_mm * slip.toward_y[m];
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -19,10 +20,17 @@ struct MicroSlip {
   bool begun = false;
   std::array<double, marker_count> toward_x{}, toward_y{};  ///< unit vectors; set when it begins
 
-  double end_s() const { return plan->at_s + ringing_s(plan->slip_mm, plan->ring_decay_s); }
+  std::array<double, marker_count> most_mm{};  ///< by which a tip can slide back; set when it begins
+
+  bool is_partial() const { return plan->slip_s > 0; }
+  double end_s() const { return plan->at_s + (is_partial() ? plan->slip_s : ringing_s(plan->slip_mm, plan->ring_decay_s)); }
   bool moves(std::size_t m) const { return (plan->markers >> m & 1U) != 0; }
-  double gone_mm(double t_s) const {
+  double gone_mm(std::size_t m, double t_s) const {
     const double since = t_s - plan->at_s;
+    if (is_partial()) {
+      const double s = std::min(1.0, since / plan->slip_s);
+      return std::min(plan->slip_mm, most_mm[m]) * s * s * (3.0 - 2.0 * s);
+    }
     if (t_s >= end_s()) return plan->slip_mm;
     return plan->slip_mm *
            (1.0 - std::exp(-since / plan->ring_decay_s) * std::cos(2.0 * std::numbers::pi * plan->ring_hz * since));
@@ -54,6 +62,7 @@ class MovingTips {
 
   double sink_factor(const PressPlan& press, double t_s) const;
   Pressed pressed_at(const PressPlan& press, double t_s) const;
+  void add_kept(std::size_t m, double& inward_mm, Sideways& sideways, double t_s) const;
   Sideways sideways_at(const PressPlan& press, const Pressed& pressed, std::size_t m, double inward_mm, double t_s);
 
   const RunPlan& plan_;

@@ -80,10 +80,11 @@ void read_into(SimulationPhysics& physics, const nlohmann::json& json, const std
   members.refuse_others();
   if (objects != nullptr) read_objects(*objects, physics.objects, where);
   const SpecialRuns& special = physics.special_runs;
-  const double shares = special.two_presses + special.without_slip + special.without_press;
+  const double shares = special.two_presses + special.without_slip + special.without_press + special.firm_lifts;
   if (shares > 1.0 + 1e-9) {
-    throw Error(fmt::format("{}: special_runs.two_presses, without_slip and without_press add up to {:g}; expected at most 1",
-                            where, shares));
+    throw Error(
+        fmt::format("{}: special_runs.two_presses, without_slip, without_press and firm_lifts add up to {:g}; expected at most 1",
+                    where, shares));
   }
   try {
     check(physics.camera);

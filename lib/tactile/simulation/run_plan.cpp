@@ -134,6 +134,11 @@ double TapPlan::depth_at(double t_s) const { return std::max(0.0, fall_at(t_s) -
 
 double TapPlan::contact_s() const { return start_s + tap_s * (0.5 - std::sqrt(depth_mm / (8.0 * travel_mm))); }
 
+double TurnPlan::angle_at(double t_s) const {
+  const double s = std::clamp((t_s - start_s) / turn_s, 0.0, 1.0);
+  return angle_rad * s * s * (3.0 - 2.0 * s);
+}
+
 double RecontactPlan::freed_at(double t_s) const {
   if (t_s <= start_s || t_s >= end_s()) return 0.0;
   const double swing = std::sin(std::numbers::pi * (t_s - start_s) / recontact_s);
@@ -237,6 +242,13 @@ double RunPlan::stage_travel_at(double t_s) const {
     }
   }
   return travel;
+}
+
+double RunPlan::kept_share_at(const PressPlan& press, double t_s) const {
+  if (!press.release_start_s || t_s <= *press.release_start_s || !(hysteresis_share > 0)) return 0.0;
+  const double since = t_s - *press.release_start_s - press.release_s;
+  if (since > 0) return hysteresis_share * std::exp(-since / hysteresis_s);
+  return hysteresis_share * opened((t_s - *press.release_start_s) / press.release_s, press.release_s).share;
 }
 
 bool RunPlan::stage_commanded_at(double t_s) const {

@@ -8,6 +8,7 @@
 
 #include "tactile/core/random.hpp"
 #include "tactile/simulation/drawn_value.hpp"
+#include "tactile/simulation/event_camera_options.hpp"
 #include "tactile/simulation/object_model.hpp"
 #include "tactile/simulation/skin.hpp"
 
@@ -85,6 +86,8 @@ struct RunVariation {
   Range veil{0.01, 0.05};
   Range object_veil{0.0, 0.04};  ///< additional stray light from an object of reflectivity 1
   double noise_spread = 0.25;
+  Range light_drift{0.0, 0.02};     ///< amplitude of the slow drift of the light, as a share
+  Range light_drift_s{5, 40};       ///< its period
   double stage_output_share = 0.5;  ///< share of the runs in which the robot's output commands the stage
 };
 
@@ -133,6 +136,8 @@ void list_fields(Fields& fields, RunVariation& v) {
   fields("veil", v.veil, 0.0, 10.0);
   fields("object_veil", v.object_veil, 0.0, 10.0);
   fields("noise_spread", v.noise_spread, 0.0, 2.0);
+  fields("light_drift", v.light_drift, 0.0, 0.4);
+  fields("light_drift_s", v.light_drift_s, 0.1, 1e4);
   fields("stage_output_share", v.stage_output_share, 0.0, 1.0);
 }
 
@@ -152,6 +157,16 @@ struct AfterEffects {
   Range vibration_mm{0.0003, 0.005};  ///< a / (2 pi f)^2 of tips that ring at f = 80 to 300 Hz, at a = 1200 mm/s^2
   Range vibration_decay_s{0.04, 0.12};
   Range vibration_housing{0.1, 0.5};  ///< initial acceleration of the camera's housing, as a share of the arm's
+  // At any time while the object is held, also right before and right after a lift.
+  double free_micro_slips_per_s = 0.4;
+  double partial_slips_per_s = 0.15;  ///< some of the touched tips slide a little, for a while
+  Range partial_slip_mm{0.05, 0.3};
+  Range partial_slip_s{0.03, 0.25};
+  double turn_chance = 0.25;  ///< of a run: the object turns against the skin, and the tips follow
+  Range turn_rad{0.005, 0.03};
+  Range turn_s{0.1, 0.5};
+  Range hysteresis_share{0.02, 0.1};  ///< of its displacement, that a tip keeps when the object leaves it
+  Range hysteresis_s{0.3, 1.5};       ///< time constant with which it returns
 };
 
 template <class Fields>
@@ -170,6 +185,15 @@ void list_fields(Fields& fields, AfterEffects& a) {
   fields("vibration_mm", a.vibration_mm, 0.0, 0.2);
   fields("vibration_decay_s", a.vibration_decay_s, 0.001, 1.0);
   fields("vibration_housing", a.vibration_housing, 0.0, 1.0);
+  fields("free_micro_slips_per_s", a.free_micro_slips_per_s, 0.0, 20.0);
+  fields("partial_slips_per_s", a.partial_slips_per_s, 0.0, 20.0);
+  fields("partial_slip_mm", a.partial_slip_mm, 0.0, 2.0);
+  fields("partial_slip_s", a.partial_slip_s, 0.002, 10.0);
+  fields("turn_chance", a.turn_chance, 0.0, 1.0);
+  fields("turn_rad", a.turn_rad, 0.0, 0.2);
+  fields("turn_s", a.turn_s, 0.01, 10.0);
+  fields("hysteresis_share", a.hysteresis_share, 0.0, 0.5);
+  fields("hysteresis_s", a.hysteresis_s, 0.01, 60.0);
 }
 
 /// Shares of the runs that are not a plain press and slip.
@@ -178,8 +202,10 @@ struct SpecialRuns {
   double two_presses = 0.12;
   double without_slip = 0.08;
   double without_press = 0.08;
-  double taps = 0.0;  ///< with taps at the start and at the end
-  int tap_count = 3;  ///< each time
+  double firm_lifts = 0.08;    ///< the object comes along with the arm: a short shear, then no slip
+  Range firm_shear{0.3, 0.8};  ///< of the shear limit
+  double taps = 0.0;           ///< with taps at the start and at the end
+  int tap_count = 3;           ///< each time
   Range tap_travel_mm{2.0, 4.0};
   Range tap_s{0.2, 0.3};        ///< there and back
   Range tap_pause_s{0.2, 0.5};  ///< from one to the next
@@ -192,6 +218,8 @@ void list_fields(Fields& fields, SpecialRuns& s) {
   fields("two_presses", s.two_presses, 0.0, 1.0);
   fields("without_slip", s.without_slip, 0.0, 1.0);
   fields("without_press", s.without_press, 0.0, 1.0);
+  fields("firm_lifts", s.firm_lifts, 0.0, 1.0);
+  fields("firm_shear", s.firm_shear, 0.01, 0.95);
   fields("taps", s.taps, 0.0, 1.0);
   fields("tap_count", s.tap_count, 1, 20);
   fields("tap_travel_mm", s.tap_travel_mm, 0.1, 50.0);
@@ -260,7 +288,8 @@ struct LiftPlan {
   double ring_decay_s = 0;
   double texture_mm = 0;
   double texture_memory_s = 0.003;
-  double sink = 0;  ///< relative change of the markers' depth over the lift
+  double sink = 0;     ///< relative change of the markers' depth over the lift
+  double firm_mm = 0;  ///< > 0: the object comes along after this shear, and nothing slips
 
   double end_s() const { return start_s + lift_s; }
   double travel_at(double t_s) const;  ///< [mm]
@@ -285,13 +314,24 @@ struct TapPlan {
   double free_s() const { return 2.0 * start_s + tap_s - contact_s(); }
 };
 
-/// Some tips spring back a little, and ring.
+/// Some tips spring back a little, and ring. Or they slide back slowly, by at most 0.8 of their displacement: a partial slip.
 struct MicroSlipPlan {
   double at_s = 0;
+  double slip_s = 0;     ///< > 0: a partial slip that lasts this long
   unsigned markers = 0;  ///< bit i: marker i
   double slip_mm = 0;
   double ring_hz = 150;
   double ring_decay_s = 0.007;
+};
+
+/// The object turns against the skin. The touched tips move with it about the middle of the skin.
+struct TurnPlan {
+  double start_s = 0;
+  double turn_s = 0;
+  double angle_rad = 0;  ///< clockwise in the image
+
+  double end_s() const { return start_s + turn_s; }
+  double angle_at(double t_s) const;  ///< it begins and ends slowly: smoothstep
 };
 
 /// The object rocks: the tips are released by this depth, and pressed again.
@@ -322,10 +362,14 @@ struct RunPlan {
   std::vector<TapPlan> taps;
   std::vector<MicroSlipPlan> micro_slips;
   std::vector<RecontactPlan> recontacts;
+  std::vector<TurnPlan> turns;
   VibrationPlan vibration;
-  double end_s = 0;                    ///< the camera's last read-out
-  double skin_coupling = 0.06;         ///< less pressed markers follow the mean by this share
-  double veil = 0;                     ///< stray light, as a reflectance
+  double end_s = 0;             ///< the camera's last read-out
+  double skin_coupling = 0.06;  ///< less pressed markers follow the mean by this share
+  double hysteresis_share = 0;  ///< of its displacement, that a tip keeps when it is released
+  double hysteresis_s = 1;      ///< time constant of its return
+  double veil = 0;              ///< stray light, as a reflectance
+  LightDrift light_drift;
   double noise_factor = 1;             ///< of the camera's noise in this run
   bool stage_on_robot_output = false;  ///< bit 0 of the robot's outputs commands the stage
   bool has_imu = false;
@@ -341,8 +385,10 @@ struct RunPlan {
   /// and rings at each change of the arm's acceleration.
   double vibration_at(double t_s) const;
   double vibration_acceleration_at(double t_s) const;  ///< of the camera's housing [mm/s^2]
-  double stage_travel_at(double t_s) const;            ///< of the stage towards the object since the begin of the run [mm]
-  bool stage_commanded_at(double t_s) const;           ///< closed
+  /// What is left of the displacement of a tip after its release, as a share of what it had then. @param press  with a release
+  double kept_share_at(const PressPlan& press, double t_s) const;
+  double stage_travel_at(double t_s) const;   ///< of the stage towards the object since the begin of the run [mm]
+  bool stage_commanded_at(double t_s) const;  ///< closed
 };
 
 void to_json(nlohmann::json& json, const RunPlan& plan);

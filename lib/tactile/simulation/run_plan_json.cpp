@@ -50,13 +50,14 @@ nlohmann::json json_of(const LiftPlan& l) {
           {"ring_decay_s", l.ring_decay_s},
           {"texture_mm", l.texture_mm},
           {"texture_memory_s", l.texture_memory_s},
-          {"sink", l.sink}};
+          {"sink", l.sink},
+          {"firm_mm", l.firm_mm}};
 }
 
 }  // namespace
 
 void to_json(nlohmann::json& json, const RunPlan& p) {
-  nlohmann::json presses = nlohmann::json::array(), taps = presses, micro_slips = presses, recontacts = presses;
+  nlohmann::json presses = nlohmann::json::array(), taps = presses, micro_slips = presses, recontacts = presses, turns = presses;
   for (const PressPlan& press : p.presses) presses.push_back(json_of(press));
   for (const TapPlan& tap : p.taps) {
     taps.push_back({{"start_s", tap.start_s}, {"travel_mm", tap.travel_mm}, {"tap_s", tap.tap_s}, {"depth_mm", tap.depth_mm}});
@@ -67,6 +68,7 @@ void to_json(nlohmann::json& json, const RunPlan& p) {
       if ((slip.markers >> m & 1U) != 0) markers.push_back(m);
     }
     micro_slips.push_back({{"at_s", slip.at_s},
+                           {"slip_s", slip.slip_s},
                            {"markers", markers},
                            {"slip_mm", slip.slip_mm},
                            {"ring_hz", slip.ring_hz},
@@ -75,22 +77,30 @@ void to_json(nlohmann::json& json, const RunPlan& p) {
   for (const RecontactPlan& rocks : p.recontacts) {
     recontacts.push_back({{"start_s", rocks.start_s}, {"recontact_s", rocks.recontact_s}, {"depth_mm", rocks.depth_mm}});
   }
-  json = {{"presses", presses},
-          {"lift", p.lift ? json_of(*p.lift) : nlohmann::json()},
-          {"taps", taps},
-          {"micro_slips", micro_slips},
-          {"recontacts", recontacts},
-          {"vibration",
-           {{"hz", p.vibration.hz},
-            {"tip_mm", p.vibration.tip_mm},
-            {"decay_s", p.vibration.decay_s},
-            {"housing_share", p.vibration.housing_share}}},
-          {"end_s", p.end_s},
-          {"skin_coupling", p.skin_coupling},
-          {"veil", p.veil},
-          {"noise_factor", p.noise_factor},
-          {"stage_on_robot_output", p.stage_on_robot_output},
-          {"has_imu", p.has_imu}};
+  for (const TurnPlan& turn : p.turns)
+    turns.push_back({{"start_s", turn.start_s}, {"turn_s", turn.turn_s}, {"angle_rad", turn.angle_rad}});
+  json = {
+      {"presses", presses},
+      {"lift", p.lift ? json_of(*p.lift) : nlohmann::json()},
+      {"taps", taps},
+      {"micro_slips", micro_slips},
+      {"recontacts", recontacts},
+      {"turns", turns},
+      {"hysteresis_share", p.hysteresis_share},
+      {"hysteresis_s", p.hysteresis_s},
+      {"light_drift",
+       {{"amplitude", p.light_drift.amplitude}, {"period_s", p.light_drift.period_s}, {"phase_rad", p.light_drift.phase_rad}}},
+      {"vibration",
+       {{"hz", p.vibration.hz},
+        {"tip_mm", p.vibration.tip_mm},
+        {"decay_s", p.vibration.decay_s},
+        {"housing_share", p.vibration.housing_share}}},
+      {"end_s", p.end_s},
+      {"skin_coupling", p.skin_coupling},
+      {"veil", p.veil},
+      {"noise_factor", p.noise_factor},
+      {"stage_on_robot_output", p.stage_on_robot_output},
+      {"has_imu", p.has_imu}};
 }
 
 }  // namespace tactile::simulation

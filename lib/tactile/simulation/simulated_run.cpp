@@ -79,6 +79,7 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   drawn.camera = of_session.options;
   drawn.pixels_seed = of_session.pixels_seed;
   drawn.camera.veil = drawn.plan.veil;
+  drawn.camera.light_drift = drawn.plan.light_drift;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
   drawn.camera.run_index = runs_before(physics, drawn.object.name, drawn.run);
   drawn.motion = move_skin(drawn.plan, view_of(drawn.camera), microseconds{std::llround(drawn.camera.readout_us)}, for_motion);

@@ -101,8 +101,6 @@ cv::Mat SimulatedVideo::draw(std::size_t index) {
   if (still_exposure_ != exposure) {
     still_ = cv::Mat(height, width, CV_8UC1, cv::Scalar(std::round(seen(70))));
     fill_box(still_, {0, table_px, width, height}, seen(105));
-    // The object stays in place: the light press does not hold it.
-    fill_box(still_, {centre_px - half_width_px_, table_px - height_px_, centre_px + half_width_px_, table_px}, seen(grey_));
     still_exposure_ = exposure;
   }
 
@@ -112,6 +110,11 @@ cv::Mat SimulatedVideo::draw(std::size_t index) {
   const double middle = std::min(table_px - 0.55 * height_px_, table_px - 22) - px_per_mm * plan_->arm_travel_at(t_s);
   const double right_of_sensor = centre_px - half_width_px_ - gap_px, left_of_finger = centre_px + half_width_px_;
   cv::Mat frame = still_.clone();
+  // The object stays in place where the light press does not hold it.
+  const double lifted_px = plan_->lift && plan_->lift->firm_mm > 0 ? px_per_mm * plan_->arm_travel_at(t_s) : 0.0;
+  fill_box(frame,
+           {centre_px - half_width_px_, table_px - height_px_ - lifted_px, centre_px + half_width_px_, table_px - lifted_px},
+           seen(grey_));
   fill_box(frame, {centre_px - 75, middle - 52, centre_px + 75, middle - 40}, seen(40));         // the gripper's bar
   fill_box(frame, {centre_px - 10, 0, centre_px + 10, middle - 52}, seen(55));                   // the arm
   fill_box(frame, {right_of_sensor - 26, middle - 40, right_of_sensor, middle + 18}, seen(25));  // the sensor on its stage

@@ -112,13 +112,18 @@ void add_presses(MotionList& list, const RunPlan& plan) {
     const double end_s = press_end_s(press, std::min(shut_s, plan.end_s));
     list.add(Touch::press, "press", press.contact_s >= 0, press.contact_s, end_s);
     list.add(Touch::press, "relaxation", false, end_s, std::min(press.creeping_end_s(), shut_s));
-    if (press.release_start_s) list.add(Touch::press, "release", false, shut_s, shut_s + press.release_s);
+    if (!press.release_start_s) continue;
+    const double free_s = shut_s + press.release_s, kept_mm = plan.hysteresis_share * press.depth_mm;
+    list.add(Touch::press, "release", false, shut_s, free_s);
+    list.add(Touch::press, "recovery", false, free_s, free_s + ringing_s(kept_mm, plan.hysteresis_s));
   }
 }
 
 void add_after_effects(MotionList& list, const RunPlan& plan, std::span<const MicroSlip> slips) {
   for (const MicroSlip& slip : slips)
-    list.add(Touch::slip, "micro-slip", false, slip.plan->at_s, slip.end_s(), slip.plan->markers);
+    list.add(Touch::slip, slip.is_partial() ? "partial slip" : "micro-slip", false, slip.plan->at_s, slip.end_s(),
+             slip.plan->markers);
+  for (const TurnPlan& turn : plan.turns) list.add(Touch::slip, "turn", false, turn.start_s, turn.end_s());
   for (const RecontactPlan& rocks : plan.recontacts) list.add(Touch::press, "re-contact", false, rocks.start_s, rocks.end_s());
   for (const TapPlan& tap : plan.taps) list.add(Touch::press, "tap", false, tap.contact_s(), tap.free_s());
 }
@@ -173,7 +178,7 @@ SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds ste
   double tail_start_s = infinite;
   if (dragged.drags()) {
     tail_start_s = dragged.end_s();
-    list.add(Touch::slip, "slip", true, dragged.start_s(), tail_start_s);
+    list.add(Touch::slip, dragged.is_firm() ? "firm shear" : "slip", !dragged.is_firm(), dragged.start_s(), tail_start_s);
   }
   add_vibrations(list, plan, tail_start_s, dragged.ringing_end_s());
   motion.motions =

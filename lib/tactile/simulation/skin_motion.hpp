@@ -17,7 +17,8 @@ inline constexpr unsigned all_markers = (1U << marker_count) - 1U;
 /// A motion of markers. Times count from the camera's first read-out.
 struct MarkerMotion {
   Touch touch = Touch::press;  ///< its class; the most similar class if it is unlabelled
-  std::string what;  ///< "press", "slip"; unlabelled: "release", "relaxation", "micro-slip", "re-contact", "vibration", "tap"
+  std::string what;  ///< "press", "slip"; unlabelled: "release", "relaxation", "recovery", "micro-slip", "partial slip",
+                     ///< "turn", "firm shear", "re-contact", "vibration", "tap"
   bool labelled = true;
   microseconds start{};
   microseconds end{};                 ///< by the rules of labels
@@ -42,6 +43,10 @@ struct SkinMotion {
 /// lag. All of this ends with the arm's motion. Markers that are pressed less than the mean follow it by a share, because the
 /// skin is one piece. Creeping, micro-slips, re-contacts, taps and the arm's ringing are added. A micro-slip is opposite to the
 /// tip's bending. When the object releases a tip, the tip straightens in proportion.
+///
+/// In a firm lift the object comes along: the shear of each tip approaches an end, and nothing slips. The object may turn, and
+/// the touched tips move with it. A partial slip moves some tips back slowly. Released tips keep a share of their displacement
+/// for a while.
 ///
 /// After contact, a press ends at the begin of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
 /// ends at the begin of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
