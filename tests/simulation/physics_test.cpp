@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <set>
+#include <string_view>
 
 #include "support/error_of.hpp"
 #include "support/paths.hpp"
@@ -17,6 +20,8 @@ namespace tactile::simulation {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> source_words{"published", "measured here", "derived", "assumed", "no number"};
 
 const fs::path configs = fs::path(test::data_folder).parent_path().parent_path() / "configs";
 
@@ -55,6 +60,38 @@ TEST(DefaultPhysics, AreThoseOfTheStructs) {
   EXPECT_EQ(json_of_fields(physics.imu), json_of_fields(ImuPhysics{}));
   EXPECT_EQ(json_of_fields(physics.clocks), json_of_fields(ClockPhysics{}));
   EXPECT_EQ(json_of_fields(physics.preset("quick").timings), json_of_fields(RunTimings{}));
+}
+
+/// The members of a file of configs/, at any depth but without the names of presets.
+void collect_keys(const nlohmann::json& json, std::set<std::string>& keys) {
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object())
+      collect_keys(value, keys);
+    else
+      keys.insert(key);
+  }
+}
+
+TEST(Configs, HaveASourceForEachNumber) {
+  std::set<std::string> keys, explained;
+  for (const char* file : {"simulation.json", "cameras.json"}) collect_keys(read_json(configs / file), keys);
+  std::ifstream page(configs / "README.md");
+  for (std::string line; std::getline(page, line);) {
+    const std::size_t bar = line.find(" | ", 2);
+    if (line.substr(0, 3) != "| `" || bar == std::string::npos) continue;
+    const std::string source = line.substr(bar);
+    const bool is_source = std::any_of(source_words.begin(), source_words.end(),
+                                       [&](std::string_view word) { return source.find(word) != std::string::npos; });
+    for (std::size_t from = line.find('`'); is_source && from < bar; from = line.find('`', from)) {
+      const std::size_t to = line.find('`', from + 1);
+      explained.insert(line.substr(from + 1, to - from - 1));
+      from = to + 1;
+    }
+  }
+  for (const std::string& key : keys) EXPECT_TRUE(explained.contains(key)) << key << ": configs/README.md has no source for it";
+  for (const char* file :
+       {"objects.json", "scenes/*.json", "train-thorough.json", "windows-as-paper.json", "heatmaps-as-printed.json"})
+    EXPECT_TRUE(explained.contains(file)) << file;
 }
 
 TEST(DefaultPhysics, HaveThePapersPresets) {
