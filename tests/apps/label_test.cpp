@@ -128,7 +128,7 @@ TEST_F(LabelCommand, OfEventsThatChangedSinceAreNotUsed) {
   ASSERT_EQ(run_tactile("label", folder.path()).exit_code, 0);
   std::filesystem::copy_file(folder.path() / "data/usb-hub/01/events.aedat4", folder.path() / "data/fan/01/events.aedat4",
                              std::filesystem::copy_options::overwrite_existing);
-  const auto result = run_tactile("windows", folder.path());
+  const auto result = run_tactile("windows --include-flagged", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("fan/01: left out"), std::string::npos) << result.err;
 }
