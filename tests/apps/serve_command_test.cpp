@@ -132,7 +132,7 @@ TEST(ServeCommand, EndsWith0OnTerminationAndOnCtrlC) {
     RunningCommand serving(words({"serve", "sim:fan", "--port", "0", "--json"}));
     transport::DvStreamClient client(events_address(serving), long_enough);
     EXPECT_EQ(attribute(client.stream(), "simulated"), "true");
-    EXPECT_EQ(attribute(client.stream(), "readoutMode"), "constant");
+    EXPECT_EQ(attribute(client.stream(), "readoutMode"), "variable");
     ASSERT_EQ(client.receive(long_enough), Received::packet);
     serving.signal(signal);
     hear(client);

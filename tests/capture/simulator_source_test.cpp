@@ -81,7 +81,7 @@ TEST(SimulatorSource, GivesTheRunThatSimulateMakes) {
   EXPECT_EQ(read_text(run.video_times()), read_text(made.video_times()));
   EXPECT_EQ(read_text(run.video()), read_text(made.video()));
   EXPECT_EQ(source->camera().at("source"), read_run_info(made).extra.at("camera").at("source"));
-  EXPECT_EQ(source->camera().at("readout_mode"), "constant");
+  EXPECT_EQ(source->camera().at("readout_mode"), "variable");
 }
 
 TEST(SimulatorSource, WritesTruthAndDevicesOfThePartThatWasRecorded) {

@@ -69,7 +69,7 @@ class SimulatorSource final : public CameraSource {
         streams_{events::event_stream_declaration(physics_.camera.size, simulation::simulated_camera_name(seed)),
                  simulation::simulated_imu_stream(simulation::simulated_camera_name(seed))} {
     if (object_) physics_.object(*object_);
-    set_info(streams_[0], readout_mode_attribute, "constant");
+    set_info(streams_[0], readout_mode_attribute, std::string(simulation::readout_mode_of(physics_.camera)));
     for (events::Stream& stream : streams_) set_info(stream, events::simulated_attribute, "true");
   }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tactile/core/time.hpp"
@@ -146,6 +147,11 @@ void check(const EventCameraOptions& options);
 
 /// The skin in the middle of this camera's image.
 SkinView view_of(const EventCameraOptions& options);
+
+/// For run.json: "variable" if a read-out lasts longer when it has many events, else "constant".
+inline std::string_view readout_mode_of(const EventCameraOptions& options) {
+  return options.readout_events_per_s > 0 ? "variable" : "constant";
+}
 
 constexpr std::size_t pixel_count(events::SensorSize size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);

@@ -229,7 +229,7 @@ SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const Cam
        .extra = {
            {"camera",
             {{"source", simulated_camera_name(drawn.seed)},
-             {"readout_mode", "constant"},
+             {"readout_mode", readout_mode_of(drawn.camera)},
              {"readout_us", drawn.camera.readout_us}}},
            {"simulation",
             {{"settings_hash", hash_of(simulation_settings(physics, drawn.object.name, drawn.run, drawn.preset, drawn.seed))},
