@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 /// Two objects of two simulated runs, two histories, an epoch: smaller than tiny.
 const std::string without_epochs =
-    "reproduce --json --preset tiny --objects fan,white-box --th 20,40 --held-out fan --threads 2 ";
+    "reproduce --json --preset tiny --objects plastic-container,water-bottle --th 20,40 --held-out plastic-container --threads "
+    "2 ";
 const std::string small = without_epochs + "--epochs 1 ";
 
 nlohmann::json run_study(const fs::path& folder, const std::string& arguments) {
@@ -74,15 +75,15 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(study.at("choice").at("th_ms"), 40);
   EXPECT_EQ(study.at("choice").at("chosen_on"), "default");
   EXPECT_TRUE(study.at("choice").at("best").at("choice").is_null());
-  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"fan/01", "white-box/01"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/02", "white-box/02"}));
+  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"plastic-container/01", "water-bottle/01"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/02", "water-bottle/02"}));
   ASSERT_EQ(study.at("histories").size(), 2U);
   EXPECT_EQ(study.at("histories")[0].at("th_ms"), 20);
   EXPECT_EQ(study.at("claims").size(), 11U);
   for (const auto& claim : study.at("claims"))
     EXPECT_EQ(claim.at("verdict"), "cannot tell") << "two objects of a run each: " << claim.at("id");
-  EXPECT_EQ(study.at("unseen").at("held_out"), std::vector<std::string>{"fan"});
-  EXPECT_EQ(study.at("unseen").at("reported").at("runs"), std::vector<std::string>{"fan/02"});
+  EXPECT_EQ(study.at("unseen").at("held_out"), std::vector<std::string>{"plastic-container"});
+  EXPECT_EQ(study.at("unseen").at("reported").at("runs"), std::vector<std::string>{"plastic-container/02"});
   ASSERT_EQ(study.at("splits").size(), 1U);
   const auto& guards = study.at("evaluations")[0].at("accuracy_by_guard");
   EXPECT_EQ(guards[0].at("guard_ms"), 100);
@@ -186,7 +187,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_NE(longer.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
 
   // Edited labels: another dataset, and models of the same names, which are replaced.
-  const fs::path labels = folder / "data/fan/02/labels.json";
+  const fs::path labels = folder / "data/plastic-container/02/labels.json";
   nlohmann::json edited = read_json(labels);
   for (auto& interval : edited.at("intervals")) interval["confirmed"] = true;
   write_json(labels, edited);
@@ -199,7 +200,8 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
 
 TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
   const test::TemporaryFolder folder;
-  const std::string one_history = "reproduce --preset tiny --objects fan,white-box --epochs 1 --threads 2 --no-report --th ";
+  const std::string one_history =
+      "reproduce --preset tiny --objects plastic-container,water-bottle --epochs 1 --threads 2 --no-report --th ";
   const auto first = test::run_tactile(one_history + "40", folder.path());
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_EQ(first.err.find("is made again"), std::string::npos) << first.err;
@@ -214,17 +216,18 @@ TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
 
 TEST(ReproduceCommand, ContradictoryOptionsAreRefused) {
   const test::TemporaryFolder folder;
-  ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects fan,white-box --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects plastic-container,water-bottle --quiet", folder.path()).exit_code,
+            0);
   const auto refused = [&](const std::string& arguments, const std::string& words) {
     const auto result = test::run_tactile("reproduce --preset tiny --th 40 --epochs 1 " + arguments, folder.path());
     EXPECT_EQ(result.exit_code, 1) << arguments;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
     EXPECT_FALSE(fs::exists(folder / "study/study.json"));
   };
-  refused("--objects fan", "holds runs already");
+  refused("--objects plastic-container", "holds runs already");
   refused("--runs 3", "holds runs already");
   refused("--held-out cup", "'cup'");
-  refused("--held-out fan,white-box", "nothing is left to learn from");
+  refused("--held-out plastic-container,water-bottle", "nothing is left to learn from");
 }
 
 TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
@@ -250,13 +253,14 @@ TEST(ReproduceCommand, AFailingTrainingIsReportedWithItsCommand) {
 
 TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
   const test::TemporaryFolder folder;
-  const nlohmann::json study = run_study(folder.path(),
-                                         "reproduce --json --preset quick --objects fan,sprayer,white-box --th 2,20 --held-out "
-                                         "fan --epochs 1 --seeds 2 --threads 2");
+  const nlohmann::json study =
+      run_study(folder.path(),
+                "reproduce --json --preset quick --objects plastic-container,sprayer,water-bottle --th 2,20 --held-out "
+                "plastic-container --epochs 1 --seeds 2 --threads 2");
   ASSERT_TRUE(study.is_object());
   EXPECT_EQ(study.at("choice").at("chosen_on"), "choice");
-  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
+  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
+  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/03", "sprayer/03", "water-bottle/03"}));
   EXPECT_EQ(study.at("runs").at("all_test").size(), 6U);
   EXPECT_EQ(study.at("choice").at("th_ms"), study.at("choice").at("best").at("choice").at("th_ms"));
   EXPECT_EQ(study.at("paper_way").at("th_ms"), study.at("choice").at("best").at("all_test").at("th_ms"));

@@ -47,12 +47,12 @@ nlohmann::json without_times(nlohmann::json trade) {
 
 TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   const test::TemporaryFolder folder;
-  simulate_runs(folder.path(), "fan,sprayer,white-box");
+  simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
   const nlohmann::json trade = traded(folder.path(), "--no-growth");
   ASSERT_TRUE(trade.is_object());
   EXPECT_EQ(trade.at("simulated"), true);
-  EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"fan/02", "sprayer/02", "white-box/02"}));
-  EXPECT_EQ(trade.at("runs").at("reported"), (std::vector<std::string>{"fan/03", "sprayer/03", "white-box/03"}));
+  EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
+  EXPECT_EQ(trade.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/03", "sprayer/03", "water-bottle/03"}));
   EXPECT_EQ(trade.at("points")[0].at("design"), "usual");
   for (const char* text : {"t_h 20 ms", "tick 4 ms", "tick 5 ms", "confirm 2/3", "gate", "int8"})
     EXPECT_NE(point_of(trade, text), nullptr) << text;
@@ -109,7 +109,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
 /// A setting must keep up with its ticks to be recommended: these are so long that it does on any machine, however busy.
 TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const test::TemporaryFolder folder;
-  simulate_runs(folder.path(), "fan,sprayer,white-box");
+  simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
   const auto windows = test::run_tactile("windows --history-ms 400", folder.path());
   ASSERT_EQ(windows.exit_code, 0) << windows.err;
   const std::string long_ticks =
@@ -124,13 +124,14 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   EXPECT_EQ(read_json(folder / "best.json").at("tick-us"),
             static_cast<int>(1000 * recommendation.at("setting").at("tick_ms").get<double>()));
   EXPECT_EQ(traded(folder.path(), "", long_ticks).at("steps_done"), 0);
-  const auto detected = test::run_tactile("detect --config best.json --from file:data/fan/03 --speed 0 --json", folder.path());
+  const auto detected =
+      test::run_tactile("detect --config best.json --from file:data/plastic-container/03 --speed 0 --json", folder.path());
   EXPECT_EQ(detected.exit_code, 0) << detected.err;
 }
 
 TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const test::TemporaryFolder folder;
-  simulate_runs(folder.path(), "fan,white-box");
+  simulate_runs(folder.path(), "plastic-container,water-bottle");
   const std::string few =
       "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass sparse --confirm 1/1 "
       "--gate off --epochs 1 --seeds 1 --no-growth --no-figures --threads 2 ";
@@ -168,7 +169,7 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
 
 TEST(TradeCommand, NeedsRunsToChooseOn) {
   const test::TemporaryFolder folder;
-  simulate_runs(folder.path(), "fan");
+  simulate_runs(folder.path(), "plastic-container");
   const auto result = test::run_tactile(small + "--choice-runs 02,03", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("--choice-runs"), std::string::npos) << result.err;
