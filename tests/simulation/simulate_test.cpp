@@ -74,6 +74,13 @@ TEST(Simulate, WritesTheSameBytesOnAnyNumberOfThreadsAndOthersForAnotherSeed) {
   for (const auto& [name, text] : one) EXPECT_NE(other.at(name), text) << name;
 }
 
+/// The distance of a stamp without the scan from the nearest read-out; a stamp is rounded down.
+double off_readout_us(const events::Event& event, CameraTime start, double readout_us) {
+  const EventCameraOptions& camera = default_physics().camera;
+  const double scan_us = camera.scan_us_per_column * (camera.size.width - 1 - event.x);
+  return std::abs(std::remainder(static_cast<double>((event.t - start).count()) + 0.5 - scan_us, readout_us));
+}
+
 TEST(Simulate, MakesACompleteAndDescribedRun) {
   const test::TemporaryFolder folder;
   const SimulatedRun outcome = simulate(small(folder.path())).at(0);
@@ -97,17 +104,13 @@ TEST(Simulate, MakesACompleteAndDescribedRun) {
   std::uint64_t events = 0;
   CameraTime first{}, last{};
   const auto readout_us = info.extra.at("camera").at("readout_us").get<double>();
-  const double scan_us = default_physics().camera.scan_us_per_column;
   const auto start_us = read_truth(runs[0].truth()).parameters.at("camera_start_us").get<std::int64_t>();
   events::for_all_events(recording, stream.id, [&](std::span<const events::Event> batch) {
     if (events == 0) first = batch.front().t;
     last = batch.back().t;
     events += batch.size();
-    for (const events::Event& event : batch) {
-      // The read-out's time without the scan, which wanders by 0.2 us, and the stamp is rounded down.
-      const double us = static_cast<double>(us_of(event.t) - start_us) - scan_us * (639 - event.x);
-      ASSERT_LT(std::abs(std::remainder(us + 0.5, readout_us)), 2.0);
-    }
+    for (const events::Event& event : batch)
+      ASSERT_LT(off_readout_us(event, camera_time(start_us), readout_us), 2.0) << "it wanders by 0.2 us";
   });
   EXPECT_EQ(events, outcome.events);
   EXPECT_NEAR(static_cast<double>(us_of(last) - us_of(first)), 1e6 * outcome.duration_s, 2000.0);
