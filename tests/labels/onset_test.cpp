@@ -59,6 +59,17 @@ TEST(PressOnset, IsNotAFainterNoiseThatBeganBefore) {
   EXPECT_GE(found.covered, 94);
 }
 
+TEST(PressOnset, IsNotInTheBurstBefore) {
+  // A release of 3 events per read-out ends 100 ms before the press.
+  const auto after_release = [](const LitRate& lit) {
+    return press_onset(lit, {}, camera_time(1'000'000 + static_cast<std::int64_t>(onset_us) - 100'000));
+  };
+  const OnsetErrors found = errors_over_seeds(
+      1.0, [](double u) { return (u > -250'000 && u < -100'000 ? 3.0 : 0.0) + blow(u, 10.0); }, 100, after_release);
+  EXPECT_LE(found.error_ms(0.95), 1.0);
+  EXPECT_GE(found.covered, 94);
+}
+
 TEST(PressOnset, OfABlowIsFoundToTheReadOut) {
   const OnsetErrors found = errors_over_seeds(
       0.3, [](double u) { return blow(u, 10.0); }, 100, press);

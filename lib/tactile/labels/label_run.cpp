@@ -88,8 +88,8 @@ class Labeller {
   }
 
  private:
-  void flag(std::string reason, std::optional<std::size_t> interval_index = std::nullopt) {
-    labels_.flags.push_back({.interval_index = interval_index, .reason = std::move(reason), .confirmed = false});
+  void flag(std::string reason, std::optional<std::size_t> interval = std::nullopt) {
+    labels_.flags.push_back({.interval_index = interval, .reason = std::move(reason), .confirmed = false});
   }
 
   /// Whether a piece of the log with motion or commands has no clock.
@@ -149,7 +149,8 @@ class Labeller {
       if (kinds[i] == BurstKind::release) {
         labels_.releases.push_back({Touch::none, signals_.rate.begin_of(bursts[i].begin), signals_.rate.begin_of(bursts[i].end)});
       } else if (kinds[i] == BurstKind::press) {
-        const FoundTime onset = press_onset(lit[i], options_.onset);
+        const auto rests_from = i > 0 ? std::optional(signals_.rate.begin_of(bursts[i - 1].end)) : std::nullopt;
+        const FoundTime onset = press_onset(lit[i], options_.onset, rests_from);
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
       } else if (kinds[i] == BurstKind::slip) {
         FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]), moves_.rings);
@@ -230,6 +231,11 @@ class Labeller {
     constexpr microseconds least_rest = 20ms;  // of a skin that is seen at rest before a touch
     if (start.time.at < after(signals_.rate.begin, least_rest))
       start.doubt = "the recording begins within it: its onset lies before the first event";
+    if (!labels_.intervals.empty() && start.time.at <= labels_.intervals.back().start.at) {
+      const CameraTime first = after(labels_.intervals.back().start.at, signals_.rate.bin);
+      start.time = {.at = first, .low = std::min(start.time.low, first), .high = std::max(start.time.high, first)};
+      start.doubt = "its onset cannot be told from that of the touch before";
+    }
     allow_for_gaps(start.time, "onset");
     allow_for_gaps(end.time, "end");
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());

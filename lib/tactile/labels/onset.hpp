@@ -42,7 +42,9 @@ struct OnsetOptions {
 /// The 95 % interval is where the log-likelihood, divided by the noise's dispersion, is within 1.92 of its maximum. It is
 /// extended to that of a first contact that is likely but not sure, and by the time for which the pixels of the first place were
 /// blind.
-FoundTime press_onset(const LitRate& lit, const OnsetOptions& options = {});
+///
+/// @param earliest  the end of the burst before, whose decline is no contact; nothing if there is none
+FoundTime press_onset(const LitRate& lit, const OnsetOptions& options = {}, std::optional<CameraTime> earliest = std::nullopt);
 
 /// When the lift first moved a tip. At its start the arm rings, and the tips with it. The object drags them only once the slack
 /// is used up, at the speed that the arm has by then. So there are three stretches, with rho <= tau:

@@ -97,10 +97,12 @@ void look_before(Scan& scan, const std::vector<Candidate>& candidates, std::size
 
 }  // namespace
 
-FoundTime press_onset(const LitRate& lit, const OnsetOptions& options) {
+FoundTime press_onset(const LitRate& lit, const OnsetOptions& options, std::optional<CameraTime> earliest) {
   const alignment::EventRate& rate = lit.rate;
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
-  const std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.first_contact + options.before));
+  std::size_t begin = lit.burst_begin - std::min(lit.burst_begin, bins(options.first_contact + options.before));
+  if (earliest && *earliest > rate.begin_of(begin))
+    begin = std::min(static_cast<std::size_t>(between(rate.begin, *earliest) / rate.bin), lit.burst_begin);
   const Counts all = Counts(rate.counts).subspan(begin);
   const std::size_t ahead = lit.burst_begin - begin;
   const double floor = half_event_per(all.size());
