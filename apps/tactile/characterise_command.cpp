@@ -64,9 +64,9 @@ std::string percent_text(const Measured& share) { return measured_text({100 * sh
 
 std::string dead_text(const characterise::DeadPixels& dead) {
   if (dead.silent > 0 && dead.count.value < 2 * dead.count.uncertainty && dead.expected > 0.5)
-    return fmt::format("not known: {} fired never, and {:.0f} are expected to in so short a time", counted(dead.silent, "pixel"),
+    return fmt::format("not known: {} never fired, and {:.0f} are expected to in so short a time", counted(dead.silent, "pixel"),
                        dead.expected);
-  return fmt::format("{}; {} fired never", measured_text(dead.count), counted(dead.silent, "pixel"));
+  return fmt::format("{}; {} never fired", measured_text(dead.count), counted(dead.silent, "pixel"));
 }
 
 std::string flicker_text(const characterise::Flicker& flicker) {
