@@ -10,6 +10,7 @@
 #include "tactile/bags/bag.hpp"
 #include "tactile/bags/bag_contents.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/random.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -111,6 +112,27 @@ TEST(SqliteBagReader, ReadsAFileUpToTheCut) {
     most = std::max(most, cut.messages.size());
   }
   EXPECT_GT(most, all.messages.size() / 2);
+}
+
+TEST(SqliteBagReader, GivesTheSameFromADamagedFileWhenRewound) {
+  const std::string whole = read_text(bags / "run-message.db3");
+  const test::TemporaryFolder folder;
+  int read = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Random random(seed);
+    std::string damaged = whole;
+    for (int n = 0; n < 40; ++n) damaged[4096 + random.below(damaged.size() - 4096)] = static_cast<char>(random.below(256));
+    write_whole(folder / "damaged.db3", damaged);
+    try {
+      const auto bag = open_bag(folder / "damaged.db3");
+      const Contents first = contents_of(*bag);
+      bag->rewind();
+      ASSERT_EQ(contents_of(*bag).messages, first.messages) << seed;
+      read += first.messages.empty() ? 0 : 1;
+    } catch (const Error&) {  // its tables cannot be found
+    }
+  }
+  EXPECT_GT(read, 100);
 }
 
 TEST(SqliteBagReader, ReadsTheLogOfAKilledRecorder) {

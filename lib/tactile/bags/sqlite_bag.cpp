@@ -50,16 +50,15 @@ std::string text_at(sqlite3_stmt* row, int column) {
 }  // namespace
 
 struct SqliteBagReader::State {
-  explicit State(const fs::path& path) : file(path) {
+  explicit State(const fs::path& of) : path(of), file(of) {
     std::array<std::byte, 32> begin{};
     file.read(0, begin);
     const std::string_view magic("SQLite format 3\0", 16);
     if (std::string_view(reinterpret_cast<const char*>(begin.data()), magic.size()) != magic)
       throw Error(file.name() + ": does not begin as an SQLite file; expected a .db3 of ROS 2");
     // A file whose recorder was killed may have a log that only its folder's owner may read. Then the file itself must do.
-    if (!open(path, "mode=ro") && !open(path, "mode=ro&immutable=1")) fail("cannot be read");
+    reopen();
     read_topics();
-    select = prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ?1 ORDER BY rowid");
     const auto byte_at = [&](std::size_t i) { return std::to_integer<std::uint64_t>(begin.at(i)); };
     const std::uint64_t page = (byte_at(16) << 8 | byte_at(17)) == 1 ? 65'536 : byte_at(16) << 8 | byte_at(17);
     const std::uint64_t pages = byte_at(28) << 24 | byte_at(29) << 16 | byte_at(30) << 8 | byte_at(31);
@@ -67,6 +66,7 @@ struct SqliteBagReader::State {
     restart();
   }
 
+  fs::path path;
   BagFile file;
   Database database;
   Statement select;
@@ -83,7 +83,13 @@ struct SqliteBagReader::State {
                             database ? sqlite3_errmsg(database.get()) : "out of memory"));
   }
 
-  bool open(const fs::path& path, const char* mode) {
+  /// Of a damaged file, SQLite may give other rows once it has pages in memory: each reading begins with none.
+  void reopen() {
+    select.reset();
+    if (!open("mode=ro") && !open("mode=ro&immutable=1")) fail("cannot be read");
+  }
+
+  bool open(const char* mode) {
     sqlite3* opened = nullptr;
     const int result = sqlite3_open_v2(uri_of(path, mode).c_str(), &opened,
                                        SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -133,6 +139,7 @@ struct SqliteBagReader::State {
   }
 
   void restart() {
+    select = prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ?1 ORDER BY rowid");
     problems = {.truncated_bytes = missing_bytes};
     newest_row = std::numeric_limits<std::int64_t>::min();
     given_bytes = 0;
@@ -195,7 +202,10 @@ SqliteBagReader::SqliteBagReader(const fs::path& file) : state_(std::make_unique
 SqliteBagReader::~SqliteBagReader() = default;
 
 std::optional<BagMessage> SqliteBagReader::next() { return state_->next(); }
-void SqliteBagReader::rewind() { state_->restart(); }
+void SqliteBagReader::rewind() {
+  state_->reopen();
+  state_->restart();
+}
 std::uint64_t SqliteBagReader::bytes_read() const {
   return state_->is_done ? file_size() : std::min(state_->given_bytes, file_size());
 }
