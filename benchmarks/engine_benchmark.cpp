@@ -34,6 +34,7 @@
 namespace {
 
 using namespace tactile;
+using namespace tactile::bench;
 namespace fs = std::filesystem;
 using Heatmap = std::vector<std::uint8_t>;
 

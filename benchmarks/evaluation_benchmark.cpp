@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
     fmt::print(
         "| run | ticks | evaluation | network alone | ratio | rendering, reading included | reading | share of rendering |\n");
     fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-    for (int i = 2; i < argc; ++i) tactile::trade::measure(argv[1], argv[i]);
+    for (int i = 2; i < argc; ++i) tactile::bench::measure(argv[1], argv[i]);
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());
     return 1;

@@ -155,6 +155,7 @@ void compare(benchmark::State& state, const std::vector<events::Event>& source, 
 
 int main(int count, char** texts) {
   using namespace tactile;
+  using namespace tactile::bench;
   try {
     cv::setNumThreads(1);
     benchmark::Initialize(&count, texts);
@@ -170,12 +171,12 @@ int main(int count, char** texts) {
           ->Iterations(15);
     };
     for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) {
-      trade::measure("rate/simulated", simulated, rate, 40ms);
-      trade::measure("rate/anywhere", anywhere, rate, 40ms);
+      measure("rate/simulated", simulated, rate, 40ms);
+      measure("rate/anywhere", anywhere, rate, 40ms);
     }
     for (const auto history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms, 500ms, 1000ms}) {
-      trade::measure("history/simulated", simulated, 3e5, history);
-      trade::measure("history/anywhere", anywhere, 3e5, history);
+      measure("history/simulated", simulated, 3e5, history);
+      measure("history/anywhere", anywhere, 3e5, history);
     }
     benchmark::RunSpecifiedBenchmarks();
   } catch (const std::exception& e) {

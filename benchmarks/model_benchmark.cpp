@@ -23,6 +23,7 @@
 namespace {
 
 using namespace tactile;
+using namespace tactile::bench;
 
 constexpr events::SensorSize size{128, 96};
 constexpr std::size_t batch = 32, call = 256;

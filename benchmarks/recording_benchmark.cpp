@@ -281,6 +281,7 @@ void run(const fs::path& folder, const std::vector<fs::path>& recordings, int ar
 
 int main(int argc, char** argv) {
   using namespace tactile;
+  using namespace tactile::bench;
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   try {
     if (arguments.size() >= 2 && arguments[0] == "--read") {

@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
     const int packet_ms = argc == 5 ? std::stoi(argv[4]) : 1;
     if (argc < 4 || argc > 5 || packet_ms < 1)
       throw tactile::Error("stream_generator: expected RECORDING MILLION_EVENTS_PER_S SECONDS [PACKET_MS]");
-    tactile::serve(argv[1], std::stod(argv[2]), std::stoi(argv[3]), packet_ms);
+    tactile::bench::serve(argv[1], std::stod(argv[2]), std::stoi(argv[3]), packet_ms);
     return 0;
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}\n", e.what());
