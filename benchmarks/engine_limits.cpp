@@ -8,7 +8,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace tactile::model::HWY_NAMESPACE {
+namespace tactile::bench::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -39,7 +39,7 @@ HWY_ATTR float sum_of_here(const float* values, std::size_t count) {
   return hn::GetLane(hn::SumOfLanes(floats, hn::Add(hn::Add(a, b), hn::Add(c, d))));
 }
 
-}  // namespace tactile::model::HWY_NAMESPACE
+}  // namespace tactile::bench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
