@@ -32,7 +32,8 @@ std::optional<double> travel_until(const ArmMove& move, CameraTime t) {
   constexpr double step_s = 1e-3;
   const double until_s = 1e-6 * static_cast<double>(between(move.start, std::clamp(t, move.start, move.end)).count());
   double travel = 0;
-  for (double at_s = 0.5 * step_s; at_s < until_s; at_s += step_s) travel += step_s * move.phase->profile->commanded_m_s(at_s);
+  for (int i = 0; i < static_cast<int>(until_s / step_s); ++i)
+    travel += step_s * move.phase->profile->commanded_m_s((i + 0.5) * step_s);
   return travel;
 }
 

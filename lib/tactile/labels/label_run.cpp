@@ -19,6 +19,7 @@ namespace tactile::labels {
 namespace {
 
 constexpr microseconds start_and_stop = 500ms;  // the recorders of one run may begin and end so far apart
+constexpr microseconds least_rest = 20ms;       // of a skin that is seen at rest before a touch
 constexpr microseconds frame_of_film = 50ms;    // a motion may show in the film a frame before it
 
 double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
@@ -109,7 +110,6 @@ class Labeller {
   }
 
   microseconds recorded() const { return between(signals_.rate.begin, signals_.rate.last); }
-
   /// Whether the log has every lift: a log that is shorter than the recording may lack one.
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
@@ -119,24 +119,25 @@ class Labeller {
                                             const std::vector<double>& undoes) const {
     if (lifts_are_known()) return moves_.lifts;
     if (signals_.has_robot) return std::nullopt;
-    std::vector<ArmMove> felt = felt_moves(signals_.imu);
-    for (auto move = felt.rbegin(); move != felt.rend(); ++move) {
+    const auto may_slip_in = [&](const ArmMove& move) {
       for (std::size_t i = 1; i < bursts.size(); ++i) {
-        const bool may_slip =
-            undoes[i] <= options_.touches.releases && !alignment::is_after_effect(bursts[i], signals_.rate, bursts);
-        if (may_slip && lift_around({*move}, signals_.rate, bursts[i]) != nullptr) return std::vector{*move};
+        if (undoes[i] > options_.touches.releases || alignment::is_after_effect(bursts[i], signals_.rate, bursts)) continue;
+        if (lift_around({move}, signals_.rate, bursts[i]) != nullptr) return true;
       }
-    }
-    return std::nullopt;
+      return false;
+    };
+    const std::vector<ArmMove> felt = felt_moves(signals_.imu);
+    const auto last = std::find_if(felt.rbegin(), felt.rend(), may_slip_in);
+    return last == felt.rend() ? std::nullopt : std::optional(std::vector{*last});
   }
 
   void find_intervals() {
     events::RecordingReader recording(signals_.run.events());
     const std::vector<alignment::Burst> bursts = bursts_of_run(recording, signals_, moves_.lifts, options_.signals.activity);
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
-    std::vector<double> undoes;
-    for (const LitRate& burst : lit) undoes.push_back(burst.undoes);
-    const std::optional<std::vector<ArmMove>> slips_in = lifts(bursts, undoes);
+    std::vector<double> undoes(lit.size());
+    std::transform(lit.begin(), lit.end(), undoes.begin(), [](const LitRate& burst) { return burst.undoes; });
+    const auto slips_in = lifts(bursts, undoes);
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
     if (!signals_.has_robot) {
       flag(slips_in ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
@@ -193,8 +194,8 @@ class Labeller {
     const CameraTime begin = signals_.rate.begin_of(burst.begin), end = signals_.rate.begin_of(burst.end);
     const bool is_short = kinds[i] == BurstKind::after ? between(begin, end) < options_.touches.longest_recontact
                                                        : 2 * (burst.end - burst.begin) < press_bins;
-    const bool is_small = burst.events < 0.5 * pressed;
-    if (burst.slow || is_short || is_small || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
+    const bool is_faint = burst.slow || burst.events < 0.5 * pressed;
+    if (is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
     flag(fmt::format("no label explains the burst of events from {:.2f} s to {:.2f} s",
                      1e-3 * ms(between(signals_.rate.begin, begin)), 1e-3 * ms(between(signals_.rate.begin, end))));
   }
@@ -228,7 +229,6 @@ class Labeller {
 
   /// @param ends_with_arm  the arm's stop is known: a slip that is no longer seen ends by then
   void add(Touch touch, FoundTime start, FoundTime end, bool ends_with_arm = false) {
-    constexpr microseconds least_rest = 20ms;  // of a skin that is seen at rest before a touch
     if (start.time.at < after(signals_.rate.begin, least_rest))
       start.doubt = "the recording begins within it: its onset lies before the first event";
     if (!labels_.intervals.empty() && start.time.at <= labels_.intervals.back().start.at) {

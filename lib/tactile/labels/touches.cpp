@@ -49,8 +49,8 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     // By order alone: the last burst that is no after-effect and no release, if there is another before it.
     std::vector<std::size_t> large;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      const bool releases = i > 0 && undoes[i] > options.releases;
-      if (!bursts[i].slow && !releases && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
+      const bool reverses = i > 0 && undoes[i] > options.releases;
+      if (!bursts[i].slow && !reverses && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
     }
     if (large.size() > 1) is_slip(large.back());
   }
@@ -66,23 +66,29 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     return burst.events >= options.like_a_press * press.events &&
            times_shorter * (burst.end - burst.begin) > press.end - press.begin;
   };
+  const auto releases = [&](std::size_t i) {
+    return standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i, 2)) &&
+           !alignment::is_after_effect(bursts[i], rate, bursts);
+  };
+  // Tips that spring back or creep while they are pressed, or move so faintly that no stage moves them; no deeper press.
+  const auto is_brief = [&](std::size_t i) {
+    const alignment::Burst& burst = bursts[i];
+    if (alignment::is_after_effect(burst, rate, bursts)) return true;
+    if (standing_press && undoes[i] < -options.deepens && !burst.slow && is_like_a_press(i, 3)) return false;
+    if (burst.slow && is_shorter(i, options.shortest_slow_press)) return true;
+    return standing_press && (is_short(i) || burst.slow) && burst.events < bursts[*standing_press].events;
+  };
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     if (kinds[i] == BurstKind::slip) continue;
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
       kinds[i] = BurstKind::tap;
     } else if (last_slip && i > *last_slip) {
-      const bool releases = undoes[i] > options.releases && !alignment::is_after_effect(bursts[i], rate, bursts);
-      kinds[i] = releases ? BurstKind::release : BurstKind::after;
-    } else if (alignment::is_after_effect(bursts[i], rate, bursts)) {
-      kinds[i] = BurstKind::brief;
-    } else if (standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i, 2))) {
+      const bool reverses = undoes[i] > options.releases && !alignment::is_after_effect(bursts[i], rate, bursts);
+      kinds[i] = reverses ? BurstKind::release : BurstKind::after;
+    } else if (releases(i)) {
       kinds[i] = BurstKind::release;
       standing_press.reset();
-    } else if (standing_press && undoes[i] < -options.deepens && !bursts[i].slow && is_like_a_press(i, 3)) {
-      standing_press = i;  // the stage presses deeper
-    } else if (standing_press && (is_short(i) || bursts[i].slow) && bursts[i].events < bursts[*standing_press].events) {
-      kinds[i] = BurstKind::brief;
-    } else if (bursts[i].slow && is_shorter(i, options.shortest_slow_press)) {
+    } else if (is_brief(i)) {
       kinds[i] = BurstKind::brief;
     } else {
       standing_press = i;
