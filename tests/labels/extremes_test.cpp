@@ -173,7 +173,7 @@ TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
       [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
-  EXPECT_TRUE(flags_say(labels, "press and slip are told apart by their order alone")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "press and slip are distinguished by their order alone")) << told_by(labels);
 }
 
 TEST(Extremes, ARobotLogThatBeginsAfterThePressStillShowsTheLift) {

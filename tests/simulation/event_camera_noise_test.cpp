@@ -7,20 +7,12 @@
 #include <set>
 #include <string>
 
+#include "simulation/silent_camera.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/simulation/event_camera.hpp"
 
 namespace tactile::simulation {
 namespace {
-
-/// A still skin without markers, and pixels without noise.
-EventCameraOptions silent() {
-  EventCameraOptions options;
-  options.size = {64, 48};
-  options.leak_hz = options.shot_hz = 0;
-  options.hot_pixels = options.dead_pixels = 0;
-  return options;
-}
 
 struct Seen {
   std::vector<std::uint64_t> of_pixel;
@@ -49,12 +41,12 @@ Seen watch(const EventCameraOptions& o, int readouts) { return watch(o, draw_cam
 void expect_near_poisson(double count, double mean) { EXPECT_NEAR(count, mean, 5 * std::sqrt(mean)); }
 
 TEST(EventCameraNoise, IsNothingIfThereIsNone) {
-  const Seen seen = watch(silent(), 5000);
+  const Seen seen = watch(test::silent_camera(), 5000);
   EXPECT_EQ(seen.on + seen.off, 0U);
 }
 
 TEST(EventCameraNoise, LeaksOnEventsOfADifferentRateInEachPixel) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.leak_hz = 4;
   o.leak_spread_decades = 0.3;
   o.noise_factor = 5;  // 20 Hz
@@ -73,7 +65,7 @@ TEST(EventCameraNoise, LeaksOnEventsOfADifferentRateInEachPixel) {
 }
 
 TEST(EventCameraNoise, ShootsBothPolaritiesAndLessInBrightLight) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.threshold_sigma = 0;
   o.shot_hz = 20;
   o.veil = 0;
@@ -90,7 +82,7 @@ TEST(EventCameraNoise, ShootsBothPolaritiesAndLessInBrightLight) {
 }
 
 TEST(EventCameraNoise, ShootsMoreAtLowThresholds) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.threshold_sigma = 0.08;
   o.threshold_floor = 0.05;
   o.shot_hz = 20;
@@ -127,7 +119,7 @@ TEST(EventCameraNoise, ReachesTwentyMillionEventsASecond) {
 }
 
 TEST(EventCameraNoise, FillsEveryPixelAtMost) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.leak_hz = o.shot_hz = 10'000;
   o.noise_factor = 1000;
   o.readout_limit = 100'000;
@@ -136,7 +128,7 @@ TEST(EventCameraNoise, FillsEveryPixelAtMost) {
 }
 
 TEST(HotPixels, FireAtTheirRates) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.hot_pixels = 20;
   o.hot_on_shares = {0.8};
   for (const auto& [least, most] : {std::pair{100.0, 2500.0}, std::pair{1e5, 1e6}}) {
@@ -187,7 +179,7 @@ TEST(HotPixels, ComeAndGoBetweenRuns) {
 }
 
 TEST(HotPixels, AreThoseOfTheRun) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.hot_pixels = 10;
   o.hot_turnover = 0.5;
   const CameraPixels pixels = draw_camera_pixels(o, 3);
@@ -204,7 +196,7 @@ TEST(HotPixels, AreThoseOfTheRun) {
 }
 
 TEST(DeadPixels, NeverFire) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.dead_pixels = 700;
   o.hot_pixels = 200;
   o.hot_hz = {100, 5000};
@@ -222,7 +214,7 @@ TEST(DeadPixels, NeverFire) {
 }
 
 TEST(Refractory, KeepsAPixelsEventsApart) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.shot_hz = 2000;
   o.hot_pixels = 5;
   o.hot_hz = {5000};
@@ -247,7 +239,7 @@ TEST(Refractory, KeepsAPixelsEventsApart) {
 
 /// ln I moves by ln(1 + depth sin) where the dark current is little, for all pixels at once; each has a threshold of its own.
 TEST(Flicker, IsSeenByEveryPixelAccordingToTheRule) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.size = {13, 7};
   o.flicker_depth = 0.4;
   o.flicker_hz = 120;
@@ -278,7 +270,7 @@ TEST(Flicker, IsSeenByEveryPixelAccordingToTheRule) {
 }
 
 TEST(ReadOutLimit, LosesWhatComesLastButResetsItsPixels) {
-  EventCameraOptions o = silent();
+  EventCameraOptions o = test::silent_camera();
   o.leak_hz = 20;
   o.flicker_depth = 0.5;
   const std::vector<MarkerPose> rest{{.x = 20, .y = 24}};

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "simulation/silent_camera.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/sha256.hpp"
@@ -17,12 +18,9 @@
 namespace tactile::simulation {
 namespace {
 
-/// A still skin without markers, and pixels without noise.
+/// As fast as the read-out, too.
 EventCameraOptions silent() {
-  EventCameraOptions options;
-  options.size = {64, 48};
-  options.leak_hz = options.shot_hz = 0;
-  options.hot_pixels = options.dead_pixels = 0;
+  EventCameraOptions options = test::silent_camera();
   options.refractory = 0us;
   return options;
 }

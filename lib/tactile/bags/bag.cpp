@@ -14,6 +14,7 @@
 #include "tactile/bags/ros_fields.hpp"
 #include "tactile/bags/sqlite_bag.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::bags {
@@ -26,12 +27,8 @@ constexpr std::size_t most_files = 65'536;
 
 /// The extension in lower-case letters, without ".zstd".
 std::string extension_of(fs::path file) {
-  const auto lower = [](std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-  };
-  if (lower(file.extension().string()) == ".zstd") file = file.stem();
-  return lower(file.extension().string());
+  if (lower_case(file.extension().string()) == ".zstd") file = file.stem();
+  return lower_case(file.extension().string());
 }
 
 bool is_ros2_name(const fs::path& file) {

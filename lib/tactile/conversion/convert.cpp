@@ -14,6 +14,7 @@
 #include "tactile/conversion/recording_output.hpp"
 #include "tactile/conversion/time_cut.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_csv.hpp"
 #include "tactile/events/output_file.hpp"
@@ -331,12 +332,7 @@ std::string_view name_of(RecordingFormat format) {
   return names.at(static_cast<std::size_t>(format));
 }
 
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string lower_extension(const fs::path& file) { return lower_case(file.extension().string()); }
 
 RecordingFormat recording_format_of(const fs::path& file) {
   const std::string extension = lower_extension(file);

@@ -38,7 +38,7 @@ struct EventCsvLayout {
 /// @throws Error  without the file's name, if it does not name each of t, x, y and p once, or `options.columns` does not fit
 EventCsvLayout layout_of(std::string_view row, const EventCsvOptions& options);
 
-/// The same for a comment, which may be a header row behind its mark: "# t,x,y,p"; nothing if it is none.
+/// The same for a comment, which may be a header row after its mark: "# t,x,y,p"; nothing if it is none.
 std::optional<EventCsvLayout> layout_in_comment(std::string_view row);
 
 /// The unit of times without a name of it: whole numbers are microseconds, numbers with a fraction are seconds.

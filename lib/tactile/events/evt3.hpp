@@ -54,7 +54,7 @@ class Evt3Decoder {
     std::int64_t t_us = 0;
     unsigned y = 0, base_x = 0;
     bool base_on = false;
-    bool has_clock = false;  ///< a time was seen, so a step can be told from the begin
+    bool has_clock = false;  ///< a time was seen: a later one is a step, not the begin
     bool has_high = false, has_low = false, has_row = false;
   };
 

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 
 #include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/events/recording_file.hpp"
 
 namespace tactile::events {
@@ -19,18 +19,6 @@ constexpr std::size_t longest_raw_header = std::size_t{64} << 10;  // known ones
 constexpr std::int64_t most_pixels = 2048;                         // that the words can address, in each direction
 
 using Fields = std::map<std::string, std::string>;
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
-}
 
 /// The length of the header's next line with its end; 0 if there is none: "% " and text. Events may begin with the same byte.
 std::size_t line_length(std::string_view text) {
@@ -46,13 +34,13 @@ std::size_t line_length(std::string_view text) {
 void add_line(std::string_view line, Fields& fields) {
   line = trimmed(line.substr(1));
   const std::size_t blank = std::min(line.find(' '), line.size());
-  const std::string key = lower(line.substr(0, blank));
+  const std::string key = lower_case(line.substr(0, blank));
   const std::vector<std::string_view> values = split_cells(trimmed(line.substr(blank)), ';');
   fields[key] = trimmed(values.front());
   for (std::size_t i = 1; i < values.size(); ++i) {
     const std::size_t equals = values[i].find('=');
     if (equals != std::string_view::npos)
-      fields[lower(trimmed(values[i].substr(0, equals)))] = trimmed(values[i].substr(equals + 1));
+      fields[lower_case(trimmed(values[i].substr(0, equals)))] = trimmed(values[i].substr(equals + 1));
   }
 }
 
@@ -62,7 +50,7 @@ std::string value_of(const Fields& fields, const std::string& key) {
 }
 
 RecordingEncoding encoding_of(const Fields& fields, const std::string& name) {
-  std::string format = lower(value_of(fields, "format"));
+  std::string format = lower_case(value_of(fields, "format"));
   if (format.empty() && fields.contains("evt")) format = "evt" + value_of(fields, "evt");
   if (format == "evt2" || format == "evt2.0") return RecordingEncoding::evt2;
   if (format == "evt3" || format == "evt3.0") return RecordingEncoding::evt3;
@@ -84,8 +72,8 @@ std::optional<SensorSize> size_of_generation(const Fields& fields) {
   constexpr std::array<std::pair<std::string_view, SensorSize>, 5> known{
       {{"genx320", {320, 320}}, {"gen3", {640, 480}}, {"gen4", {1280, 720}}, {"imx636", {1280, 720}}, {"imx646", {1280, 720}}}};
   std::string text;
-  for (const char* key : {"plugin_name", "sensor_name"}) text += lower(value_of(fields, key)) + " ";
-  for (const char* key : {"generation", "sensor_generation"}) text += "gen" + lower(value_of(fields, key)) + " ";
+  for (const char* key : {"plugin_name", "sensor_name"}) text += lower_case(value_of(fields, key)) + " ";
+  for (const char* key : {"generation", "sensor_generation"}) text += "gen" + lower_case(value_of(fields, key)) + " ";
   const auto* const found =
       std::find_if(known.begin(), known.end(), [&](const auto& sensor) { return text.find(sensor.first) != std::string::npos; });
   return found == known.end() ? std::nullopt : std::optional(found->second);

@@ -68,7 +68,7 @@ class Labeller {
     for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
     if (signals_.has_robot && !lifts_are_known() && !moves_.rises) {
       flag(fmt::format(
-          "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are told apart by "
+          "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are distinguished by "
           "their order alone",
           1e-3 * ms(moves_.logged), 1e-3 * ms(recorded())));
     }
@@ -141,7 +141,7 @@ class Labeller {
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
     if (!signals_.has_robot) {
       flag(slips_in ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
-                    : "no robot log: press and slip are told apart by their order alone");
+                    : "no robot log: press and slip are distinguished by their order alone");
     }
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
@@ -163,7 +163,7 @@ class Labeller {
     }
   }
 
-  /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm goes on for long.
+  /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long.
   /// Whether the object then slid over a face too smooth to see, a person must say.
   bool flag_if_firm(const alignment::Burst& burst, const alignment::UncertainTime& seen_until) {
     constexpr double longest_shear_m = 2.5e-3, least_rest_m = 5e-3;
@@ -234,7 +234,7 @@ class Labeller {
     if (!labels_.intervals.empty() && start.time.at <= labels_.intervals.back().start.at) {
       const CameraTime first = after(labels_.intervals.back().start.at, signals_.rate.bin);
       start.time = {.at = first, .low = std::min(start.time.low, first), .high = std::max(start.time.high, first)};
-      start.doubt = "its onset cannot be told from that of the touch before";
+      start.doubt = "its onset cannot be distinguished from that of the touch before";
     }
     allow_for_gaps(start.time, "onset");
     allow_for_gaps(end.time, "end");

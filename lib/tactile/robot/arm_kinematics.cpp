@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "tactile/core/text.hpp"
+
 namespace tactile::robot {
 namespace {
 
@@ -24,8 +26,7 @@ constexpr std::array<double, 6> alpha_sine{1, 0, 0, 1, -1, 0}, alpha_cosine{0, 1
 std::string_view name_of(ArmModel model) { return model == ArmModel::ur10 ? "UR10" : "UR10e"; }
 
 std::optional<ArmModel> arm_model_named(std::string_view name) {
-  std::string small(name);
-  std::transform(small.begin(), small.end(), small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string small = lower_case(name);
   if (small == "ur10") return ArmModel::ur10;
   if (small == "ur10e") return ArmModel::ur10e;
   return std::nullopt;

@@ -10,15 +10,10 @@
 #include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text.hpp"
 
 namespace tactile::robot {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
-}
 
 /// The separator of the header's names. Commas come first, since "a, b" has blanks too.
 char separator_of(std::string_view header) {

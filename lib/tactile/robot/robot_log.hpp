@@ -102,7 +102,7 @@ std::uint64_t lost_packages(const RobotLog& log);
 ///
 /// @throws Error  naming the file, the row and the column that cannot be read; for record.py --binary, how to convert the file;
 /// if times were rounded when the log was written: half of the rows or more repeat the time of the row before, and the motion
-/// goes on, or all times are whole seconds
+/// continues, or all times are whole seconds
 /// Sources: RTDE Python client library, record.py and csv_writer.py; ur_rtde, RTDEReceiveInterface; UR's RTDE guide.
 RobotLogFile read_robot_log(const std::filesystem::path& file, const RobotLogOptions& options = {});
 

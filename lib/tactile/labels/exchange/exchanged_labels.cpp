@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -28,16 +29,10 @@ constexpr std::array<std::pair<TimeOrigin, std::string_view>, 3> origins{
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
-
 /// press or slip, in upper or lower case.
 std::optional<Touch> touch_in(std::string_view word) {
   for (const Touch touch : {Touch::press, Touch::slip}) {
-    if (lower(word) == name_of(touch)) return touch;
+    if (lower_case(word) == name_of(touch)) return touch;
   }
   return std::nullopt;
 }
@@ -55,7 +50,7 @@ std::vector<std::string_view> words_in(std::string_view text) {
 }
 
 bool is_plain_id(std::string_view id) {
-  return !id.empty() && id.size() <= 64 && is_letter(id.front()) && !touch_in(id) && lower(id) != name_of(Touch::none) &&
+  return !id.empty() && id.size() <= 64 && is_letter(id.front()) && !touch_in(id) && lower_case(id) != name_of(Touch::none) &&
          std::all_of(id.begin(), id.end(),
                      [](char c) { return is_letter(c) || is_digit(c) || c == '-' || c == '_' || c == '.'; });
 }
@@ -75,7 +70,7 @@ std::optional<ExchangeFormat> exchange_format_named(std::string_view name) {
 }
 
 std::optional<ExchangeFormat> exchange_format_by_ending(const std::filesystem::path& file) {
-  const std::string ending = lower(file.extension().string());
+  const std::string ending = lower_case(file.extension().string());
   for (const FormatNames& known : formats) {
     if (known.ending == ending) return known.format;
   }
@@ -164,7 +159,7 @@ void read_words(std::string_view text, const std::string& where, ImportedInterva
                             shown_text(text)));
   }
   interval.touch = *touch;
-  interval.confirmed = words.size() > class_at + 1 && lower(words.back()) == "ok";
+  interval.confirmed = words.size() > class_at + 1 && lower_case(words.back()) == "ok";
 }
 
 std::string shown_text(std::string_view text) {
