@@ -63,7 +63,7 @@ TEST(OverTime, CountsWhatIsStillSaidBehindAnIntervalWhereNothingElseIs) {
   expect_counts(counts[static_cast<std::size_t>(Touch::press)].after, 2, 0, 1);
   const auto alone = over_time_of(ticks_of(verdicts), verdicts, press, options);
   expect_counts(alone[static_cast<std::size_t>(Touch::press)].after, 3, 0, 1);
-  const results::OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{"fan", counts}}, options);
+  const results::OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{{"fan"}, counts}}, options);
   EXPECT_EQ(over_time.press.all.still_said.value, 1.0);
 }
 
@@ -93,7 +93,7 @@ TEST(AccuracyOverTime, IsTheMeanOverObjectsAndTheDifferenceIsPaired) {
   const auto run = [](std::string object, std::string_view letters) {
     const auto verdicts = verdict_row(letters);
     const std::vector<TouchInterval> press{interval_ms(Touch::press, 1, 18)};
-    return RunOverTime{std::move(object), over_time_of(ticks_of(verdicts), verdicts, press, small)};
+    return RunOverTime{{std::move(object)}, over_time_of(ticks_of(verdicts), verdicts, press, small)};
   };
   // Ticks 1 to 9 are in; of the fan's first three all are right and of its last two none, of the box's all.
   const std::vector<RunOverTime> runs{run("fan", ".ppppppp.."), run("box", ".ppppppppp")};

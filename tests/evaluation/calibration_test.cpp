@@ -38,7 +38,7 @@ TEST(Calibration, TellsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
   Reliability sure, unsure;
   for (int i = 0; i < 10; ++i) sure.add(0.7, i < 5);
   for (int i = 0; i < 10; ++i) unsure.add(0.7, i < 9);
-  const std::vector<RunReliability> runs{{"fan", sure}, {"box", unsure}, {"none", {}}};
+  const std::vector<RunReliability> runs{{{"fan"}, sure}, {{"box"}, unsure}, {{"none"}, {}}};
   const results::Calibration calibration = calibration_of(runs);
   EXPECT_NEAR(calibration.error.value, 0.0, 1e-12);
   EXPECT_EQ(calibration.error.n, 2U);

@@ -8,7 +8,7 @@ namespace tactile::evaluation {
 namespace {
 
 results::RunConfusion run_with(std::string object, std::array<std::array<std::uint64_t, 3>, 3> counts) {
-  return {std::move(object), {counts}};
+  return {{std::move(object)}, {counts}};
 }
 
 TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "tactile/core/random.hpp"
 
@@ -26,10 +26,21 @@ Statistic mean_of(std::vector<double> values) {
   };
 }
 
-std::vector<std::size_t> first(std::size_t count) {
-  std::vector<std::size_t> runs(count);
-  std::iota(runs.begin(), runs.end(), std::size_t{0});
-  return runs;
+/// The first results, each of another run.
+CrossedObject first(std::size_t count) {
+  CrossedObject cells;
+  for (std::size_t i = 0; i < count; ++i) cells.push_back({.training = 0, .run = i, .index = i});
+  return cells;
+}
+
+/// The results of one training, each of another run.
+CrossedResults of_one_training(const RunsByObject& objects) {
+  CrossedResults results;
+  for (const auto& object : objects) {
+    CrossedObject& cells = results.emplace_back();
+    for (const std::size_t index : object) cells.push_back({.training = 0, .run = cells.size(), .index = index});
+  }
+  return results;
 }
 
 TEST(FigureOfObject, HasNoBoundsBelowThreeRuns) {
@@ -78,7 +89,7 @@ TEST(FigureOfObject, CoversTheTruthAboutAsOftenAsItSays) {
 TEST(FigureOverObjects, DrawsObjectsFirst) {
   // Three objects whose runs agree among themselves: only the drawing of objects spreads the figure, from -1 (all three the
   // first, one draw in 27) to 1, so both ends lie inside the middle 95 %.
-  const RunsByObject runs{{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}};
+  const CrossedResults runs = of_one_training({{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}});
   const results::Figure figure = figure_over_objects(runs, mean_of({-1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1}));
   EXPECT_EQ(figure.n, 3U);
   EXPECT_DOUBLE_EQ(figure.value, 0);
@@ -88,7 +99,7 @@ TEST(FigureOverObjects, DrawsObjectsFirst) {
 
 TEST(FigureOverObjects, DrawsRunsWithinObjects) {
   // Three objects alike, each with runs 0 and 1: the spread comes from the runs alone.
-  const RunsByObject runs{{0, 1}, {2, 3}, {4, 5}};
+  const CrossedResults runs = of_one_training({{0, 1}, {2, 3}, {4, 5}});
   const results::Figure figure = figure_over_objects(runs, mean_of({0, 1, 0, 1, 0, 1}));
   EXPECT_DOUBLE_EQ(figure.value, 0.5);
   EXPECT_LT(*figure.low, 0.2);
@@ -96,7 +107,7 @@ TEST(FigureOverObjects, DrawsRunsWithinObjects) {
 }
 
 TEST(FigureOverObjects, PassesOverObjectsWithoutRuns) {
-  const results::Figure figure = figure_over_objects({{0}, {}, {1}}, mean_of({1, 3}));
+  const results::Figure figure = figure_over_objects(of_one_training({{0}, {}, {1}}), mean_of({1, 3}));
   EXPECT_EQ(figure.n, 2U);
   EXPECT_DOUBLE_EQ(figure.value, 2);
 }
@@ -105,7 +116,7 @@ TEST(Figure, WithoutAnythingToMeasureIsNullInJson) {
   const results::Figure figure =
       figure_of_object(first(4), [](const RunsByObject&) -> std::optional<double> { return std::nullopt; });
   const nlohmann::json json = figure;
-  EXPECT_EQ(json, nlohmann::json::parse(R"({"value": null, "low": null, "high": null, "n": 4})"));
+  EXPECT_EQ(json, nlohmann::json::parse(R"({"value": null, "low": null, "high": null, "n": 4, "trainings": 1})"));
 }
 
 TEST(Figure, HasNoBoundsWhereMostDrawsGiveNothing) {

@@ -165,9 +165,9 @@ results::Detection without_delay(Touch touch, results::DetectionOutcome outcome)
 
 TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
   const std::vector<results::RunDetections> runs{
-      {"fan", {detected(Touch::press, 2ms), detected(Touch::slip, 4ms)}},
-      {"fan", {detected(Touch::press, 4ms), without_delay(Touch::slip, results::DetectionOutcome::missed)}},
-      {"box", {detected(Touch::press, 12ms), without_delay(Touch::press, results::DetectionOutcome::early)}},
+      {{"fan"}, {detected(Touch::press, 2ms), detected(Touch::slip, 4ms)}},
+      {{"fan"}, {detected(Touch::press, 4ms), without_delay(Touch::slip, results::DetectionOutcome::missed)}},
+      {{"box"}, {detected(Touch::press, 12ms), without_delay(Touch::press, results::DetectionOutcome::early)}},
   };
   const results::DelayTable press = delay_table(runs, Touch::press);
   EXPECT_DOUBLE_EQ(press.all.mean_ms.value, 6.0);
@@ -190,7 +190,7 @@ TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
 }
 
 TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
-  const std::vector<results::RunDetections> runs{{"fan", {without_delay(Touch::slip, results::DetectionOutcome::missed)}}};
+  const std::vector<results::RunDetections> runs{{{"fan"}, {without_delay(Touch::slip, results::DetectionOutcome::missed)}}};
   const nlohmann::json json = delay_table(runs, Touch::slip);
   EXPECT_TRUE(json.at("mean").at("value").is_null());
   EXPECT_TRUE(json.at("sem").is_null());

@@ -120,7 +120,7 @@ std::vector<RunFalseAlarms> alike(std::initializer_list<const char*> objects, st
   counts.alarms = alarms;
   counts.none_time = none_time;
   std::vector<RunFalseAlarms> made;
-  for (const char* object : objects) made.insert(made.end(), runs, {object, counts});
+  for (const char* object : objects) made.insert(made.end(), runs, RunFalseAlarms{{object}, counts});
   return made;
 }
 
@@ -177,7 +177,7 @@ TEST(FalseAlarmTable, DividesAllAlarmsByAllNoneTime) {
   quiet.none_time = 90s;
   quiet.after_intervals = 2;
   quiet.after_intervals_time = 6s;
-  const std::vector<RunFalseAlarms> runs{{"fan", busy}, {"fan", quiet}, {"box", quiet}};
+  const std::vector<RunFalseAlarms> runs{{{"fan"}, busy}, {{"fan"}, quiet}, {{"box"}, quiet}};
   const results::FalseAlarmTable table = false_alarm_table(runs);
   EXPECT_DOUBLE_EQ(table.per_min.value, 3 / 3.5);
   EXPECT_EQ(table.per_min.n, 2U);

@@ -31,8 +31,8 @@ TEST(OperatingPoint, HoldsDelaysAndFalseAlarmsOfAllRuns) {
   results::FalseAlarms alarms;
   alarms.alarms = 2;
   alarms.none_time = 30s;
-  const std::vector<results::RunDetections> detections{{"fan", {press}}, {"box", {missed}}};
-  const std::vector<RunFalseAlarms> false_alarms{{"fan", alarms}, {"box", alarms}};
+  const std::vector<results::RunDetections> detections{{{"fan"}, {press}}, {{"box"}, {missed}}};
+  const std::vector<RunFalseAlarms> false_alarms{{{"fan"}, alarms}, {{"box"}, alarms}};
   const nlohmann::json json = operating_point(0.9, detections, false_alarms);
   EXPECT_EQ(json.at("threshold"), 0.9);
   EXPECT_EQ(json.at("delay_ms").at("press").at("mean").at("value"), 6.0);

@@ -14,13 +14,14 @@ Figure read(const nlohmann::json& json, MissingMember missing = MissingMember::i
 }
 
 TEST(Figure, ComesBackAsItWasWritten) {
-  const nlohmann::json json = Figure{1.5, 1, 2, 7};
-  EXPECT_EQ(json.dump(), R"({"high":2.0,"low":1.0,"n":7,"value":1.5})");
+  const nlohmann::json json = Figure{1.5, 1, 2, 7, 5};
+  EXPECT_EQ(json.dump(), R"({"high":2.0,"low":1.0,"n":7,"trainings":5,"value":1.5})");
   const Figure whole = read(json, MissingMember::is_error);
   EXPECT_EQ(whole.value, 1.5);
   EXPECT_EQ(whole.low, 1);
   EXPECT_EQ(whole.high, 2);
   EXPECT_EQ(whole.n, 7U);
+  EXPECT_EQ(whole.trainings, 5U);
   const Figure empty = read(Figure{}, MissingMember::is_error);
   EXPECT_TRUE(std::isnan(empty.value));
   EXPECT_FALSE(empty.has_interval());

@@ -20,10 +20,9 @@ std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs,
 results::Accuracy accuracy_by(std::span<const results::RunConfusion> runs,
                               const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
                               const results::BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
   results::Accuracy accuracy;
-  for (const auto& [name, indexes] : objects)
-    accuracy.objects[name] = figure_of_object(indexes, mean_over_objects(of_runs), options);
+  for (const auto& [name, cells] : objects) accuracy.objects[name] = figure_of_object(cells, mean_over_objects(of_runs), options);
   accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options);
   return accuracy;
 }
@@ -49,9 +48,9 @@ results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, 
                                       const results::BootstrapOptions& options) {
   bool same = a.size() == b.size();
   for (std::size_t i = 0; same && i < a.size(); ++i) {
-    same = a[i].object == b[i].object;
+    same = a[i].object == b[i].object && a[i].run == b[i].run && a[i].training == b[i].training;
   }
-  if (!same) throw Error("difference of accuracies: different objects; expected the same runs in the same order");
+  if (!same) throw Error("difference of accuracies: different runs; expected the same runs in the same order");
   return accuracy_by(
       a,
       [a, b](std::span<const std::size_t> indexes) -> std::optional<double> {

@@ -54,8 +54,8 @@ Statistic mean_difference(std::span<const RunOverTime> runs, const Part& a, cons
 }
 
 /// The runs in which the part has a tick, by object; n of a figure counts no others.
-std::map<std::string, std::vector<std::size_t>> runs_with(std::span<const RunOverTime> runs, const Part& part) {
-  return runs_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
+std::map<std::string, CrossedObject> runs_with(std::span<const RunOverTime> runs, const Part& part) {
+  return results_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
 }
 
 /// The parts of intervals whose shares are reported.
@@ -112,11 +112,12 @@ results::AccuracyOverTime accuracy_of_touches(std::span<const RunOverTime> runs,
     return figure_over_objects(without_names(runs_with(runs, of)), statistic, bootstrap);
   });
   for (const auto& object : runs_with(runs, parts.first)) {
-    accuracy.objects[object.first] = shares_of(runs, object.second, parts, [&](const Part& of, const Statistic& statistic) {
-      const auto with = runs_with(runs, of);
-      const auto found = with.find(object.first);
-      return found == with.end() ? results::Figure{} : figure_of_object(found->second, statistic, bootstrap);
-    });
+    accuracy.objects[object.first] =
+        shares_of(runs, indexes_of(object.second), parts, [&](const Part& of, const Statistic& statistic) {
+          const auto with = runs_with(runs, of);
+          const auto found = with.find(object.first);
+          return found == with.end() ? results::Figure{} : figure_of_object(found->second, statistic, bootstrap);
+        });
   }
 
   const auto curve = [&](std::vector<TickCount> OverTimeCounts::*bins) {
@@ -127,8 +128,8 @@ results::AccuracyOverTime accuracy_of_touches(std::span<const RunOverTime> runs,
           part([bins, i](const OverTimeCounts& counts) { return i < (counts.*bins).size() ? (counts.*bins)[i] : TickCount{}; });
       results::OverTimeBin bin{
           options.bin * static_cast<std::int64_t>(i), options.bin * static_cast<std::int64_t>(i + 1), {}, 0, 0};
-      const RunsByObject with = without_names(runs_with(runs, of_bin));
-      for (const auto& object : with) {
+      const CrossedResults with = without_names(runs_with(runs, of_bin));
+      for (const auto& object : all_of(with)) {
         const TickCount counts = sum_of(runs, object, of_bin);
         bin.ticks += counts.ticks;
         bin.intervals += counts.intervals;

@@ -10,6 +10,7 @@
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/judged_run.hpp"
 #include "tactile/results/over_time.hpp"
 
 namespace tactile::evaluation {
@@ -39,9 +40,8 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
                            const results::OverTimeOptions& options = {}, std::span<const TouchInterval> elsewhere = {});
 
 /// One run's.
-struct RunOverTime {
-  std::string object;
-  OverTimeOfRun counts;
+struct RunOverTime : results::JudgedRun {
+  OverTimeOfRun counts{};
 };
 
 results::OverTime accuracy_over_time(std::span<const RunOverTime> runs, const results::OverTimeOptions& options = {},

@@ -34,6 +34,13 @@ void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, cons
   }
 }
 
+/// The baselines of one training.
+struct FittedBaselines {
+  MajorityBaseline majority;
+  EventCountBaseline event_count;
+  LogisticBaseline moments, fields;
+};
+
 }  // namespace
 
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
@@ -48,28 +55,32 @@ BaselineSamples training_samples(const windows::Dataset& dataset, const model::C
   return training;
 }
 
-std::vector<results::BaselineScore> baseline_scores(const BaselineSamples& training, std::span<const BaselineSamples> tests,
-                                                    std::span<const std::string> objects,
+std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamples> trainings,
+                                                    std::span<const BaselineSamples> tests,
+                                                    std::span<const results::JudgedRun> runs,
                                                     const results::BootstrapOptions& bootstrap) {
-  if (training.truth.empty()) return {};
-  const MajorityBaseline majority = fit_majority(training.truth);
-  const EventCountBaseline event_count = fit_event_count(training.events, training.truth);
-  const LogisticBaseline by_moments = fit_logistic(training.moments, training.truth);
-  const LogisticBaseline by_fields = fit_logistic(training.fields, training.truth);
+  std::vector<FittedBaselines> fitted;
+  for (const BaselineSamples& training : trainings) {
+    if (training.truth.empty()) return {};
+    fitted.push_back({fit_majority(training.truth), fit_event_count(training.events, training.truth),
+                      fit_logistic(training.moments, training.truth), fit_logistic(training.fields, training.truth)});
+  }
   const auto score = [&](const std::string& name, auto verdict) {
-    std::vector<results::RunConfusion> runs;
+    std::vector<results::RunConfusion> confusions;
     for (std::size_t i = 0; i < tests.size(); ++i) {
-      results::RunConfusion run{objects[i], {}};
-      for (std::size_t k = 0; k < tests[i].truth.size(); ++k) run.confusion.add(tests[i].truth[k], verdict(tests[i], k));
-      runs.push_back(run);
+      results::RunConfusion run{runs[i], {}};
+      for (std::size_t k = 0; k < tests[i].truth.size(); ++k)
+        run.confusion.add(tests[i].truth[k], verdict(fitted[runs[i].training], tests[i], k));
+      confusions.push_back(run);
     }
-    return results::BaselineScore{name, accuracy_of(runs, bootstrap)};
+    return results::BaselineScore{name, accuracy_of(confusions, bootstrap)};
   };
-  return {
-      score("majority", [&](const BaselineSamples&, std::size_t) { return majority.touch; }),
-      score("event_count", [&](const BaselineSamples& run, std::size_t k) { return event_count.verdict(run.events[k]); }),
-      score("logistic_moments", [&](const BaselineSamples& run, std::size_t k) { return by_moments.verdict(run.moments[k]); }),
-      score("logistic_position", [&](const BaselineSamples& run, std::size_t k) { return by_fields.verdict(run.fields[k]); })};
+  using Fitted = const FittedBaselines&;
+  using Samples = const BaselineSamples&;
+  return {score("majority", [](Fitted by, Samples, std::size_t) { return by.majority.touch; }),
+          score("event_count", [](Fitted by, Samples run, std::size_t k) { return by.event_count.verdict(run.events[k]); }),
+          score("logistic_moments", [](Fitted by, Samples run, std::size_t k) { return by.moments.verdict(run.moments[k]); }),
+          score("logistic_position", [](Fitted by, Samples run, std::size_t k) { return by.fields.verdict(run.fields[k]); })};
 }
 
 }  // namespace tactile::evaluation

@@ -33,12 +33,13 @@ struct BaselineSamples {
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress = {});
 
-/// Fits every baseline on the training samples, and scores it on the samples of each test run.
-/// @param tests    one entry for each run
-/// @param objects  of each run
-/// @return         empty where there is no training sample
-std::vector<results::BaselineScore> baseline_scores(const BaselineSamples& training, std::span<const BaselineSamples> tests,
-                                                    std::span<const std::string> objects,
+/// Fits every baseline on the samples of each training, and scores it on the samples of the runs that this training is judged on.
+/// @param trainings  the samples that each learned from
+/// @param tests      one entry for each of `runs`
+/// @return           empty where a training has no sample
+std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamples> trainings,
+                                                    std::span<const BaselineSamples> tests,
+                                                    std::span<const results::JudgedRun> runs,
                                                     const results::BootstrapOptions& bootstrap);
 
 }  // namespace tactile::evaluation

@@ -50,15 +50,15 @@ double calibration_error(const Reliability& reliability) {
 }
 
 results::Calibration calibration_of(std::span<const RunReliability> runs, const results::BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [](const RunReliability& run) { return run.reliability.samples() > 0; });
-  const RunsByObject chosen = without_names(objects);
+  const auto objects = results_by_object(runs, [](const RunReliability& run) { return run.reliability.samples() > 0; });
+  const CrossedResults chosen = without_names(objects);
   const Statistic error = [runs](const RunsByObject& drawn) -> std::optional<double> {
     return calibration_error(sum_of(runs, drawn));
   };
   results::Calibration calibration;
-  for (const auto& [name, indexes] : objects) calibration.objects[name] = figure_of_object(indexes, error, options);
+  for (const auto& [name, cells] : objects) calibration.objects[name] = figure_of_object(cells, error, options);
   calibration.error = figure_over_objects(chosen, error, options);
-  const Reliability all = sum_of(runs, chosen);
+  const Reliability all = sum_of(runs, all_of(chosen));
   for (std::size_t i = 0; i < reliability_bins; ++i) {
     const Reliability::Bin& bin = all.bins[i];
     const auto n = static_cast<double>(bin.samples);

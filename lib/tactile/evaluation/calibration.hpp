@@ -8,6 +8,7 @@
 
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/results/calibration.hpp"
+#include "tactile/results/judged_run.hpp"
 
 namespace tactile::evaluation {
 
@@ -35,9 +36,8 @@ struct Reliability {
 double calibration_error(const Reliability& reliability);  ///< 0 without samples
 
 /// The reliability of one run's samples.
-struct RunReliability {
-  std::string object;
-  Reliability reliability;
+struct RunReliability : results::JudgedRun {
+  Reliability reliability{};
 };
 
 results::Calibration calibration_of(std::span<const RunReliability> runs, const results::BootstrapOptions& options = {});

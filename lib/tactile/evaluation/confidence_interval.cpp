@@ -11,10 +11,35 @@ namespace {
 
 constexpr std::size_t fewest_to_draw_from = 3;
 
-std::vector<std::size_t> drawn_from(std::span<const std::size_t> runs, Random& random) {
-  std::vector<std::size_t> drawn(runs.size());
-  for (std::size_t& run : drawn) run = runs[random.below(runs.size())];
+/// The different values of a factor in these results.
+std::vector<std::size_t> levels_of(const CrossedObject& cells, std::size_t CrossedCell::*factor) {
+  std::vector<std::size_t> levels;
+  for (const CrossedCell& cell : cells) levels.push_back(cell.*factor);
+  std::sort(levels.begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  return levels;
+}
+
+/// How often each level was drawn, by its number.
+using Times = std::vector<unsigned>;
+
+Times drawn_times(const std::vector<std::size_t>& levels, Random& random) {
+  Times times(levels.empty() ? 0 : levels.back() + 1);
+  for (std::size_t i = 0; i < levels.size(); ++i) ++times[levels[random.below(levels.size())]];
+  return times;
+}
+
+std::vector<std::size_t> drawn_results(const CrossedObject& cells, const Times& trainings, Random& random) {
+  const Times runs = drawn_times(levels_of(cells, &CrossedCell::run), random);
+  std::vector<std::size_t> drawn;
+  for (const CrossedCell& cell : cells) drawn.insert(drawn.end(), trainings[cell.training] * runs[cell.run], cell.index);
   return drawn;
+}
+
+std::vector<std::size_t> trainings_in(const CrossedResults& objects) {
+  CrossedObject all;
+  for (const CrossedObject& cells : objects) all.insert(all.end(), cells.begin(), cells.end());
+  return levels_of(all, &CrossedCell::training);
 }
 
 results::Figure figure_of_draws(std::optional<double> value, std::size_t n, const results::BootstrapOptions& options,
@@ -37,23 +62,49 @@ results::Figure figure_of_draws(std::optional<double> value, std::size_t n, cons
 
 }  // namespace
 
-results::Figure figure_of_object(std::span<const std::size_t> runs, const Statistic& statistic,
+results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
                                  const results::BootstrapOptions& options) {
-  if (runs.empty()) return {};
-  return figure_of_draws(statistic({{runs.begin(), runs.end()}}), runs.size(), options,
-                         [&](Random& random) { return statistic({drawn_from(runs, random)}); });
+  if (cells.empty()) return {};
+  const std::vector<std::size_t> trainings = trainings_in({cells});
+  results::Figure figure =
+      figure_of_draws(statistic({indexes_of(cells)}), levels_of(cells, &CrossedCell::run).size(), options,
+                      [&](Random& random) { return statistic({drawn_results(cells, drawn_times(trainings, random), random)}); });
+  figure.trainings = trainings.size();
+  return figure;
 }
 
-results::Figure figure_over_objects(const RunsByObject& runs, const Statistic& statistic,
+results::Figure figure_over_objects(const CrossedResults& objects, const Statistic& statistic,
                                     const results::BootstrapOptions& options) {
-  RunsByObject filled;
-  std::copy_if(runs.begin(), runs.end(), std::back_inserter(filled), [](const auto& object) { return !object.empty(); });
+  CrossedResults filled;
+  std::copy_if(objects.begin(), objects.end(), std::back_inserter(filled), [](const auto& cells) { return !cells.empty(); });
   if (filled.empty()) return {};
-  return figure_of_draws(statistic(filled), filled.size(), options, [&](Random& random) {
+  const std::vector<std::size_t> trainings = trainings_in(filled);
+  results::Figure figure = figure_of_draws(statistic(all_of(filled)), filled.size(), options, [&](Random& random) {
+    const Times times = drawn_times(trainings, random);
     RunsByObject drawn(filled.size());
-    for (auto& object : drawn) object = drawn_from(filled[random.below(filled.size())], random);
+    for (auto& object : drawn) object = drawn_results(filled[random.below(filled.size())], times, random);
     return statistic(drawn);
   });
+  figure.trainings = trainings.size();
+  return figure;
+}
+
+CrossedResults without_names(const std::map<std::string, CrossedObject>& objects) {
+  CrossedResults results;
+  for (const auto& object : objects) results.push_back(object.second);
+  return results;
+}
+
+std::vector<std::size_t> indexes_of(const CrossedObject& cells) {
+  std::vector<std::size_t> indexes;
+  for (const CrossedCell& cell : cells) indexes.push_back(cell.index);
+  return indexes;
+}
+
+RunsByObject all_of(const CrossedResults& objects) {
+  RunsByObject all;
+  for (const CrossedObject& cells : objects) all.push_back(indexes_of(cells));
+  return all;
 }
 
 Statistic mean_over_objects(std::function<std::optional<double>(std::span<const std::size_t>)> of_object) {

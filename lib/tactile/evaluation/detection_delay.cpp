@@ -47,8 +47,8 @@ double standard_error_of(std::span<const double> values) {
   return std::sqrt(squares / (n - 1) / n);
 }
 
-std::map<std::string, std::vector<std::size_t>> runs_that_have(Touch touch, std::span<const results::RunDetections> runs) {
-  return runs_by_object(runs, [touch](const results::RunDetections& run) {
+std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const results::RunDetections> runs) {
+  return results_by_object(runs, [touch](const results::RunDetections& run) {
     return std::any_of(run.detections.begin(), run.detections.end(),
                        [touch](const results::Detection& d) { return d.interval.touch == touch; });
   });
@@ -130,16 +130,16 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
 
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
-  const RunsByObject chosen = without_names(runs_that_have(touch, runs));
-  return summary_of(runs, chosen, touch,
+  const CrossedResults chosen = without_names(runs_that_have(touch, runs));
+  return summary_of(runs, all_of(chosen), touch,
                     [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
 }
 
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options) {
   results::DelayTable table;
-  for (const auto& [name, indexes] : runs_that_have(touch, runs)) {
-    table.objects[name] = summary_of(runs, {indexes}, touch, [&, &of = indexes](const Statistic& statistic) {
+  for (const auto& [name, cells] : runs_that_have(touch, runs)) {
+    table.objects[name] = summary_of(runs, {indexes_of(cells)}, touch, [&, &of = cells](const Statistic& statistic) {
       return figure_of_object(of, statistic, options);
     });
   }

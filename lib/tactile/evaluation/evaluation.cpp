@@ -1,8 +1,11 @@
 #include "tactile/evaluation/evaluation.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <functional>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/ticks.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -14,17 +17,17 @@
 namespace tactile::evaluation {
 namespace {
 
-/// Runs with their objects, as tables over runs take them.
+/// The results of trainings on their runs, as tables over runs take them.
 struct ScoredRuns {
   std::vector<RunResult> runs;
-  std::vector<std::string> objects;  ///< of each run
+  std::vector<results::JudgedRun> names;  ///< of each
   const results::BootstrapOptions& bootstrap;
 
   /// One value of each run. @param value  a member of RunResult, or a function of one
   template <class Entry, class Value>
   std::vector<Entry> each(Value value) const {
     std::vector<Entry> entries;
-    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({objects[i], std::invoke(value, runs[i])});
+    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::invoke(value, runs[i])});
     return entries;
   }
 
@@ -51,7 +54,7 @@ std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const r
   for (std::size_t i = 0; i < scored.runs.size(); ++i) {
     if (!scored.runs[i].has_truth) continue;
     with_truth.runs.push_back(scored.runs[i]);
-    with_truth.objects.push_back(scored.objects[i]);
+    with_truth.names.push_back(scored.names[i]);
   }
   if (with_truth.runs.empty()) return std::nullopt;
   const auto confusions = with_truth.each<results::RunConfusion>(&RunResult::true_confusion);
@@ -74,23 +77,31 @@ std::vector<microseconds> guards_beside(microseconds own) {
   return guards;
 }
 
+results::EvaluatedModel description_of(const windows::Dataset& dataset, const ModelOnRuns& training) {
+  const model::ModelDescription& model = training.classifier->model();
+  results::EvaluatedModel evaluated{.name = training.classifier->bundle().filename().string(),
+                                    .settings = model.settings,
+                                    .weights_sha256 = model.weights_sha256,
+                                    .test_runs = {}};
+  for (const std::uint32_t run : training.runs) evaluated.test_runs.push_back(name_of(dataset.runs()[run]));
+  return evaluated;
+}
+
 /// What is evaluated, and by which options; no figures yet.
-results::Evaluation description_of(const windows::Dataset& dataset, const model::Classifier& classifier,
-                                   std::span<const std::uint32_t> test_runs, const EvaluationOptions& options) {
-  const model::ModelDescription& model = classifier.model();
+results::Evaluation description_of(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
+                                   const EvaluationOptions& options) {
+  const model::Classifier& first = *trainings.front().classifier;
   results::Evaluation evaluation;
-  evaluation.model = {
-      {"name", classifier.bundle().filename().string()}, {"settings", model.settings}, {"weights_sha256", model.weights_sha256}};
+  for (const ModelOnRuns& training : trainings) evaluation.models.push_back(description_of(dataset, training));
   evaluation.dataset = dataset.file().string();
   evaluation.manifest_hash = dataset.manifest_hash();
   evaluation.simulated = dataset.simulated();
   evaluation.sampling_guard = dataset.sampling().guard;
   evaluation.guard = options.guard.value_or(evaluation.sampling_guard);
-  evaluation.tick = classifier.rendering().tick;
+  evaluation.tick = first.rendering().tick;
   evaluation.confirm = text_of(options.confirmation);
   evaluation.bootstrap = options.bootstrap;
-  evaluation.engine = name_of(classifier.engine());
-  for (const std::uint32_t run : test_runs) evaluation.test_runs.push_back(name_of(dataset.runs()[run]));
+  evaluation.engine = name_of(first.engine());
   return evaluation;
 }
 
@@ -135,34 +146,59 @@ results::GateOff gate_off(const ScoredRuns& scored, std::uint64_t limit) {
   return off;
 }
 
+void check_alike(std::span<const ModelOnRuns> trainings) {
+  if (trainings.empty()) throw Error("no model to evaluate; expected one at least");
+  const model::Classifier& first = *trainings.front().classifier;
+  for (const ModelOnRuns& training : trainings) {
+    if (training.classifier->rendering().tick != first.rendering().tick) {
+      throw Error(fmt::format("{}: a tick of {} us; expected {} us as {} has", training.classifier->bundle().string(),
+                              training.classifier->rendering().tick.count(), first.rendering().tick.count(),
+                              first.bundle().string()));
+    }
+  }
+}
+
 }  // namespace
 
-results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
-                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options,
-                             const ProgressCallback& progress) {
-  check_fits(dataset, classifier, options);
+results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
+                             const EvaluationOptions& options, const ProgressCallback& progress) {
+  check_alike(trainings);
+  for (const ModelOnRuns& training : trainings) check_fits(dataset, *training.classifier, options);
   const unsigned threads = threads_or_all(options.threads);
-  results::Evaluation evaluation = description_of(dataset, classifier, test_runs, options);
-  ScoredRuns scored{std::vector<RunResult>(test_runs.size()), {}, options.bootstrap};
-  for (const std::uint32_t run : test_runs) scored.objects.push_back(dataset.runs()[run].object);
-
-  // Full runs first: a run folder that has changed is reported before other work begins.
-  const RunScoring scoring{
-      dataset, classifier, options, evaluation.guard, guards_beside(evaluation.sampling_guard), gate_of(classifier, options)};
-  for_full_runs(dataset, classifier, test_runs, threads, progress,
-                [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-                  scored.runs[i] = score_run(scoring, test_runs[i], threads_each, advance);
-                });
-  add_sample_scores(evaluation, scored, scoring.sampling_guards);
+  results::Evaluation evaluation = description_of(dataset, trainings, options);
+  const std::vector<microseconds> sampling_guards = guards_beside(evaluation.sampling_guard);
+  ScoredRuns scored{{}, {}, options.bootstrap};
+  std::vector<BaselineSamples> learned;
+  for (std::size_t k = 0; k < trainings.size(); ++k) {
+    const model::Classifier& classifier = *trainings[k].classifier;
+    const std::size_t first = scored.runs.size();
+    scored.runs.resize(first + trainings[k].runs.size());
+    for (const std::uint32_t run : trainings[k].runs)
+      scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
+    // Full runs first: a run folder that has changed is reported before other work begins.
+    const RunScoring scoring{dataset, classifier, options, evaluation.guard, sampling_guards, gate_of(classifier, options)};
+    for_full_runs(dataset, classifier, trainings[k].runs, threads, progress,
+                  [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
+                    scored.runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
+                  });
+    learned.push_back(training_samples(dataset, classifier, threads, progress));
+  }
+  add_sample_scores(evaluation, scored, sampling_guards);
   add_tick_scores(evaluation, scored, options.over_time);
-  if (scoring.gate) evaluation.gate_off = gate_off(scored, *scoring.gate);
+  if (const auto gate = gate_of(*trainings.front().classifier, options)) evaluation.gate_off = gate_off(scored, *gate);
   evaluation.truth = truth_score(scored, options.over_time);
 
   std::vector<BaselineSamples> tests;
   for (RunResult& run : scored.runs) tests.push_back(std::move(run.samples));
-  evaluation.baselines =
-      baseline_scores(training_samples(dataset, classifier, threads, progress), tests, scored.objects, options.bootstrap);
+  evaluation.baselines = baseline_scores(learned, tests, scored.names, options.bootstrap);
   return evaluation;
+}
+
+results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
+                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options,
+                             const ProgressCallback& progress) {
+  const ModelOnRuns one{&classifier, {test_runs.begin(), test_runs.end()}};
+  return evaluate(dataset, {&one, 1}, options, progress);
 }
 
 }  // namespace tactile::evaluation

@@ -30,13 +30,23 @@ struct EvaluationOptions {
   bool of_another_dataset = false;
 };
 
-/// Evaluates a model on runs of a dataset, by one pass over every tick of their run folders. A balanced sample takes the verdict
-/// at its tick.
+/// A trained model, and the runs that it is judged on: indexes into a dataset's runs, none of them trained on.
+struct ModelOnRuns {
+  const model::Classifier* classifier = nullptr;
+  std::vector<std::uint32_t> runs;
+};
+
+/// Evaluates trainings of one setting on runs of a dataset, by one pass over every tick of their run folders. A balanced sample
+/// takes the verdict at its tick. Intervals are over trainings, objects and runs.
 ///
-/// @param test_runs  indexes into the dataset's runs, none of them trained on
-/// @throws Error  if the model is of another dataset and must not be, or takes heatmaps of another size; if events or labels of a
-///                run have changed since the dataset was made; if a sample is at no tick of the model; or if a recording
-///                cannot be read
+/// @param trainings  at least one, of the same tick
+/// @throws Error  if a model is of another dataset and must not be, or takes heatmaps of another size; if the models have
+///                different ticks; if events or labels of a run have changed since the dataset was made; if a sample is at no
+///                tick of the model; or if a recording cannot be read
+results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
+                             const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
+
+/// The same of one model.
 results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
                              std::span<const std::uint32_t> test_runs, const EvaluationOptions& options = {},
                              const ProgressCallback& progress = {});

@@ -78,7 +78,7 @@ void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& c
 }
 
 results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options) {
-  const auto objects = runs_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
+  const auto objects = results_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
   const auto sum_of = [runs](const RunsByObject& chosen) {
     results::FalseAlarms sum;
     for (const auto& object : chosen) {
@@ -88,10 +88,10 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
   };
   const Statistic per_min = [sum_of](const RunsByObject& chosen) { return sum_of(chosen).per_min(); };
   results::FalseAlarmTable table;
-  for (const auto& [name, indexes] : objects) {
+  for (const auto& [name, cells] : objects) {
     results::Figure& of_object = table.objects[name];
-    of_object = figure_of_object(indexes, per_min, options);
-    widen_by_few_alarms(of_object, sum_of({indexes}), options.confidence);
+    of_object = figure_of_object(cells, per_min, options);
+    widen_by_few_alarms(of_object, sum_of({indexes_of(cells)}), options.confidence);
   }
   table.per_min = figure_over_objects(without_names(objects), per_min, options);
   for (const RunFalseAlarms& run : runs) table.total += run.counts;

@@ -8,6 +8,7 @@
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/false_alarm_table.hpp"
+#include "tactile/results/judged_run.hpp"
 
 namespace tactile::evaluation {
 
@@ -31,9 +32,8 @@ results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Tou
                                      std::span<const results::Detection> detections);
 
 /// The false alarms of one run.
-struct RunFalseAlarms {
-  std::string object;
-  results::FalseAlarms counts;
+struct RunFalseAlarms : results::JudgedRun {
+  results::FalseAlarms counts{};
 };
 
 /// Widens the interval of false alarms per minute to where it ends no lower than that of the alarms counted, over the none time

@@ -18,6 +18,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
   std::vector<results::RunConfusion> confusions(runs.size());
   const auto add = [&](std::size_t i, std::span<const windows::Sample> samples, auto predicted_of) {
     confusions[i].object = dataset.runs()[runs[i]].object;
+    confusions[i].run = dataset.runs()[runs[i]].run;
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, predicted_of(k));
   };
   const std::optional<std::uint64_t> gate = gate_of(classifier, options);

@@ -8,6 +8,7 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
+#include "tactile/results/judged_run.hpp"
 
 namespace tactile::results {
 
@@ -25,9 +26,8 @@ struct Confusion {
 };
 
 /// The balanced samples of one run.
-struct RunConfusion {
-  std::string object;
-  Confusion confusion;
+struct RunConfusion : JudgedRun {
+  Confusion confusion{};
 };
 
 /// A list of three rows of three counts.

@@ -9,6 +9,7 @@
 
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
+#include "tactile/results/judged_run.hpp"
 
 namespace tactile::results {
 
@@ -34,9 +35,11 @@ void to_json(nlohmann::json& json, const Detection& detection);
 void from_json(const JsonView& json, Detection& detection);  ///< but for the ticks
 
 /// The detections of one run.
-struct RunDetections {
-  std::string object;
-  std::vector<Detection> detections;
+struct RunDetections : JudgedRun {
+  std::vector<Detection> detections{};
 };
+
+/// One of "runs" in eval.json: {"run": "fan/03", "object", "training", "intervals"}
+RunDetections detections_in(const JsonView& json);
 
 }  // namespace tactile::results

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/version.hpp"
 
@@ -35,6 +37,22 @@ DetectorScore detector_in(const JsonView& json) {
                       json["false_alarms"].get<FalseAlarmTable>()};
   score.false_alarms.per_min = json["false_alarms_per_min"].get<Figure>();
   return score;
+}
+
+nlohmann::json model_json(const EvaluatedModel& model) {
+  return {{"name", model.name}, {"settings", model.settings}, {"weights_sha256", model.weights_sha256}};
+}
+
+EvaluatedModel model_in(const JsonView& json, std::vector<std::string> test_runs) {
+  return {json["name"].text(), json["settings"].copy(), json["weights_sha256"].text(), std::move(test_runs)};
+}
+
+/// Older files have one model only.
+std::vector<EvaluatedModel> models_in(const JsonView& json) {
+  std::vector<EvaluatedModel> models;
+  for (const JsonView& training : json["trainings"].items()) models.push_back(model_in(training, training["test_runs"].texts()));
+  if (models.empty()) models.push_back(model_in(json["model"], json["test_runs"].texts()));
+  return models;
 }
 
 Confusion confusion_in(const JsonView& json) { return json ? json.get<Confusion>() : Confusion{}; }
@@ -76,7 +94,8 @@ TruthScore truth_in(const JsonView& json) {
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json = {{"title", title_of(evaluation)},
           {"simulated", evaluation.simulated},
-          {"model", evaluation.model},
+          {"model", model_json(evaluation.models.front())},
+          {"trainings", nlohmann::json::array()},
           {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
           {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
           {"bootstrap", evaluation.bootstrap},
@@ -85,7 +104,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
           {"tick_ms", in_ms(evaluation.tick)},
           {"confirm", evaluation.confirm},
           {"classes", nlohmann::json::array()},
-          {"test_runs", evaluation.test_runs},
+          {"test_runs", evaluation.test_runs()},
           {"engine", {{"name", evaluation.engine}, {"ticks", evaluation.ticks}, {"close_ticks", evaluation.close_ticks}}},
           {"accuracy", evaluation.accuracy},
           {"confusion", evaluation.confusion},
@@ -105,10 +124,15 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
   json["runs"] = nlohmann::json::array();
+  for (const EvaluatedModel& model : evaluation.models) {
+    nlohmann::json one = model_json(model);
+    one["test_runs"] = model.test_runs;
+    json["trainings"].push_back(one);
+  }
   for (std::size_t i = 0; i < evaluation.detections.size(); ++i) {
-    json["runs"].push_back({{"run", evaluation.test_runs[i]},
-                            {"object", evaluation.detections[i].object},
-                            {"intervals", evaluation.detections[i].detections}});
+    const RunDetections& run = evaluation.detections[i];
+    json["runs"].push_back(
+        {{"run", run.object + "/" + run.run}, {"object", run.object}, {"training", run.training}, {"intervals", run.detections}});
   }
   const auto above = evaluation.above_baselines();
   json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
@@ -116,7 +140,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
 
 void from_json(const JsonView& json, Evaluation& evaluation) {
   const JsonView dataset = json["dataset"], engine = json["engine"];
-  evaluation = {.model = json["model"].copy(),
+  evaluation = {.models = models_in(json),
                 .dataset = dataset["file"].text(),
                 .manifest_hash = dataset["manifest_hash"].text(),
                 .simulated = json["simulated"].truth(),
@@ -125,7 +149,6 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .tick = json["tick_ms"].milliseconds(),
                 .confirm = json["confirm"] ? json["confirm"].text() : "1/1",
                 .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
-                .test_runs = json["test_runs"].texts(),
                 .engine = engine["name"].text(),
                 .ticks = engine["ticks"].count(),
                 .close_ticks = engine["close_ticks"].count(),
@@ -143,14 +166,21 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .over_time = json["over_time"].get<OverTime>(),
                 .operating_curve = json["operating_curve"].list_of<OperatingPoint>(),
                 .truth = std::nullopt};
-  for (const JsonView& run : json["runs"].items())
-    evaluation.detections.push_back({run["object"].text(), run["intervals"].list_of<Detection>()});
+  for (const JsonView& run : json["runs"].items()) evaluation.detections.push_back(detections_in(run));
   for (const JsonView& guard : json["accuracy_by_guard"].items()) evaluation.guards.push_back(guard_in(guard));
   for (const auto& [name, baseline] : json["baselines"].members())
     evaluation.baselines.push_back({name, {baseline["accuracy"].get<Figure>(), baseline["objects"].map_of<Figure>()}});
   for (const auto& [name, detector] : json["trivial"].members()) evaluation.trivial.emplace(name, detector_in(detector));
   if (const JsonView gate = json["gate"]) evaluation.gate_off = gate_in(gate);
   if (json["accuracy_true"] || json["delay_true_ms"]) evaluation.truth = truth_in(json);
+}
+
+std::vector<std::string> Evaluation::test_runs() const {
+  std::vector<std::string> names;
+  for (const EvaluatedModel& model : models) names.insert(names.end(), model.test_runs.begin(), model.test_runs.end());
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
 std::optional<bool> Evaluation::above_baselines() const {
@@ -164,7 +194,11 @@ std::optional<bool> Evaluation::above_baselines() const {
 }
 
 std::string title_of(const Evaluation& evaluation) {
-  return fmt::format("Evaluation of {} on {} runs", evaluation.model.at("name").get<std::string>(),
+  const std::size_t more = evaluation.models.size() - 1;
+  return fmt::format("Evaluation of {}{} on {} runs", evaluation.models.front().name,
+                     more == 0   ? std::string()
+                     : more == 1 ? std::string(" and another training")
+                                 : fmt::format(" and {} more trainings", more),
                      evaluation.simulated ? "simulated" : "real");
 }
 

@@ -59,20 +59,27 @@ struct GateOff {
   DetectorScore network;
 };
 
-/// Figures of a model on runs that it was not trained on.
+/// A model that was evaluated, and on what.
+struct EvaluatedModel {
+  std::string name;
+  nlohmann::json settings;
+  std::string weights_sha256;
+  std::vector<std::string> test_runs;  ///< "fan/03", in order
+};
+
+/// Figures of the trainings of one setting, each on runs that it was not trained on.
 struct Evaluation {
-  nlohmann::json model;  ///< its name, settings and the hash of its weights
+  std::vector<EvaluatedModel> models;  ///< one for each training
   std::string dataset, manifest_hash;
   bool simulated = false;
   microseconds guard{0}, sampling_guard{0}, tick{0};
   std::string confirm = "1/1";  ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
   BootstrapOptions bootstrap;
-  std::vector<std::string> test_runs;
   std::string engine;                        ///< "fast" or "libtorch"
   std::uint64_t ticks = 0, close_ticks = 0;  ///< of all test runs; of them those where another engine's verdict may differ
 
-  std::vector<RunConfusion> runs;         ///< of the balanced samples of each test run, in order; not in JSON
-  std::vector<RunDetections> detections;  ///< of each test run, in order: how each labelled interval was detected
+  std::vector<RunConfusion> runs;         ///< of the balanced samples of each training's test runs, in order; not in JSON
+  std::vector<RunDetections> detections;  ///< of the same runs: how each labelled interval was detected
   Accuracy accuracy;
   Confusion confusion;
   ClassScores classes;
@@ -86,6 +93,8 @@ struct Evaluation {
   std::vector<OperatingPoint> operating_curve;  ///< confirmed as the verdicts are
   std::optional<TruthScore> truth;
 
+  std::vector<std::string> test_runs() const;  ///< of all trainings, each once, by name
+
   /// Whether the network's accuracy interval lies above that of every baseline; nothing where one of them is not known.
   std::optional<bool> above_baselines() const;
 };
@@ -94,7 +103,7 @@ struct Evaluation {
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 void from_json(const JsonView& json, Evaluation& evaluation);
 
-/// "Evaluation of th040-single-run-01-s1 on simulated runs"
+/// "Evaluation of th040-single-run-01-s1 on simulated runs", "… and 4 more trainings on …"
 std::string title_of(const Evaluation& evaluation);
 
 }  // namespace tactile::results

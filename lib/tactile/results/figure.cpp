@@ -17,14 +17,16 @@ void to_json(nlohmann::json& json, const Figure& figure) {
   json = {{"value", number_or_null(figure.value)},
           {"low", number_or_null(figure.low.value_or(NAN))},
           {"high", number_or_null(figure.high.value_or(NAN))},
-          {"n", figure.n}};
+          {"n", figure.n},
+          {"trainings", figure.trainings}};
 }
 
 void from_json(const JsonView& json, Figure& figure) {
   if (json.is_number()) {
-    figure = {.value = json.number(), .low = {}, .high = {}, .n = 0};
+    figure = {.value = json.number(), .low = {}, .high = {}, .n = 0, .trainings = 1};
   } else if (json) {
-    figure = {json["value"].number(), json["low"].number_if_there(), json["high"].number_if_there(), json["n"].count()};
+    figure = {json["value"].number(), json["low"].number_if_there(), json["high"].number_if_there(), json["n"].count(),
+              json["trainings"] ? json["trainings"].count() : 1};
   }
 }
 

@@ -15,6 +15,7 @@ struct Figure {
   double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
   std::optional<double> low{}, high{};                      ///< nothing where fewer than three runs or objects could be drawn
   std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
+  std::size_t trainings = 1;  ///< that were drawn from, too; with one, its effect is not in the interval
 
   bool has_interval() const { return low && high; }
 };
@@ -22,7 +23,7 @@ struct Figure {
 /// The value and its interval times `factor`.
 Figure scaled(Figure figure, double factor);
 
-/// {"value", "low", "high", "n"}; what is not known is null.
+/// {"value", "low", "high", "n", "trainings"}; what is not known is null.
 void to_json(nlohmann::json& json, const Figure& figure);
 void from_json(const JsonView& json, Figure& figure);  ///< a plain number is a value without an interval
 

@@ -13,7 +13,7 @@ namespace {
 
 /// A run with 100 samples of none, `right` of them predicted correctly.
 results::RunConfusion run_of(const std::string& object, unsigned right) {
-  results::RunConfusion run{object, {}};
+  results::RunConfusion run{{object}, {}};
   run.confusion.counts[0][0] = right;
   run.confusion.counts[0][1] = 100 - right;
   return run;
@@ -39,7 +39,7 @@ std::vector<results::RunConfusion> five_objects(unsigned fan, unsigned hub, unsi
 
 /// A run with one press and one slip, detected after so long; 0: missed, below: early.
 results::RunDetections met(const std::string& object, int press_ms, int slip_ms) {
-  results::RunDetections run{object, {}};
+  results::RunDetections run{{object}, {}};
   for (const auto& [touch, delay_ms] : {std::pair(Touch::press, press_ms), std::pair(Touch::slip, slip_ms)}) {
     results::Detection detection;
     detection.interval.touch = touch;

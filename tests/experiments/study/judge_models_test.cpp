@@ -13,10 +13,13 @@ TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
   late.outcome = results::DetectionOutcome::detected;
   late.delay = 6ms;
   missed.interval = {Touch::press, camera_time(5), camera_time(7)};
-  nlohmann::json evaluation = {{"runs", {{{"object", "fan"}, {"intervals", {late, missed}}}}}};
+  nlohmann::json evaluation = {
+      {"runs", {{{"run", "fan/03"}, {"object", "fan"}, {"training", 2}, {"intervals", {late, missed}}}}}};
   const auto runs = detections_in(evaluation, "eval.json");
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs[0].object, "fan");
+  EXPECT_EQ(runs[0].run, "03");
+  EXPECT_EQ(runs[0].training, 2U);
   ASSERT_EQ(runs[0].detections.size(), 2U);
   EXPECT_EQ(runs[0].detections[0].interval.start, late.interval.start);
   EXPECT_EQ(runs[0].detections[0].delay, 6ms);

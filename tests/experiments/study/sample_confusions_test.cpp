@@ -40,13 +40,13 @@ TEST(SampleConfusions, OfChosenRunsInTheirOrder) {
 }
 
 TEST(SampleConfusions, OfSeveralModelsAreCountedTogether) {
-  const std::vector<std::vector<results::RunConfusion>> models{{{"fan", confusion_of_run("fan", "02", 5).confusion}},
-                                                               {{"fan", confusion_of_run("fan", "02", 7).confusion}}};
+  const std::vector<std::vector<results::RunConfusion>> models{{{{"fan"}, confusion_of_run("fan", "02", 5).confusion}},
+                                                               {{{"fan"}, confusion_of_run("fan", "02", 7).confusion}}};
   const auto sum = sum_over_models(models);
   ASSERT_EQ(sum.size(), 1U);
   EXPECT_EQ(sum[0].confusion.correct(), 12U);
   EXPECT_EQ(sum[0].confusion.samples(), 18U);
-  const std::vector<std::vector<results::RunConfusion>> different{models[0], {{"usb-hub", {}}}};
+  const std::vector<std::vector<results::RunConfusion>> different{models[0], {{{"usb-hub"}, {}}}};
   EXPECT_THROW(sum_over_models(different), Error);
 }
 

@@ -78,20 +78,21 @@ class Histories {
   explicit Histories(const std::map<microseconds, std::vector<results::RunConfusion>>& histories) : histories_(histories) {
     for (const auto& [history, runs] : histories_) {
       const auto& first = histories_.begin()->second;
-      const bool same =
-          std::equal(runs.begin(), runs.end(), first.begin(), first.end(),
-                     [](const results::RunConfusion& a, const results::RunConfusion& b) { return a.object == b.object; });
+      const bool same = std::equal(runs.begin(), runs.end(), first.begin(), first.end(),
+                                   [](const results::RunConfusion& a, const results::RunConfusion& b) {
+                                     return a.object == b.object && a.run == b.run && a.training == b.training;
+                                   });
       if (!same) throw Error("accuracies of histories on different runs; expected the same runs for each");
     }
     if (!histories_.empty()) {
       const auto has_samples = [](const results::RunConfusion& run) { return run.confusion.samples() > 0; };
-      objects_ = evaluation::runs_by_object(std::span<const results::RunConfusion>(histories_.begin()->second), has_samples);
+      objects_ = evaluation::results_by_object(std::span<const results::RunConfusion>(histories_.begin()->second), has_samples);
     }
   }
 
   bool has(microseconds history) const { return histories_.contains(history); }
   bool has_others(microseconds history) const { return has(history) && histories_.size() > 1; }
-  const std::map<std::string, std::vector<std::size_t>>& objects() const { return objects_; }
+  const std::map<std::string, evaluation::CrossedObject>& objects() const { return objects_; }
 
   double accuracy(microseconds history, std::span<const std::size_t> runs) const {
     results::Confusion sum;
@@ -125,7 +126,7 @@ class Histories {
 
  private:
   const std::map<microseconds, std::vector<results::RunConfusion>>& histories_;
-  std::map<std::string, std::vector<std::size_t>> objects_;
+  std::map<std::string, evaluation::CrossedObject> objects_;
 };
 
 results::Claim history_2_worst(const Histories& histories, const results::BootstrapOptions& options) {
@@ -163,7 +164,7 @@ results::Claim best_history_40(const Histories& histories, const results::Bootst
                  "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", results::Asked::above, 0);
   if (!histories.has_others(chosen)) return claim;
   std::map<microseconds, std::size_t> counts;
-  for (const auto& object : histories.objects()) ++counts[histories.best(object.second)];
+  for (const auto& object : histories.objects()) ++counts[histories.best(evaluation::indexes_of(object.second))];
   const evaluation::Statistic lead = [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
     std::map<microseconds, int> best;
     for (const auto& runs : objects) ++best[histories.best(runs)];
@@ -192,9 +193,10 @@ results::Claim marginal_past_20(const Histories& histories, const results::Boots
                  "Improvements become marginal after 20 ms", "points", results::Asked::below, 1);
   const auto longer = histories.those([](microseconds history) { return history > marginal; });
   if (!histories.has(marginal) || longer.empty()) return claim;
-  const evaluation::RunsByObject all = evaluation::without_names(histories.objects());
+  const evaluation::CrossedResults cells = evaluation::without_names(histories.objects());
+  const evaluation::RunsByObject all = evaluation::all_of(cells);
   claim.measured = evaluation::figure_over_objects(
-      all,
+      cells,
       [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
         double highest = 0;
         for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
@@ -277,7 +279,7 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
       "For most objects slip is detected at once: the share of objects whose slips were all detected at their first tick",
       "In six of ten objects slip is detected with minimal delay in all trials", "%", results::Asked::above, 50);
   const std::span<const results::RunDetections> runs(inputs.detections);
-  const auto objects = evaluation::runs_by_object(runs, [](const results::RunDetections& run) {
+  const auto objects = evaluation::results_by_object(runs, [](const results::RunDetections& run) {
     return std::any_of(run.detections.begin(), run.detections.end(),
                        [](const results::Detection& detection) { return detection.interval.touch == Touch::slip; });
   });
@@ -291,7 +293,8 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
       options);
   claim.kept = 0;
   claim.of = objects.size();
-  for (const auto& object : objects) *claim.kept += every_slip_at_once(runs, object.second, inputs.tick_ms) == true ? 1U : 0U;
+  for (const auto& object : objects)
+    *claim.kept += every_slip_at_once(runs, evaluation::indexes_of(object.second), inputs.tick_ms) == true ? 1U : 0U;
   claim.in_words = fmt::format("Every slip was detected at its first tick for {}.", kept_of(claim));
   return claim;
 }

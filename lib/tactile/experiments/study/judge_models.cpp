@@ -147,7 +147,7 @@ JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, e
 std::vector<results::RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where) {
   std::vector<results::RunDetections> runs;
   for (const results::JsonView& run : results::JsonView(evaluation, where, results::MissingMember::is_error)["runs"].items())
-    runs.push_back({run["object"].text(), run["intervals"].list_of<results::Detection>()});
+    runs.push_back(results::detections_in(run));
   return runs;
 }
 

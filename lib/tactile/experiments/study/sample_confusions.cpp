@@ -29,7 +29,7 @@ std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfu
     const auto found =
         std::find_if(confusions.begin(), confusions.end(), [&](const NamedConfusion& one) { return one.run == run; });
     if (found == confusions.end()) throw Error(run + ": no confusion of its samples; expected the model to be judged on it");
-    chosen.push_back({found->object, found->confusion});
+    chosen.push_back({{found->object, run.substr(run.find('/') + 1), 0}, found->confusion});
   }
   return chosen;
 }

@@ -84,8 +84,8 @@ void widen_by_few_alarms_in(Runs runs, results::Figure& per_min, double confiden
   evaluation::widen_by_few_alarms(per_min, sum, confidence, seeds);
 }
 
-evaluation::RunsByObject all_by_object(Runs runs) {
-  return evaluation::without_names(evaluation::runs_by_object(runs, [](const TradedRun&) { return true; }));
+evaluation::CrossedResults all_by_object(Runs runs) {
+  return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
 }
 
 void add_to(results::Figure& figure, double more) {
@@ -155,7 +155,7 @@ void to_json(nlohmann::json& json, const TradeResult& result) {
 }
 
 TradeResult result_of(Runs runs, const results::BootstrapOptions& options) {
-  const evaluation::RunsByObject all = all_by_object(runs);
+  const evaluation::CrossedResults all = all_by_object(runs);
   const auto figure = [&](const OfRuns& statistic) { return evaluation::figure_over_objects(all, statistic, options); };
   TradeResult result;
   result.figures.accuracy = figure(accuracy_in(runs));
@@ -167,7 +167,7 @@ TradeResult result_of(Runs runs, const results::BootstrapOptions& options) {
   result.delay_p95_us = figure(
       [runs](const evaluation::RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
   result.missed = figure(missed_in(runs));
-  const double computing_us = open_tick_us_in(runs)(all).value_or(std::numeric_limits<double>::quiet_NaN());
+  const double computing_us = open_tick_us_in(runs)(evaluation::all_of(all)).value_or(std::numeric_limits<double>::quiet_NaN());
   add_to(result.figures.delay_us, computing_us);
   add_to(result.delay_p95_us, computing_us);
   for (const TradedRun& run : runs) {
@@ -190,7 +190,7 @@ TradeDifference difference_of(Runs a, Runs b, const results::BootstrapOptions& o
   const bool same = std::equal(a.begin(), a.end(), b.begin(), b.end(),
                                [](const TradedRun& one, const TradedRun& other) { return one.object == other.object; });
   if (!same) throw Error("difference of settings: the two are not of the same objects; expected the same runs in the same order");
-  const evaluation::RunsByObject all = all_by_object(a);
+  const evaluation::CrossedResults all = all_by_object(a);
   const auto figure = [&](const OfRuns& of_a, const OfRuns& of_b) {
     return evaluation::figure_over_objects(
         all,

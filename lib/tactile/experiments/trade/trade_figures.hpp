@@ -27,14 +27,13 @@ struct JudgedRun {
 };
 
 /// The outcome of a detector in one run; of several seeds, the sum.
-struct TradedRun {
-  std::string object;
-  results::Confusion confusion;
-  std::vector<double> delays_us;  ///< of the detected presses and slips: t_c(k) - onset, without the time to compute
+struct TradedRun : results::JudgedRun {
+  results::Confusion confusion{};
+  std::vector<double> delays_us{};  ///< of the detected presses and slips: t_c(k) - onset, without the time to compute
   std::uint64_t intervals = 0, misses = 0, early = 0;
-  results::FalseAlarms alarms;
-  std::vector<double> tick_us;       ///< duration of each tick
-  std::vector<double> open_tick_us;  ///< of these, the ones whose gate was open
+  results::FalseAlarms alarms{};
+  std::vector<double> tick_us{};       ///< duration of each tick
+  std::vector<double> open_tick_us{};  ///< of these, the ones whose gate was open
   unsigned seeds = 1;
 
   TradedRun& operator+=(const TradedRun& other);  ///< adds another seed; times stay
