@@ -45,6 +45,35 @@ TEST_F(RunDivisionOf, WholeRunsAreDividedByTheirIds) {
   EXPECT_TRUE(remarks_on(whole, runs).empty());
 }
 
+TEST_F(RunDivisionOf, ReportsEveryRunInTurnWhereTrainingsRotate) {
+  const windows::Dataset whole = dataset({});
+  EXPECT_EQ(rotated_run(whole, "02", 0), "02");
+  EXPECT_EQ(rotated_run(whole, "02", 2), "01");
+  EXPECT_EQ(rotated_run(whole, "07", 1), "02") << "the first run stands for one that there is not";
+  const std::vector<std::pair<Names, Names>> trained_and_reported{{{"fan/01", "mug/01"}, {"fan/03", "mug/03"}},
+                                                                  {{"fan/02", "mug/02"}, {"fan/01", "mug/01"}},
+                                                                  {{"fan/03", "mug/03"}, {"fan/02", "mug/02"}},
+                                                                  {{"fan/01", "mug/01"}, {"fan/03", "mug/03"}}};
+  for (std::size_t training = 0; training < trained_and_reported.size(); ++training) {
+    const RunDivision runs = rotated_division(whole, "01", choice, training);
+    EXPECT_EQ(names_of(whole, runs.train), trained_and_reported[training].first);
+    EXPECT_EQ(names_of(whole, runs.reported), trained_and_reported[training].second);
+    EXPECT_EQ(runs.choice.size(), 2U);
+  }
+}
+
+TEST_F(RunDivisionOf, NeverReportsOnARunLearnedFromOrChosenOn) {
+  const windows::Dataset damaged = dataset({"mug/02", "fan/03"});
+  for (std::size_t training = 0; training < 5; ++training) {
+    const RunDivision runs = rotated_division(damaged, "01", choice, training);
+    for (const std::uint32_t run : runs.reported) {
+      EXPECT_EQ(std::count(runs.train.begin(), runs.train.end(), run), 0);
+      EXPECT_EQ(std::count(runs.choice.begin(), runs.choice.end(), run), 0);
+    }
+    EXPECT_EQ(runs.train.size(), 2U) << "each object has a training run, " << training;
+  }
+}
+
 TEST_F(RunDivisionOf, ARunThatTakesAnothersPlaceIsNeitherChosenNorReportedOn) {
   const windows::Dataset damaged = dataset({"mug/01"});
   const RunDivision runs = divide_runs(damaged, "01", choice);

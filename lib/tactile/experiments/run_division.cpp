@@ -25,6 +25,23 @@ RunDivision divide_runs(const windows::Dataset& dataset, const std::string& trai
   return runs;
 }
 
+std::string rotated_run(const windows::Dataset& dataset, const std::string& run, std::size_t steps) {
+  std::set<std::string> ids;
+  for (const windows::Sample& sample : dataset.samples()) ids.insert(dataset.runs()[sample.run_index].run);
+  if (ids.empty() || steps == 0) return run;
+  const std::vector<std::string> ring(ids.begin(), ids.end());
+  const auto found = std::find(ring.begin(), ring.end(), run);
+  const std::size_t place = found == ring.end() ? 0 : static_cast<std::size_t>(found - ring.begin());
+  return ring[(place + steps) % ring.size()];
+}
+
+RunDivision rotated_division(const windows::Dataset& dataset, const std::string& train_run,
+                             std::span<const std::string> choice_runs, std::size_t training) {
+  std::vector<std::string> choice;
+  for (const std::string& run : choice_runs) choice.push_back(rotated_run(dataset, run, training));
+  return divide_runs(dataset, rotated_run(dataset, train_run, training), choice);
+}
+
 std::vector<std::string> remarks_on(const windows::Dataset& dataset, const RunDivision& runs) {
   const std::vector<std::string> untested = model::objects_only_in(dataset, runs.train, runs.all_test),
                                  unreported = model::objects_only_in(dataset, runs.all_test, runs.reported),

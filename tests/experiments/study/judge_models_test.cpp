@@ -14,7 +14,7 @@ TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
   late.delay = 6ms;
   missed.interval = {Touch::press, camera_time(5), camera_time(7)};
   nlohmann::json evaluation = {
-      {"runs", {{{"run", "fan/03"}, {"object", "fan"}, {"training", 2}, {"intervals", {late, missed}}}}}};
+      {"runs", {{{"run", "fan/03"}, {"object", "fan"}, {"training", 2U}, {"intervals", {late, missed}}}}}};
   const auto runs = detections_in(evaluation, "eval.json");
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs[0].object, "fan");
