@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tactile/core/error.hpp"
 #include "tactile/experiments/study/claim_rules.hpp"
@@ -55,11 +56,35 @@ results::RunDetections met(const std::string& object, int press_ms, int slip_ms)
 results::Figure figure(double value, double low, double high) { return {value, low, high, 3}; }
 results::Figure without_bounds(double value) { return {value, {}, {}, 1}; }
 
-results::Claim claim_named(const ClaimInputs& inputs, const std::string& id) {
+/// The same results of each of five trainings; a claim needs as many.
+template <class Run>
+std::vector<Run> of_five_trainings(const std::vector<Run>& runs) {
+  std::vector<Run> all;
+  for (std::size_t training = 0; training < 5; ++training) {
+    std::map<std::string, int> count;
+    for (Run run : runs) {
+      run.run = std::to_string(++count[run.object]);
+      run.training = training;
+      all.push_back(run);
+    }
+  }
+  return all;
+}
+
+results::Claim claim_of_one_training(const ClaimInputs& inputs, const std::string& id) {
   const auto claims = claims_of(inputs);
   const auto found = std::find_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.id == id; });
   if (found == claims.end()) throw Error(id + ": no such claim");
   return *found;
+}
+
+results::Claim claim_named(ClaimInputs inputs, const std::string& id) {
+  for (auto& [history, runs] : inputs.histories) runs = of_five_trainings(runs);
+  inputs.detections = of_five_trainings(inputs.detections);
+  inputs.seen = of_five_trainings(inputs.seen);
+  inputs.held_out = of_five_trainings(inputs.held_out);
+  inputs.over_time.first.trainings = inputs.over_time.last_minus_before.trainings = 5;
+  return claim_of_one_training(inputs, id);
 }
 
 ClaimInputs with_histories(std::map<microseconds, std::vector<results::RunConfusion>> histories) {
@@ -128,13 +153,39 @@ TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
   EXPECT_EQ(tied.kept, 2U);
 }
 
+TEST(Claims, NeedFiveTrainings) {
+  const ClaimInputs inputs =
+      with_histories({{2ms, runs_of(80, 81, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 84, 95)}});
+  const auto claim = claim_of_one_training(inputs, "history-2-worst");
+  EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim.why, "too few trainings: 1, 5 needed");
+  EXPECT_FALSE(claim.can_be_told);
+}
+
+TEST(Claims, SayHowMuchMoreWouldDecide) {
+  results::Claim claim;
+  claim.scope = results::ClaimScope::over_objects;
+  claim.limit = 5;
+  claim.measured = {.value = 4, .low = 2, .high = 6, .n = 10, .trainings = 5};  // twice as wide as decides: four times the data
+  judge(claim);
+  EXPECT_EQ(claim.why, "the interval lies across the limit; if the value stays, 20 trainings and 40 objects would decide");
+  claim.measured.value = 4.9;
+  judge(claim);
+  EXPECT_EQ(claim.why, "the interval lies across the limit; the value is so near that 20 times the data would not decide");
+  claim.scope = results::ClaimScope::one_object;
+  claim.measured = {.value = 6, .low = 4.5, .high = 8, .n = 7, .trainings = 5};
+  judge(claim);
+  EXPECT_EQ(claim.why,
+            "the interval lies across the limit; if the value stays, 12 trainings and 16 runs of each object would decide");
+}
+
 TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   auto longer = runs_of(85, 90, 90);
   longer[0] = run_of("fan", 70);  // the mean is 80
   const auto claim = claim_named(with_histories({{2ms, runs_of(79, 80, 80)}, {40ms, longer}}), "history-2-worst");
   EXPECT_NEAR(claim.measured.value, -1, 1e-9);
   EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
-  EXPECT_EQ(claim.why, "the interval lies across the limit");
+  EXPECT_EQ(claim.why, "the interval lies across the limit; the value is so near that 20 times the data would not decide");
   EXPECT_TRUE(claim.can_be_told);
 }
 
@@ -233,7 +284,7 @@ TEST(Claims, DelayIsThatOfTheSlowestObjectAndMissesKeepItFromHolding) {
   const auto slip = claim_named(inputs, "slip-delay");
   EXPECT_EQ(slip.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(slip.why, "some intervals have no delay; of the others the claim would hold");
-  EXPECT_NE(slip.note.find("Of 7 intervals 1 were missed"), std::string::npos) << slip.note;
+  EXPECT_NE(slip.note.find("Of 35 intervals (of 5 trainings) 5 were missed"), std::string::npos) << slip.note;
   for (int i = 0; i < 3; ++i) inputs.detections.push_back(met("white-box", 30, 2));
   EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::does_not);
 }
@@ -323,7 +374,7 @@ TEST(Claims, OfNoInputsAreAllPresentAndCannotTell) {
   EXPECT_EQ(
       summary_of(claims, true),
       "On simulated runs 0 of the paper's 11 claims hold, 0 do not, and 11 cannot be decided: for 11 of them there are too few "
-      "runs or objects.");
+      "trainings, runs or objects.");
 }
 
 TEST(Claims, HistoriesOfDifferentRunsAreAnError) {

@@ -246,8 +246,8 @@ results::Claim delay_claim(Touch touch, const ClaimInputs& inputs, const results
                                                     : fmt::format("Below 5 ms for {}; the slowest is {} with {:.2f} ms.",
                                                                   kept_of(claim), furthest_object(claim), claim.measured.value);
   if (all.misses + all.early > 0)
-    claim.note = fmt::format("Of {} intervals {} were missed and {} detected early; they are not in the means.", all.intervals,
-                             all.misses, all.early);
+    claim.note = fmt::format("Of {} intervals (of {} trainings) {} were missed and {} detected early; they are not in the means.",
+                             all.intervals, all.mean_ms.trainings, all.misses, all.early);
   return claim;
 }
 
@@ -415,7 +415,7 @@ std::string summary_of(const std::vector<results::Claim>& claims, bool simulated
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
                                  simulated ? "simulated" : "real", number_of(results::Verdict::holds), claims.size(),
                                  number_of(results::Verdict::does_not), number_of(results::Verdict::cannot_tell));
-  if (undecidable > 0) text += fmt::format(": for {} of them there are too few runs or objects", undecidable);
+  if (undecidable > 0) text += fmt::format(": for {} of them there are too few trainings, runs or objects", undecidable);
   return text + ".";
 }
 
