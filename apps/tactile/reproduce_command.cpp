@@ -26,6 +26,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
+#include "tactile/results/variance_shares.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -167,7 +168,10 @@ std::string text_of(const study::StudySummary& summary) {
           "\n";
   double seconds = 0;
   for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
-  text += wrapped(study.at("bootstrap").at("trainings").get<std::string>()) + "\n";
+  std::string trainings = study.at("bootstrap").at("trainings").get<std::string>();
+  if (const results::JsonView variance(study.at("variance"), "study"); variance)
+    trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(variance.get<results::VarianceShares>()));
+  text += wrapped(trainings) + "\n";
   text +=
       wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
                           summary.done, summary.kept, clock_text(seconds))) +

@@ -21,8 +21,8 @@ double share_outside(const results::BootstrapOptions& options) { return (1 - opt
 
 Bounds chosen(const Trial& trial, const results::BootstrapOptions& options) {
   const auto figure = of_one_object(trial)
-                          ? evaluation::crossed_figure_of_object(trial.objects.front(), trial.statistic, options, trial.range)
-                          : evaluation::crossed_figure_over_objects(trial.objects, trial.statistic, options, trial.range);
+                          ? evaluation::figure_of_object(trial.objects.front(), trial.statistic, options, trial.range)
+                          : evaluation::figure_over_objects(trial.objects, trial.statistic, options, trial.range);
   if (!figure.has_interval()) return std::nullopt;
   return std::pair{*figure.low, *figure.high};
 }

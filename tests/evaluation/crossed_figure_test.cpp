@@ -67,7 +67,7 @@ TEST(StudentQuantile, IsThatOfSciPy) {
 
 TEST(CrossedFigureOfObject, OfOneTrainingIsStudentsInterval) {
   // Runs of 1, 3 and 5: mean 3, standard error 2 / sqrt(3), two degrees of freedom.
-  const results::Figure figure = crossed_figure_of_object(all_cells(1, 3), mean_of_objects({1, 3, 5}));
+  const results::Figure figure = figure_of_object(all_cells(1, 3), mean_of_objects({1, 3, 5}));
   EXPECT_EQ(figure.n, 3U);
   EXPECT_DOUBLE_EQ(figure.value, 3);
   EXPECT_NEAR(*figure.low, 3 - t_of_2 * 2 / std::sqrt(3.0), 1e-9);
@@ -75,16 +75,16 @@ TEST(CrossedFigureOfObject, OfOneTrainingIsStudentsInterval) {
 }
 
 TEST(CrossedFigureOfObject, HasNoBoundsBelowThreeRuns) {
-  const results::Figure figure = crossed_figure_of_object(all_cells(5, 2), mean_of_objects({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+  const results::Figure figure = figure_of_object(all_cells(5, 2), mean_of_objects({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
   EXPECT_DOUBLE_EQ(figure.value, 5.5);
   EXPECT_EQ(figure.n, 2U);
   EXPECT_FALSE(figure.low || figure.high);
-  EXPECT_EQ(crossed_figure_of_object({}, mean_of_objects({})).n, 0U);
+  EXPECT_EQ(figure_of_object({}, mean_of_objects({})).n, 0U);
 }
 
 TEST(CrossedFigureOfObject, HasTheEffectOfTrainings) {
   // Three runs that do not differ, and trainings of 1, 2 and 3: the standard error of the mean is 1 / sqrt(3).
-  const results::Figure figure = crossed_figure_of_object(all_cells(3, 3), mean_of_objects({1, 1, 1, 2, 2, 2, 3, 3, 3}));
+  const results::Figure figure = figure_of_object(all_cells(3, 3), mean_of_objects({1, 1, 1, 2, 2, 2, 3, 3, 3}));
   EXPECT_NEAR(*figure.high, 2 + t_of_2 / std::sqrt(3.0), 1e-9);
   EXPECT_NEAR(*figure.low, 2 - t_of_2 / std::sqrt(3.0), 1e-9);
 }
@@ -92,21 +92,21 @@ TEST(CrossedFigureOfObject, HasTheEffectOfTrainings) {
 TEST(CrossedFigureOfObject, CountsNoiseThatTrainingsAndRunsShareOnce) {
   // A Latin square: each training and each run has the mean 2, so neither changes the figure, and nothing is left to be spread.
   const auto square = mean_of_objects({1, 2, 3, 2, 3, 1, 3, 1, 2});
-  EXPECT_FALSE(crossed_figure_of_object(all_cells(3, 3), square).has_interval());
+  EXPECT_FALSE(figure_of_object(all_cells(3, 3), square).has_interval());
   // One cell of another value: the runs' mean squares, the trainings' and those of both are the same, so that the runs' remain.
-  const results::Figure figure = crossed_figure_of_object(all_cells(3, 3), mean_of_objects({0, 0, 0, 0, 9, 0, 0, 0, 0}));
+  const results::Figure figure = figure_of_object(all_cells(3, 3), mean_of_objects({0, 0, 0, 0, 9, 0, 0, 0, 0}));
   EXPECT_NEAR(*figure.high, 1 + t_of_2, 1e-9);  // the runs' means are 0, 3, 0: standard error 1
 }
 
 TEST(CrossedFigureOfObject, SubtractsNothingWithTwoTrainings) {
   // Results that are all noise: runs have the means 1.5, 1.5, 3, trainings 1 and 3.
-  const results::Figure figure = crossed_figure_of_object(all_cells(2, 3), mean_of_objects({0, 3, 0, 3, 0, 6}));
+  const results::Figure figure = figure_of_object(all_cells(2, 3), mean_of_objects({0, 3, 0, 3, 0, 6}));
   const double of_runs = 0.75 / 3, of_trainings = 2.0 / 2, t_of_1 = student_quantile(1, 0.965);
   EXPECT_NEAR(*figure.high, 2 + std::sqrt(t_of_2 * t_of_2 * of_runs + t_of_1 * t_of_1 * of_trainings), 1e-9);
 }
 
 TEST(CrossedFigureOfObject, IsThatOfTheAnalysisOfVariance) {  // crossed_figure_reference.py
-  const results::Figure figure = crossed_figure_of_object(all_cells(3, 4), mean_of_objects(of_four_runs));
+  const results::Figure figure = figure_of_object(all_cells(3, 4), mean_of_objects(of_four_runs));
   EXPECT_NEAR(*figure.low, 0.7481480450902255, 1e-9);
   EXPECT_NEAR(*figure.high, 1.0135186215764411, 1e-9);
 }
@@ -114,7 +114,7 @@ TEST(CrossedFigureOfObject, IsThatOfTheAnalysisOfVariance) {  // crossed_figure_
 TEST(CrossedFigureOfObject, MayHaveMissingCells) {  // crossed_figure_reference.py
   CrossedObject cells = all_cells(3, 4);
   std::erase_if(cells, [](const CrossedCell& cell) { return cell.training == cell.run; });
-  const results::Figure figure = crossed_figure_of_object(cells, mean_of_objects(of_four_runs), {}, {0, 1});
+  const results::Figure figure = figure_of_object(cells, mean_of_objects(of_four_runs), {}, {0, 1});
   EXPECT_EQ(figure.n, 4U);
   EXPECT_NEAR(*figure.low, 0.7508524288875184, 1e-9);
   EXPECT_NEAR(*figure.high, 0.9447964060684788, 1e-9);
@@ -123,12 +123,12 @@ TEST(CrossedFigureOfObject, MayHaveMissingCells) {  // crossed_figure_reference.
 TEST(CrossedFigureOfObject, OfOneRunPerTrainingIsThatOfItsCells) {
   // Each training is judged on one run of its own: three results, and Student's interval of their mean.
   const CrossedObject cells{{0, 2, 0}, {1, 0, 1}, {2, 1, 2}};
-  const results::Figure figure = crossed_figure_of_object(cells, mean_of_objects({1, 3, 5}));
+  const results::Figure figure = figure_of_object(cells, mean_of_objects({1, 3, 5}));
   EXPECT_NEAR(*figure.high, 3 + t_of_2 * 2 / std::sqrt(3.0), 1e-9);
 }
 
 TEST(CrossedFigureOverObjects, IsThatOfTheAnalysisOfVariance) {  // crossed_figure_reference.py
-  const results::Figure figure = crossed_figure_over_objects(all_cells_of(4, 3, 2), mean_of_objects(accuracies));
+  const results::Figure figure = figure_over_objects(all_cells_of(4, 3, 2), mean_of_objects(accuracies));
   EXPECT_EQ(figure.n, 4U);
   EXPECT_NEAR(*figure.low, 0.6901625467413264, 1e-9);
   EXPECT_NEAR(*figure.high, 1.060670786592007, 1e-9);
@@ -138,7 +138,7 @@ TEST(CrossedFigureOverObjects, HasTheStandardErrorOfAMixedModel) {
   // Two intervals of different confidence give both variances; their sum is the square of statsmodels' standard error (REML).
   const auto half = [](double confidence) {
     const results::Figure figure =
-        crossed_figure_over_objects(all_cells_of(4, 3, 2), mean_of_objects(accuracies), {.confidence = confidence});
+        figure_over_objects(all_cells_of(4, 3, 2), mean_of_objects(accuracies), {.confidence = confidence});
     return *figure.high - figure.value;
   };
   const auto square_of_t = [](std::size_t freedom, double confidence) {
@@ -152,9 +152,9 @@ TEST(CrossedFigureOverObjects, HasTheStandardErrorOfAMixedModel) {
 
 TEST(CrossedFigureOverObjects, StaysWithinTheRangeAndContainsItsValue) {
   const std::vector<double> values{1, 1, 1, 1, 1, 0.9, 1, 1, 0.97};
-  const results::Figure plain = crossed_figure_over_objects(all_cells_of(9, 1, 1), mean_of_objects(values));
+  const results::Figure plain = figure_over_objects(all_cells_of(9, 1, 1), mean_of_objects(values));
   EXPECT_GT(*plain.high, 1);
-  const results::Figure within = crossed_figure_over_objects(all_cells_of(9, 1, 1), mean_of_objects(values), {}, {0, 1});
+  const results::Figure within = figure_over_objects(all_cells_of(9, 1, 1), mean_of_objects(values), {}, {0, 1});
   EXPECT_LT(*within.high, 1);
   EXPECT_GT(*within.high, within.value);
   EXPECT_LT(*within.low, *plain.low);  // the side on which accuracies near 1 spread further
@@ -166,8 +166,8 @@ TEST(CrossedFigureOverObjects, TurnsWithItsQuantity) {
   std::vector<double> errors = accuracies;
   for (double& error : errors) error = 1 - error;
   const auto cells = all_cells_of(4, 3, 2);
-  const results::Figure right = crossed_figure_over_objects(cells, mean_of_objects(accuracies), {}, {0, 1});
-  const results::Figure wrong = crossed_figure_over_objects(cells, mean_of_objects(errors), {}, {0, 1});
+  const results::Figure right = figure_over_objects(cells, mean_of_objects(accuracies), {}, {0, 1});
+  const results::Figure wrong = figure_over_objects(cells, mean_of_objects(errors), {}, {0, 1});
   EXPECT_NEAR(*wrong.low, 1 - *right.high, 1e-9);
   EXPECT_NEAR(*wrong.high, 1 - *right.low, 1e-9);
 }
@@ -175,7 +175,7 @@ TEST(CrossedFigureOverObjects, TurnsWithItsQuantity) {
 TEST(CrossedFigureOverObjects, OfDelaysIsOnTheScaleOfTheirLogarithm) {
   const std::vector<double> delays{2, 2, 4, 2, 12};
   const double inf = std::numeric_limits<double>::infinity();
-  const results::Figure figure = crossed_figure_over_objects(all_cells_of(5, 1, 1), mean_of_objects(delays), {}, {0, inf});
+  const results::Figure figure = figure_over_objects(all_cells_of(5, 1, 1), mean_of_objects(delays), {}, {0, inf});
   EXPECT_GT(*figure.low, 0);
   EXPECT_NEAR(*figure.low * *figure.high, figure.value * figure.value, 1e-9);
 }
@@ -183,10 +183,10 @@ TEST(CrossedFigureOverObjects, OfDelaysIsOnTheScaleOfTheirLogarithm) {
 TEST(CrossedFigureOverObjects, HasNoBoundsWhereAllGiveTheSameUnlessTheStepIsKnown) {
   // Ten objects without an error: with 3.69 expected in ten, ten would show none in 2.5 % of cases.
   const Statistic perfect = mean_of_objects(std::vector<double>(10, 1.0));
-  const results::Figure unknown = crossed_figure_over_objects(all_cells_of(10, 1, 1), perfect, {}, {0, 1});
+  const results::Figure unknown = figure_over_objects(all_cells_of(10, 1, 1), perfect, {}, {0, 1});
   EXPECT_DOUBLE_EQ(unknown.value, 1);
   EXPECT_FALSE(unknown.low || unknown.high);
-  const results::Figure known = crossed_figure_over_objects(all_cells_of(10, 1, 1), perfect, {}, {0, 1, 0.01});
+  const results::Figure known = figure_over_objects(all_cells_of(10, 1, 1), perfect, {}, {0, 1, 0.01});
   EXPECT_NEAR(*known.low, 1 + std::log(0.025) / 10 * 0.01, 1e-9);
   EXPECT_DOUBLE_EQ(*known.high, 1);
 }
@@ -194,7 +194,7 @@ TEST(CrossedFigureOverObjects, HasNoBoundsWhereAllGiveTheSameUnlessTheStepIsKnow
 TEST(CrossedFigureOverObjects, DependsOnTheSeedOnlyWhereDrawsCount) {
   const auto cells = all_cells_of(4, 3, 2);
   const auto low = [&](const Statistic& statistic, std::uint64_t seed) {
-    return crossed_figure_over_objects(cells, statistic, {.draws = 200, .seed = seed}).low;
+    return figure_over_objects(cells, statistic, {.draws = 200, .seed = seed}).low;
   };
   EXPECT_EQ(low(mean_of_objects(accuracies), 1), low(mean_of_objects(accuracies), 2));
   const Statistic rough = median_of_all({2, 2, 2, 2, 2, 2, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 6, 6, 6, 6, 6, 6});
@@ -205,7 +205,7 @@ TEST(CrossedFigureOverObjects, DependsOnTheSeedOnlyWhereDrawsCount) {
 TEST(CrossedFigureOverObjects, OfAMedianComesFromDrawsWhereLeavingOutSaysNothing) {
   // Five of nine objects have 4 ms. Without any one the median is still 4: only draws show that it may be 2 or 6.
   const std::vector<double> delays{2, 2, 4, 4, 4, 4, 4, 6, 6};
-  const results::Figure figure = crossed_figure_over_objects(all_cells_of(9, 1, 1), median_of_all(delays));
+  const results::Figure figure = figure_over_objects(all_cells_of(9, 1, 1), median_of_all(delays));
   EXPECT_DOUBLE_EQ(figure.value, 4);
   EXPECT_LT(*figure.low, 3.5);
   EXPECT_GT(*figure.high, 4.5);
@@ -219,7 +219,7 @@ TEST(CrossedFigureOverObjects, OfADifferenceIsPaired) {
     for (std::size_t i = 0; i < others.size(); ++i) others[i] += 0.01 + 0.001 * static_cast<double>(i % 3);
     return *mean_of_objects(others)(objects) - *mean_of_objects(accuracies)(objects);
   };
-  const results::Figure figure = crossed_figure_over_objects(all_cells_of(4, 3, 2), difference, {}, {-1, 1});
+  const results::Figure figure = figure_over_objects(all_cells_of(4, 3, 2), difference, {}, {-1, 1});
   EXPECT_NEAR(figure.value, 0.011, 1e-12);
   EXPECT_GT(*figure.low, 0.005);
   EXPECT_LT(*figure.high, 0.017);
@@ -228,12 +228,12 @@ TEST(CrossedFigureOverObjects, OfADifferenceIsPaired) {
 TEST(CrossedFigureOverObjects, PassesOverObjectsWithoutCells) {
   CrossedResults cells = all_cells_of(3, 2, 2);
   const auto statistic = mean_of_objects({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
-  const results::Figure without = crossed_figure_over_objects(cells, statistic);
+  const results::Figure without = figure_over_objects(cells, statistic);
   cells.insert(cells.begin() + 1, CrossedObject{});
-  const results::Figure with = crossed_figure_over_objects(cells, statistic);
+  const results::Figure with = figure_over_objects(cells, statistic);
   EXPECT_EQ(with.n, 3U);
   EXPECT_EQ(with.low, without.low);
-  EXPECT_EQ(crossed_figure_over_objects({{}, {}}, statistic).n, 0U);
+  EXPECT_EQ(figure_over_objects({{}, {}}, statistic).n, 0U);
 }
 
 TEST(CrossedFigureOverObjects, NeverSeesAnEmptyList) {
@@ -245,7 +245,7 @@ TEST(CrossedFigureOverObjects, NeverSeesAnEmptyList) {
     EXPECT_TRUE(std::none_of(objects.begin(), objects.end(), [](const auto& object) { return object.empty(); }));
     return static_cast<double>(objects.size());
   };
-  crossed_figure_over_objects(cells, counting);
+  figure_over_objects(cells, counting);
   EXPECT_GT(calls, 1000U);
 }
 
@@ -255,7 +255,7 @@ TEST(CrossedFigureOverObjects, HasNoBoundsWhereMostDrawsGiveNothing) {
     return static_cast<double>(objects.size() + objects.back().front());
   };
   // Of eight draws from eight, one object is there exactly once in 39 % of cases.
-  const results::Figure figure = crossed_figure_over_objects(all_cells_of(8, 1, 1), rare);
+  const results::Figure figure = figure_over_objects(all_cells_of(8, 1, 1), rare);
   EXPECT_DOUBLE_EQ(figure.value, 15);
   EXPECT_FALSE(figure.has_interval());
 }
@@ -275,7 +275,7 @@ TEST(CrossedFigureOverObjects, CoversTheExpectedValueOverNewTrainingsAndObjects)
         for (int run = 0; run < 2; ++run) values.push_back(both + 0.5 * random.normal());
       }
     }
-    const results::Figure figure = crossed_figure_over_objects(all_cells_of(5, 3, 2), mean_of_objects(values), {.draws = 20});
+    const results::Figure figure = figure_over_objects(all_cells_of(5, 3, 2), mean_of_objects(values), {.draws = 20});
     covered += *figure.low <= 0 && 0 <= *figure.high ? 1 : 0;
   }
   EXPECT_GT(covered, experiments * 0.93);

@@ -153,6 +153,7 @@ def write_study(folder, mark=""):
         "trainings": [{"seed": 1, "train_run": "01", "th_ms": 40, "runs": {
             "train": [f"{name}/01" for name in OBJECTS], "choice": [f"{name}/02" for name in OBJECTS], "reported": names, "all_test": names}}],
         "histories": histories,
+        "variance": {"training": 0.48, "object": 0.45, "run": 0.07},
         "choice": {"th_ms": 40, "model": model, "chosen_on": "choice", "why": "It is the best for most objects.",
                    "best": {"choice": best, "reported": best, "all_test": best}},
         "paper_way": {"th_ms": 40, "model": model, "why": "Chosen on the test runs."},

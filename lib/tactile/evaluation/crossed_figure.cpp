@@ -233,6 +233,7 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
   results::Figure figure;
   figure.n = crossing.count(level);
   if (figure.n == 0) return figure;
+  figure.trainings = crossing.count(by_training);
   const auto value = crossing.value(crossing.all());
   if (value) figure.value = *value;
   if (!value || figure.n < fewest_units) return figure;
@@ -264,21 +265,39 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
 
 }  // namespace
 
-results::Figure crossed_figure_of_object(const CrossedObject& cells, const Statistic& statistic,
-                                         const results::BootstrapOptions& options, const Range& range) {
+results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic, const results::BootstrapOptions& options,
+                                 const Range& range) {
   Crossing crossing({cells}, statistic);
   return figure_of(crossing, by_run, options, range);
 }
 
-results::Figure crossed_figure_over_objects(const CrossedResults& results, const Statistic& statistic,
-                                            const results::BootstrapOptions& options, const Range& range) {
+results::Figure figure_over_objects(const CrossedResults& results, const Statistic& statistic,
+                                    const results::BootstrapOptions& options, const Range& range) {
   Crossing crossing(results, statistic);
   return figure_of(crossing, by_object, options, range);
 }
 
-std::optional<VarianceShares> variance_shares(const CrossedResults& results, const Statistic& statistic,
-                                              const results::BootstrapOptions& options) {
-  Crossing crossing(results, statistic);
+CrossedResults without_names(const std::map<std::string, CrossedObject>& objects) {
+  CrossedResults results;
+  for (const auto& object : objects) results.push_back(object.second);
+  return results;
+}
+
+std::vector<std::size_t> indexes_of(const CrossedObject& cells) {
+  std::vector<std::size_t> indexes;
+  for (const CrossedCell& cell : cells) indexes.push_back(cell.index);
+  return indexes;
+}
+
+RunsByObject all_of(const CrossedResults& objects) {
+  RunsByObject all;
+  for (const CrossedObject& cells : objects) all.push_back(indexes_of(cells));
+  return all;
+}
+
+std::optional<results::VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
+                                                       const results::BootstrapOptions& options) {
+  Crossing crossing(objects, statistic);
   if (crossing.count(by_object) < fewest_units) return std::nullopt;
   const auto value = crossing.value(crossing.all());
   if (!value) return std::nullopt;
@@ -289,11 +308,11 @@ std::optional<VarianceShares> variance_shares(const CrossedResults& results, con
   if (!of_trainings || !of_objects || !of_runs) return std::nullopt;
   const bool subtracts = crossing.count(by_training) > 1 && !of_trainings->rough && !of_objects->rough;
   const double both = subtracts ? variance_of_both(crossing, by_object, plain) : 0;
-  const VarianceShares shares{std::max(0.0, of_trainings->on_scale - both),
-                              std::max(0.0, of_objects->on_scale - of_runs->on_scale), of_runs->on_scale};
+  const results::VarianceShares shares{std::max(0.0, of_trainings->on_scale - both),
+                                       std::max(0.0, of_objects->on_scale - of_runs->on_scale), of_runs->on_scale};
   const double sum = shares.training + shares.object + shares.run;
   if (!(std::sqrt(sum) > 1e-12 * std::abs(*value))) return std::nullopt;
-  return VarianceShares{shares.training / sum, shares.object / sum, shares.run / sum};
+  return results::VarianceShares{shares.training / sum, shares.object / sum, shares.run / sum};
 }
 
 double student_quantile(std::size_t freedom, double confidence) {

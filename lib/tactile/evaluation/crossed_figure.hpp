@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "tactile/evaluation/confidence_interval.hpp"
 #include "tactile/results/figure.hpp"
+#include "tactile/results/variance_shares.hpp"
 
 namespace tactile::evaluation {
 
@@ -18,6 +22,29 @@ struct CrossedCell {
 };
 using CrossedObject = std::vector<CrossedCell>;  ///< cells may be missing: a training is not judged on the runs it learned from
 using CrossedResults = std::vector<CrossedObject>;
+
+/// The results of each object that has some, by name; those for which `taken` is false are left out. Without the id of a run,
+/// each result is of a run of its own.
+template <class Result, class Taken>
+std::map<std::string, CrossedObject> results_by_object(std::span<const Result> results, Taken taken) {
+  std::map<std::string, CrossedObject> objects;
+  std::map<std::string, std::map<std::string, std::size_t>> runs;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!taken(results[i])) continue;
+    auto& numbers = runs[results[i].object];
+    const std::string name = results[i].run.empty() ? "#" + std::to_string(i) : results[i].run;
+    const std::size_t run = numbers.emplace(name, numbers.size()).first->second;
+    objects[results[i].object].push_back({results[i].training, run, i});
+  }
+  return objects;
+}
+
+/// The same without the names.
+CrossedResults without_names(const std::map<std::string, CrossedObject>& objects);
+
+/// The places of the results, each once.
+std::vector<std::size_t> indexes_of(const CrossedObject& cells);
+RunsByObject all_of(const CrossedResults& objects);
 
 /// The values that a figure may have. The interval is made on a scale without limits, and so stays within them: the logarithm of
 /// (x - lowest) / (highest - x) with two limits, of the distance to the limit with one, x itself with none.
@@ -48,24 +75,18 @@ struct Range {
 /// bootstrap, Annals of Applied Statistics 1 (2007), for V of crossed trainings and runs; S. Banerjee, Approximate confidence
 /// interval for linear functions of means of k populations when the population variances are not equal, Sankhya 22 (1960), for
 /// the sum of t^2 V. How often such an interval contains the true value is in docs/numerics.md.
-results::Figure crossed_figure_of_object(const CrossedObject& cells, const Statistic& statistic,
-                                         const results::BootstrapOptions& options = {}, const Range& range = {});
+results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
+                                 const results::BootstrapOptions& options = {}, const Range& range = {});
 
 /// The same over objects: they take the place of the runs above. An object is left out or drawn with all of its runs, so the
 /// effect of its runs is in that of the objects. Objects without cells are passed over.
-results::Figure crossed_figure_over_objects(const CrossedResults& objects, const Statistic& statistic,
-                                            const results::BootstrapOptions& options = {}, const Range& range = {});
+results::Figure figure_over_objects(const CrossedResults& objects, const Statistic& statistic,
+                                    const results::BootstrapOptions& options = {}, const Range& range = {});
 
-/// Where a figure's variance comes from; the sum is 1.
-struct VarianceShares {
-  double training = 0;  ///< what another training changes for all objects and runs alike; 0 with one training
-  double object = 0;    ///< what other objects change beyond their runs
-  double run = 0;       ///< other runs of the same objects, and the noise of single results; 0 where objects have one run each
-};
-
-/// Nothing where fewer than three objects have cells, and where all of them give the same.
-std::optional<VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
-                                              const results::BootstrapOptions& options = {});
+/// Where the figure's variance comes from. Nothing where fewer than three objects have cells, and where all of them give the
+/// same.
+std::optional<results::VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
+                                                       const results::BootstrapOptions& options = {});
 
 /// The value that Student's t exceeds in absolute value with the probability 1 - confidence.
 /// @param freedom  its degrees of freedom, >= 1

@@ -108,6 +108,11 @@ void add_histories(ReportPage& page, const ReportInput& input) {
     page.html.table(history_table(histories));
     if (histories.is_folded) page.html.end_folded();
   }
+  if (input.variance) {
+    page.figure("variance", variance_plot(page.titled("Variance of the mean accuracy"), *input.variance),
+                fmt::format("Of the variance of the mean accuracy, {}.", words_of(*input.variance)),
+                fmt::format("Of the variance of the mean accuracy on the reported runs, {}.", words_of(*input.variance)));
+  }
   for (const ReportedTable& table : input.choice) page.table(table);
 }
 

@@ -51,6 +51,9 @@ void read_claims(ReportInput& input, const results::JsonView& study) {
           "The influence of the training: no interval includes it. 'tactile reproduce --trainings N' trains more often.");
     }
   }
+  if (const results::JsonView variance = study["variance"]) {
+    input.variance = variance.get<results::VarianceShares>();
+  }
   add_sentences(input.remarks, study["remarks"]);
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
   std::vector<TableRow> rows;

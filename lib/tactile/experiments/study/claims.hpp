@@ -7,7 +7,7 @@
 
 #include "tactile/core/time.hpp"
 #include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/claim.hpp"
 #include "tactile/results/over_time.hpp"

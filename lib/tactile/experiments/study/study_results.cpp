@@ -152,6 +152,18 @@ std::string sentence_on_trainings(std::size_t trainings) {
       trainings);
 }
 
+/// Where the variance of the reported accuracy comes from; null where it cannot be divided.
+json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
+  std::vector<results::RunConfusion> reported;
+  for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
+    const auto of_training = confusions_of(plan, trained.reported(training), plan.trainings[training].reported.names);
+    reported.insert(reported.end(), of_training.begin(), of_training.end());
+  }
+  const auto shares = evaluation::variance_of_accuracy(reported);
+  if (!shares || plan.trainings.size() < 2) return {};
+  return *shares;
+}
+
 /// All but objects held out and claims.
 json study_json(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const PreparedData& prepared,
                 std::span<const experiments::StepRecord> steps) {
@@ -180,6 +192,7 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
                 {"histories", histories_json(plan, trained)},
                 {"choice", choice_json(plan, trained)},
                 {"paper_way", paper_way_json(trained)},
+                {"variance", variance_json(plan, trained)},
                 {"evaluations", json::array()},
                 {"full_runs", json::array({json{{"run", judged.full_run},
                                                 {"model", trained.reported(0).name()},
