@@ -23,10 +23,19 @@ struct Coverage {
   double share() const { return given > 0 ? static_cast<double>(covered) / static_cast<double>(given) : NAN; }
 };
 
-struct Row {
-  std::string title;
-  bool of_one = false;
-  std::array<std::vector<Coverage>, 3> sizes;  // of each method
+using OfSizes = std::array<std::vector<Coverage>, 3>;  // of each method
+
+/// A quantity of the tables, a column.
+struct Column {
+  Quantity quantity;
+  double level;
+  std::string name;
+
+  const std::array<Effects, 3>& effects() const {
+    const bool of_samples =
+        quantity == Quantity::accuracy || quantity == Quantity::difference || quantity == Quantity::best_of_five;
+    return of_samples ? of_logits : of_logarithms;
+  }
 };
 
 struct Arguments {
@@ -66,41 +75,55 @@ std::vector<Coverage> coverage_of(const Scenario& scenario, const Arguments& arg
   return coverages;
 }
 
-Row row_of(Quantity quantity, double level, const std::string& name, const Layout& layout, const Arguments& arguments) {
-  Row row{fmt::format("{}; {}", name, layout.in_words()), layout.objects == 1, {}};
-  const bool share = quantity == Quantity::accuracy || quantity == Quantity::difference || quantity == Quantity::best_of_five;
-  for (std::size_t size = 0; size < sizes.size(); ++size) {
-    const Scenario scenario{quantity, level, layout, share ? of_logits[size] : of_logarithms[size]};
-    row.sizes[size] = coverage_of(scenario, arguments, fmt::format("{} {}", row.title, sizes[size]));
-  }
-  return row;
-}
-
-void print_row(const Row& row) {
-  fmt::print("| {} |", row.title);
-  for (const auto& of_methods : row.sizes) {
+/// "96.1 / 94.8 / 92.0", with the share of intervals without bounds where there are any.
+std::string text_of(const OfSizes& coverages) {
+  std::string text;
+  for (const auto& of_methods : coverages) {
     const Coverage& used = of_methods.front();
     const double none = 100 * static_cast<double>(used.trials - used.given) / static_cast<double>(used.trials);
-    fmt::print(" {:.1f}{} |", 100 * used.share(), none < 0.05 ? "" : fmt::format(" ({:.1f} none)", none));
+    text += fmt::format("{}{:.1f}{}", text.empty() ? "" : " / ", 100 * used.share(),
+                        none < 0.05 ? "" : fmt::format(" ({:.1f} none)", none));
   }
-  fmt::print("\n");
-  std::fflush(stdout);
+  return text;
 }
 
-std::vector<Row> print_accuracies(const Arguments& arguments) {
-  std::vector<Row> rows;
-  const auto add = [&](const Layout& layout) {
-    for (const double level : {0.99, 0.95, 0.8}) {
-      rows.push_back(row_of(Quantity::accuracy, level, fmt::format("accuracy {:.0f} %", 100 * level), layout, arguments));
-      print_row(rows.back());
+void print_head(const std::string& first, const std::vector<Column>& columns) {
+  fmt::print("\n| {} |", first);
+  for (const Column& column : columns) fmt::print(" {} |", column.name);
+  fmt::print("\n| --- |");
+  for (std::size_t i = 0; i < columns.size(); ++i) fmt::print(" --- |");
+  fmt::print("\n");
+}
+
+void print_coverages(const std::vector<Column>& columns, const std::vector<Layout>& layouts, const Arguments& arguments,
+                     std::vector<OfSizes>& all) {
+  print_head("coverage [%], effects small / typical / large", columns);
+  for (const Layout& layout : layouts) {
+    fmt::print("| {} |", layout.in_words());
+    for (const Column& column : columns) {
+      OfSizes coverages;
+      for (std::size_t size = 0; size < sizes.size(); ++size)
+        coverages[size] = coverage_of({column.quantity, column.level, layout, column.effects()[size]}, arguments,
+                                      fmt::format("{}, {}, {}", column.name, layout.in_words(), sizes[size]));
+      fmt::print(" {} |", text_of(coverages));
+      std::fflush(stdout);
+      all.push_back(std::move(coverages));
     }
-  };
-  for (const std::size_t trainings : {1U, 3U, 5U}) {
-    for (const auto& [objects, runs] : {std::pair{3U, 2U}, {5U, 3U}, {10U, 2U}, {10U, 7U}}) add({objects, runs, trainings});
+    fmt::print("\n");
   }
-  add({10, 7, 2});
-  for (const Layout& layout : {Layout{10, 3, 3, 1}, {10, 10, 3, 2}, {10, 10, 5, 2}}) add(layout);
-  for (const Layout& layout : {Layout{1, 3, 1},
+}
+
+std::vector<Layout> layouts_of_accuracies() {
+  std::vector<Layout> layouts;
+  for (const std::size_t trainings : {1U, 3U, 5U}) {
+    for (const auto& [objects, runs] : {std::pair{3U, 2U}, {5U, 3U}, {10U, 2U}, {10U, 7U}})
+      layouts.push_back({objects, runs, trainings});
+  }
+  for (const Layout& layout : {Layout{10, 7, 2},
+                               {10, 3, 3, 1},
+                               {10, 10, 3, 2},
+                               {10, 10, 5, 2},
+                               {1, 3, 1},
                                {1, 7, 1},
                                {1, 9, 1},
                                {1, 7, 2},
@@ -110,28 +133,11 @@ std::vector<Row> print_accuracies(const Arguments& arguments) {
                                {1, 3, 3, 1},
                                {1, 10, 3, 2},
                                {1, 10, 5, 2}})
-    add(layout);
-  return rows;
+    layouts.push_back(layout);
+  return layouts;
 }
 
-std::vector<Row> print_others(const Arguments& arguments) {
-  std::vector<Row> rows;
-  const auto add = [&](Quantity quantity, double level, const std::string& name) {
-    for (const Layout& layout :
-         {Layout{10, 7, 1}, {5, 3, 3}, {10, 7, 3}, {10, 3, 3, 1}, {10, 10, 5, 2}, {1, 7, 1}, {1, 7, 3}, {1, 10, 5, 2}}) {
-      rows.push_back(row_of(quantity, level, name, layout, arguments));
-      print_row(rows.back());
-    }
-  };
-  add(Quantity::difference, 0.95, "difference of two accuracies");
-  add(Quantity::best_of_five, 0, "best of four accuracies less another");
-  add(Quantity::mean_delay, 0, "mean delay");
-  add(Quantity::median_delay, 0, "median delay");
-  add(Quantity::rate, 0, "alarms per minute");
-  return rows;
-}
-
-void print_methods(const std::vector<Row>& rows) {
+void print_methods(const std::vector<OfSizes>& all) {
   fmt::print(
       "\n| method | size | mean coverage [%] | lowest [%] | designs with at least 93 % | at least 90 % | width, of that in use "
       "|\n");
@@ -142,14 +148,14 @@ void print_methods(const std::vector<Row>& rows) {
       double sum = 0, lowest = 1;
       std::size_t enough = 0, nearly = 0;
       std::vector<double> widths;
-      for (const Row& row : rows) {
-        const Coverage& coverage = row.sizes[size][m];
+      for (const OfSizes& coverages : all) {
+        const Coverage& coverage = coverages[size][m];
         if (coverage.given == 0) continue;
         sum += coverage.share();
         lowest = std::min(lowest, coverage.share());
         enough += coverage.share() >= 0.93 ? 1 : 0;
         nearly += coverage.share() >= 0.9 ? 1 : 0;
-        widths.push_back(coverage.width / row.sizes[size].front().width);
+        widths.push_back(coverage.width / coverages[size].front().width);
       }
       const auto count = static_cast<double>(widths.size());
       fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.0f} % | {:.0f} % | {:.2f} |\n", methods[m].name, sizes[size],
@@ -159,58 +165,73 @@ void print_methods(const std::vector<Row>& rows) {
   }
 }
 
-/// Claims about every object that are true, each object exactly at the limit: the share that an interval of one object refutes.
-void print_claims(const Arguments& arguments) {
-  const auto& methods = interval_methods();
-  fmt::print(
-      "\n| true claim about each of ten objects | method | small | typical | large |\n| --- | --- | ---: | ---: | ---: |\n");
-  for (const auto& [quantity, level, name] : {std::tuple{Quantity::accuracy, 0.95, "accuracy of at least 95 %"},
-                                              {Quantity::accuracy, 0.99, "accuracy of at least 99 %"},
-                                              {Quantity::mean_delay, 0.0, "mean delay of at most its limit"}}) {
-    for (const Layout& layout : {Layout{10, 7, 1}, {10, 7, 2}, {10, 7, 3}, {10, 10, 3, 2}, {10, 10, 5, 2}, {10, 3, 3, 1}}) {
-      std::array<std::vector<std::size_t>, 3> wrong;
-      for (std::size_t size = 0; size < sizes.size(); ++size) {
-        Scenario scenario{quantity, level, layout, (quantity == Quantity::accuracy ? of_logits : of_logarithms)[size]};
-        scenario.effects.object = 0;
-        if (layout.trainings == 1) scenario.effects.both = 0;
-        std::vector<std::vector<char>> refuted(arguments.repeats, std::vector<char>(methods.size()));
-        parallel_for(arguments.repeats, arguments.threads, [&](std::size_t i) {
-          Random random(seed_for(arguments.seed, {"claim", name, layout.in_words(), sizes[size], std::to_string(i)}));
-          const Trial trial = draw(scenario, random);
-          const results::BootstrapOptions options{draws, 1 - 0.05 / 10, random.bits()};
-          for (const auto& object : trial.objects) {
-            const Trial of_object{{object}, trial.statistic, trial.range, trial.truth};
-            for (std::size_t m = 0; m < methods.size(); ++m) {
-              const Bounds bounds = methods[m].bounds(of_object, options);
-              if (bounds && (quantity == Quantity::accuracy ? bounds->second < trial.truth : bounds->first > trial.truth))
-                refuted[i][m] = 1;
-            }
-          }
-        });
-        wrong[size].resize(methods.size());
-        for (const auto& of_trial : refuted) {
-          for (std::size_t m = 0; m < methods.size(); ++m) wrong[size][m] += of_trial[m] ? 1U : 0U;
-        }
-      }
-      for (const std::size_t m : {std::size_t{0}, std::size_t{2}, methods.size() - 1}) {
-        fmt::print("| {}; {} | {} |", name, layout.in_words(), methods[m].name);
-        for (const auto& of_size : wrong)
-          fmt::print(" {:.1f} |", 100 * static_cast<double>(of_size[m]) / static_cast<double>(arguments.repeats));
-        fmt::print("\n");
-        std::fflush(stdout);
+/// The share of experiments in which a true claim about each of ten objects, each exactly at the limit, is refuted by the
+/// interval of one of them, in percent; of each method given.
+std::vector<double> shares_refuted(const Column& column, const Layout& layout, std::size_t size,
+                                   std::span<const std::size_t> methods, const Arguments& arguments) {
+  Scenario scenario{column.quantity, column.level, layout, column.effects()[size]};
+  scenario.effects.object = 0;
+  if (layout.trainings == 1) scenario.effects.both = 0;
+  std::vector<std::vector<int>> refuted(arguments.repeats, std::vector<int>(methods.size(), 0));
+  parallel_for(arguments.repeats, arguments.threads, [&](std::size_t i) {
+    Random random(seed_for(arguments.seed, {"claim", column.name, layout.in_words(), sizes[size], std::to_string(i)}));
+    const Trial trial = draw(scenario, random);
+    const results::BootstrapOptions options{draws, 1 - 0.05 / static_cast<double>(layout.objects), random.bits()};
+    for (const auto& object : trial.objects) {
+      const Trial of_object{{object}, trial.statistic, trial.range, trial.truth};
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        const Bounds bounds = interval_methods()[methods[m]].bounds(of_object, options);
+        if (bounds && (column.quantity == Quantity::accuracy ? bounds->second < trial.truth : bounds->first > trial.truth))
+          refuted[i][m] = 1;
       }
     }
+  });
+  std::vector<double> shares(methods.size());
+  for (const auto& of_trial : refuted) {
+    for (std::size_t m = 0; m < methods.size(); ++m) shares[m] += 100.0 * of_trial[m] / static_cast<double>(arguments.repeats);
+  }
+  return shares;
+}
+
+void print_claims(const Arguments& arguments) {
+  const std::vector<Column> columns{{Quantity::accuracy, 0.95, "accuracy of at least 95 %"},
+                                    {Quantity::accuracy, 0.99, "accuracy of at least 99 %"},
+                                    {Quantity::mean_delay, 0, "mean delay of at most its limit"}};
+  const std::vector<std::size_t> methods{0, 2, interval_methods().size() - 1};
+  print_head("true claims about each of ten objects that are refuted [%]", columns);
+  for (const Layout& layout : {Layout{10, 7, 1}, {10, 7, 2}, {10, 7, 3}, {10, 10, 3, 2}, {10, 10, 5, 2}, {10, 3, 3, 1}}) {
+    std::vector<std::string> lines(methods.size());
+    for (const Column& column : columns) {
+      for (std::size_t size = 0; size < sizes.size(); ++size) {
+        const auto shares = shares_refuted(column, layout, size, methods, arguments);
+        for (std::size_t m = 0; m < methods.size(); ++m)
+          lines[m] += fmt::format("{}{:.1f}{}", size == 0 ? " " : " / ", shares[m], size + 1 == sizes.size() ? " |" : "");
+      }
+    }
+    for (std::size_t m = 0; m < methods.size(); ++m)
+      fmt::print("| {}; {} |{}\n", layout.in_words(), interval_methods()[methods[m]].name, lines[m]);
+    std::fflush(stdout);
   }
 }
 
 void print_study(const Arguments& arguments) {
-  fmt::print("Seed {}, {} repeats: the standard error of a coverage of 95 % is {:.1f} points, of 90 % {:.1f}.\n\n",
-             arguments.seed, arguments.repeats, 100 * std::sqrt(0.95 * 0.05 / static_cast<double>(arguments.repeats)),
-             100 * std::sqrt(0.9 * 0.1 / static_cast<double>(arguments.repeats)));
-  fmt::print("| coverage of 95 % intervals [%] | small effects | typical | large |\n| --- | ---: | ---: | ---: |\n");
-  std::vector<Row> rows = print_accuracies(arguments);
-  for (Row& row : print_others(arguments)) rows.push_back(std::move(row));
-  print_methods(rows);
+  const auto error_at = [&](double share) {
+    return 100 * std::sqrt(share * (1 - share) / static_cast<double>(arguments.repeats));
+  };
+  fmt::print("Seed {}, {} repeats. The standard error of a coverage of 95 % is {:.1f} points, of one of 90 % {:.1f}.\n",
+             arguments.seed, arguments.repeats, error_at(0.95), error_at(0.9));
+  std::vector<OfSizes> all;
+  print_coverages(
+      {{Quantity::accuracy, 0.99, "accuracy 99 %"}, {Quantity::accuracy, 0.95, "95 %"}, {Quantity::accuracy, 0.8, "80 %"}},
+      layouts_of_accuracies(), arguments, all);
+  print_coverages({{Quantity::difference, 0.95, "difference of two accuracies"},
+                   {Quantity::best_of_five, 0, "best of four accuracies less a fifth"},
+                   {Quantity::mean_delay, 0, "mean delay"},
+                   {Quantity::median_delay, 0, "median delay"},
+                   {Quantity::rate, 0, "alarms per minute"}},
+                  {{10, 7, 1}, {5, 3, 3}, {10, 7, 3}, {10, 3, 3, 1}, {10, 10, 5, 2}, {1, 7, 1}, {1, 7, 3}, {1, 10, 5, 2}},
+                  arguments, all);
+  print_methods(all);
   print_claims(arguments);
 }
 
