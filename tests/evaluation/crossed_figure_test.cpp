@@ -161,6 +161,15 @@ TEST(CrossedFigureOverObjects, StaysWithinTheRangeAndContainsItsValue) {
   EXPECT_GT(*within.low, 0);
 }
 
+TEST(CrossedFigureOverObjects, OfAValueAtALimitReachesOnlyInwards) {
+  const results::Figure figure =
+      crossed_figure_over_objects(all_cells_of(8, 1, 1), median_of_all({1, 1, 1, 1, 1, 0.5, 0.5, 0.4}), {}, {0, 1});
+  EXPECT_DOUBLE_EQ(figure.value, 1);
+  EXPECT_DOUBLE_EQ(*figure.high, 1);
+  EXPECT_LT(*figure.low, 0.9);
+  EXPECT_GE(*figure.low, 0);
+}
+
 TEST(CrossedFigureOverObjects, TurnsWithItsQuantity) {
   // Errors are 1 - accuracies, in the same range: their bounds are 1 - those of the accuracies.
   std::vector<double> errors = accuracies;
