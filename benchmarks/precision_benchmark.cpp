@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/statistic.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/model/training/training.hpp"
 #include "tactile/windows/dataset.hpp"

@@ -5,7 +5,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 #include "commands.hpp"
@@ -105,6 +107,43 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   print_result(common, json, text_of(evaluation) + written);
 }
 
+/// Trainings with and without objects, and the runs to compare them on.
+struct UnseenTrainings {
+  std::deque<model::Classifier> classifiers;
+  std::vector<evaluation::UnseenPair> pairs;
+  std::vector<evaluation::ModelOnRuns> unseen;  ///< those without the objects
+  std::vector<std::string> warnings;
+};
+
+/// The two models and, of each, as many further trainings as requested; trains what is missing.
+UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
+                               const model::ModelBundle& seen, const model::ModelBundle& held_out) {
+  const model::EngineKind engine = model::engine_named(args.engine);
+  UnseenTrainings trainings;
+  for (unsigned training = 0; training < args.trainings; ++training) {
+    const auto open = [&](const model::ModelBundle& first) {
+      const model::ModelBundle bundle =
+          training == 0
+              ? first
+              : partner_of(args, common, dataset, with_training(model::read_description(first).settings, dataset, training));
+      return &trainings.classifiers.emplace_back(model::open_classifier(bundle.folder, common.threads, engine));
+    };
+    const model::Classifier* with = open(seen);
+    const model::Classifier* without = open(held_out);
+    const std::vector<windows::SplitOptions> splits{with->model().settings.split, without->model().settings.split};
+    const std::vector<std::string> of_splits = warn_of_splits(dataset, splits, args.strict);
+    trainings.warnings.insert(trainings.warnings.end(), of_splits.begin(), of_splits.end());
+    const auto runs = evaluation::runs_neither_saw(dataset, with->model(), without->model());
+    for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without->model()), runs)) {
+      trainings.warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
+      spdlog::warn("{}", trainings.warnings.back());
+    }
+    trainings.pairs.push_back({with, without, runs});
+    trainings.unseen.push_back({without, runs});
+  }
+  return trainings;
+}
+
 void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
@@ -130,23 +169,14 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   check_writable(seen.folder);
   spdlog::info("evaluating {} and {}", held_out.folder.string(), seen.folder.string());
 
-  const model::EngineKind engine = model::engine_named(args.engine);
-  const model::Classifier with = model::open_classifier(seen.folder, common.threads, engine);
-  const model::Classifier without = model::open_classifier(held_out.folder, common.threads, engine);
-  const std::vector<windows::SplitOptions> splits{with.model().settings.split, without.model().settings.split};
-  std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
-  const auto runs = evaluation::runs_neither_saw(dataset, with.model(), without.model());
-  for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without.model()), runs)) {
-    warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
-    spdlog::warn("{}", warnings.back());
-  }
+  const UnseenTrainings trainings = open_trainings(args, common, dataset, seen, held_out);
   const evaluation::EvaluationOptions options = options_of(args, common);
   const results::UnseenComparison comparison =
-      evaluation::compare_unseen(dataset, with, without, runs, options, progress_line(common));
-  const results::Evaluation evaluation = evaluation::evaluate(dataset, without, runs, options, progress_line(common));
+      evaluation::compare_unseen(dataset, trainings.pairs, options, progress_line(common));
+  const results::Evaluation evaluation = evaluation::evaluate(dataset, trainings.unseen, options, progress_line(common));
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
-  json["warnings"] = warnings;
+  json["warnings"] = trainings.warnings;
   const std::string written = write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation);
   print_result(
       common, json,
@@ -176,6 +206,10 @@ void add_eval_command(CLI::App& app) {
       .delimiter(',')
       .type_name("NAME,...")
       .needs(unseen);
+  command.add_option("--trainings", args->trainings, "With --unseen: trainings of each kind, each on another run and seed")
+      .check(in_range(1U, 1000U))
+      .needs(unseen)
+      .show_default();
   command.add_flag("--no-train", args->no_train, "With --unseen: do not train; a missing model is an error");
   add_strict_option(command, args->strict);
   command

@@ -11,6 +11,7 @@
 #include "model_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/experiments/run_division.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::cli {
@@ -84,6 +85,12 @@ model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKin
                                 const std::vector<std::string>& held_out) {
   settings.split.kind = kind;
   if (kind == windows::SplitKind::unseen) settings.split.held_out = held_out;
+  return settings;
+}
+
+model::ModelSettings with_training(model::ModelSettings settings, const windows::Dataset& dataset, unsigned training) {
+  settings.split.train_run = experiments::rotated_run(dataset, settings.split.train_run, training);
+  settings.training.seed += training;
   return settings;
 }
 

@@ -18,6 +18,7 @@ struct EvalArguments {
   double guard_ms = -1;
   std::string confirm = "1/1";
   bool gate = false;
+  unsigned trainings = 1;  ///< of --unseen
   std::string engine = "fast";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has
   std::vector<std::string> runs;      ///< to show over time, instead of the evaluation
@@ -35,6 +36,9 @@ std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const win
 
 /// The same settings with another split. @param held_out  for the split unseen
 model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind, const std::vector<std::string>& held_out);
+
+/// The settings of another training of the same: `training` runs further, with a seed that is greater by as much.
+model::ModelSettings with_training(model::ModelSettings settings, const windows::Dataset& dataset, unsigned training);
 
 /// The model with the same settings and the other split. Trains it if it is missing.
 model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,

@@ -163,7 +163,7 @@ TEST(CrossedFigureOverObjects, StaysWithinTheRangeAndContainsItsValue) {
 
 TEST(CrossedFigureOverObjects, OfAValueAtALimitReachesOnlyInwards) {
   const results::Figure figure =
-      crossed_figure_over_objects(all_cells_of(8, 1, 1), median_of_all({1, 1, 1, 1, 1, 0.5, 0.5, 0.4}), {}, {0, 1});
+      figure_over_objects(all_cells_of(8, 1, 1), median_of_all({1, 1, 1, 1, 1, 0.5, 0.5, 0.4}), {}, {0, 1});
   EXPECT_DOUBLE_EQ(figure.value, 1);
   EXPECT_DOUBLE_EQ(*figure.high, 1);
   EXPECT_LT(*figure.low, 0.9);

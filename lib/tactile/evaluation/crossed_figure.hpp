@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/statistic.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/variance_shares.hpp"
 

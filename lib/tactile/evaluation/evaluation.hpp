@@ -58,9 +58,15 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
                                                      std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
                                                      const ProgressCallback& progress = {});
 
-/// Compares on `runs`, which neither model was trained on. @throws Error as `evaluate`
-results::UnseenComparison compare_unseen(const windows::Dataset& dataset, const model::Classifier& seen,
-                                         const model::Classifier& held_out, std::span<const std::uint32_t> runs,
+/// One training with some objects and one without them, and runs of these objects that neither model was trained on.
+struct UnseenPair {
+  const model::Classifier* seen = nullptr;
+  const model::Classifier* held_out = nullptr;
+  std::vector<std::uint32_t> runs;
+};
+
+/// Differences are paired over runs and trainings. @param pairs  at least one. @throws Error  as `evaluate`
+results::UnseenComparison compare_unseen(const windows::Dataset& dataset, std::span<const UnseenPair> pairs,
                                          const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
 /// The runs of the objects held out that neither model was trained on. @throws Error  if none has samples

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -45,14 +46,25 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
   return confusions;
 }
 
-results::UnseenComparison compare_unseen(const windows::Dataset& dataset, const model::Classifier& seen,
-                                         const model::Classifier& held_out, std::span<const std::uint32_t> runs,
+results::UnseenComparison compare_unseen(const windows::Dataset& dataset, std::span<const UnseenPair> pairs,
                                          const EvaluationOptions& options, const ProgressCallback& progress) {
-  const auto by_seen = sample_confusions(dataset, seen, runs, options, progress);
-  results::UnseenComparison comparison =
-      unseen_comparison(by_seen, sample_confusions(dataset, held_out, runs, options, progress), options.bootstrap);
-  comparison.models = {seen.bundle().filename().string(), held_out.bundle().filename().string()};
-  for (const std::uint32_t run : runs) comparison.runs.push_back(name_of(dataset.runs()[run]));
+  std::vector<results::RunConfusion> seen, held_out;
+  std::set<std::string> runs;
+  for (std::size_t training = 0; training < pairs.size(); ++training) {
+    const UnseenPair& pair = pairs[training];
+    const auto add = [&](std::vector<results::RunConfusion>& all, const model::Classifier& classifier) {
+      for (results::RunConfusion& run : sample_confusions(dataset, classifier, pair.runs, options, progress)) {
+        run.training = training;
+        all.push_back(std::move(run));
+      }
+    };
+    add(seen, *pair.seen);
+    add(held_out, *pair.held_out);
+    for (const std::uint32_t run : pair.runs) runs.insert(name_of(dataset.runs()[run]));
+  }
+  results::UnseenComparison comparison = unseen_comparison(seen, held_out, options.bootstrap);
+  comparison.models = {pairs.front().seen->bundle().filename().string(), pairs.front().held_out->bundle().filename().string()};
+  comparison.runs.assign(runs.begin(), runs.end());
   return comparison;
 }
 

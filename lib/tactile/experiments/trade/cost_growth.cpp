@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/statistic.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/trade/dense_heatmaps.hpp"
 #include "tactile/experiments/trade/tick_times.hpp"

@@ -1,4 +1,4 @@
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/statistic.hpp"
 
 #include <cmath>
 
