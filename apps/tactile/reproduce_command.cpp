@@ -163,9 +163,6 @@ std::string text_of(const study::StudySummary& summary) {
     text += wrapped(words, 2) + "\n";
   }
   text += "\n";
-  text += wrapped(study.at("summary").get<std::string>() +
-                  (study.at("simulated").get<bool>() ? " Results on simulated runs say nothing about real ones." : "")) +
-          "\n";
   double seconds = 0;
   for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
   std::string trainings = study.at("bootstrap").at("trainings").get<std::string>();
@@ -175,9 +172,17 @@ std::string text_of(const study::StudySummary& summary) {
   text +=
       wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
                           summary.done, summary.kept, clock_text(seconds))) +
-      "\n";
+      "\n\n";
   text += fmt::format("\nWritten to {}\n", summary.file.string());
   return text;
+}
+
+/// What was found: the last screen.
+std::string found_text(const nlohmann::json& study) {
+  std::string text = "What was found\n\n";
+  for (const auto& sentence : study.at("found")) text += wrapped(sentence.get<std::string>()) + "\n";
+  if (study.at("simulated").get<bool>()) text += "Results on simulated runs say nothing about real ones.\n";
+  return text + "\n";
 }
 
 /// Draws the study's report, unless it exists and was drawn from this study.
@@ -212,7 +217,7 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   result["steps_kept"] = summary.kept;
   result["report"] = nullptr;
   result["errors"] = summary.errors;
-  std::string text = text_of(summary) + next_commands(args, summary.study);
+  std::string text = text_of(summary) + found_text(summary.study) + next_commands(args, summary.study);
   if (args.without_report) {
     print_result(common, result, text);
     return end_with(summary.errors);

@@ -24,14 +24,11 @@ void begin(ReportPage& page, const ReportInput& input) {
         "The data is simulated. Every figure on this page was measured on simulated runs, and says nothing about a real sensor. "
         "Differences from the paper may come from the simulation as well as from the method.");
   }
-  if (!input.summary.empty()) page.html.paragraph(input.summary);
+  if (!input.found.empty()) page.html.list(input.found);
   page.html.paragraph(
-      "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Intervals are 95 % bootstrap intervals "
-      "over "
-      "runs and objects. There is no interval where fewer than three could be drawn. Intervals from few are too narrow: a "
-      "nominal "
-      "95 % interval of a mean contains it in about 76 % of cases with 3 runs or objects, 82 % with 4, 86 % with 7 and 91 % with "
-      "10. Intervals of false alarms per minute also allow for few alarms in a short time.");
+      "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Brackets and whiskers are 95 % intervals "
+      "over trainings, objects and runs. With one training they hold for that training only. There is no interval for fewer than "
+      "three runs or objects. Intervals of false alarms per minute also allow for few alarms in a short time.");
   if (!input.remarks.empty()) page.html.list(input.remarks);
 }
 

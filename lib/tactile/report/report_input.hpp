@@ -58,7 +58,7 @@ struct ReportedHistories {
 struct ReportInput {
   std::string title;
   bool simulated = false;
-  std::string summary;  ///< may be empty
+  std::vector<std::string> found;  ///< sentences
   std::vector<std::string> remarks;
   std::vector<results::Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why

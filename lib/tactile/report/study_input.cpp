@@ -264,7 +264,8 @@ ReportInput read_study(const fs::path& folder) {
   ReportInput input;
   input.title = study["title"].text();
   input.simulated = study["simulated"].truth();
-  input.summary = study["summary"].text();
+  input.found = study["found"].texts();
+  if (const std::string summary = study["summary"].text(); input.found.empty() && !summary.empty()) input.found = {summary};
   if (const results::JsonView data = study["settings"]["data"]) input.data = folder / data.text();
   read_claims(input, study);
   read_histories(input, study);

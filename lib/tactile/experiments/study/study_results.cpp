@@ -14,6 +14,7 @@
 #include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/study/claims.hpp"
+#include "tactile/experiments/study/found.hpp"
 #include "tactile/experiments/study/left_out.hpp"
 
 namespace tactile::study {
@@ -282,6 +283,16 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
   }
 }
 
+results::Evaluation evaluation_in(const EvaluatedModels& evaluated) {
+  const json full = read_json(evaluated.json_file);
+  return results::JsonView(full, evaluated.json_file.string(), results::MissingMember::is_error).get<results::Evaluation>();
+}
+
+results::UnseenComparison unseen_on_reported(const StudyPlan& plan, const TrainedModels& trained) {
+  const SeenAndUnseen judged = judged_on(plan, trained, all_held_out(trained), run_sets[1]);
+  return judged.empty() ? results::UnseenComparison{} : evaluation::unseen_comparison(judged.seen, judged.held_out);
+}
+
 std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
                                       const NamedRunSet& set) {
   const EvaluatedModels& evaluated = judged.evaluation(set.name);
@@ -317,6 +328,8 @@ StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, con
     results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
+  results.study["found"] = found_in(evaluation_in(judged.evaluation("reported")), trained.history,
+                                    unseen_on_reported(plan, trained), results.study["summary"].get<std::string>());
   for (const NamedRunSet& set : run_sets) {
     const auto found = trained.comparisons.find(set.name);
     if (found == trained.comparisons.end()) continue;
