@@ -7,7 +7,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
-#include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/detection_curve.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -56,7 +56,7 @@ std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const
 
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
-                                 MakeFigure make_figure) {
+                                 const DetectionTimes& times, MakeFigure make_figure) {
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
@@ -65,6 +65,7 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
         ++summary.intervals;
         if (detection.outcome == results::DetectionOutcome::missed) ++summary.misses;
         if (detection.outcome == results::DetectionOutcome::early) ++summary.early;
+        if (detection.outcome == results::DetectionOutcome::detected && detection.ahead) ++summary.head_starts;
       }
     }
   }
@@ -78,6 +79,15 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
   summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
+  summary.missed = make_figure([&times](const RunsByObject& drawn) { return times.missed_share(drawn); });
+  for (const auto& [q, of_all] : {std::pair(0.5, &summary.median_of_all_ms), std::pair(0.9, &summary.quantile_of_all_ms)}) {
+    of_all->ms = make_figure([&times, q = q](const RunsByObject& drawn) -> std::optional<double> {
+      const auto found = times.quantile(drawn, q);
+      return found ? std::optional(found->ms) : std::nullopt;
+    });
+    const auto found = times.quantile(chosen, q);
+    of_all->is_lower_bound = found && found->is_lower_bound;
+  }
   return summary;
 }
 
@@ -96,6 +106,8 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
   for (const TouchInterval& interval : intervals) {
     results::Detection detection;
     detection.interval = interval;
+    const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
+    detection.limit = std::max(between(interval.start, latest), microseconds{0});
     const std::int64_t k0 = first_tick_after(interval.start, ticks);
     if (says(k0 - 1, interval.touch) && says(k0, interval.touch)) {
       std::int64_t first = k0 - 1;
@@ -103,14 +115,15 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
       detection.leading_episode = first;
       if (ticks.tick * (k0 - first) > options.head_start) {
         detection.outcome = results::DetectionOutcome::early;
+        detection.ahead = true;
         detections.push_back(detection);
         continue;
       }
     }
-    const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
     for (std::int64_t k = std::max<std::int64_t>(k0, 0); k < ticks.count && ticks.at(k) <= latest; ++k) {
       if (!says(k, interval.touch)) continue;
       detection.outcome = results::DetectionOutcome::detected;
+      detection.ahead = detection.leading_episode.has_value();
       detection.delay = ticks.tick * (k - k0 + 1);
       detection.first_right = ticks.at(k);
       break;
@@ -122,6 +135,8 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
 
 results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks) {
   results::Detection other = detection;
+  const CameraTime latest = after(detection.interval.start, detection.limit);
+  other.limit = std::max(between(onset, latest), microseconds{0});
   if (other.outcome != results::DetectionOutcome::detected) return other;
   const std::int64_t k = first_tick_after(detection.first_right, ticks) - 1;
   other.delay = ticks.tick * (k - first_tick_after(onset, ticks) + 1);
@@ -131,19 +146,22 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
   const CrossedResults chosen = without_names(runs_that_have(touch, runs));
-  return summary_of(runs, all_of(chosen), touch,
+  return summary_of(runs, all_of(chosen), touch, DetectionTimes(runs, touch),
                     [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
 }
 
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options) {
   results::DelayTable table;
-  for (const auto& [name, cells] : runs_that_have(touch, runs)) {
-    table.objects[name] = summary_of(runs, {indexes_of(cells)}, touch, [&, &of = cells](const Statistic& statistic) {
+  const DetectionTimes times(runs, touch);
+  const std::map<std::string, CrossedObject> objects = runs_that_have(touch, runs);
+  for (const auto& [name, cells] : objects) {
+    table.objects[name] = summary_of(runs, {indexes_of(cells)}, touch, times, [&, &of = cells](const Statistic& statistic) {
       return figure_of_object(of, statistic, options);
     });
   }
   table.all = delay_summary(runs, touch, options);
+  table.curve = detection_curve(times, without_names(objects), options);
   return table;
 }
 
