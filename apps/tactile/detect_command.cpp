@@ -25,6 +25,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/detect/detection_session.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
+#include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/pictures/gnuplot.hpp"
@@ -52,197 +53,306 @@ struct DetectArguments {
   std::string out = "data", object = "unnamed", run;
 };
 
-/// Checks a recording before the first verdict, as `eval` does. @throws Error  if it seems to have too many ticks
-void check_tick_count(const DetectArguments& args, const heatmaps::HeatmapOptions& rendering) {
-  if (!args.from.starts_with("file:") || args.duration_s > 0) return;
+/// Checks a recording before the first verdict, as `eval` does. @throws Error
+/// if it seems to have too many ticks
+void check_tick_count(const DetectArguments &args,
+                      const heatmaps::HeatmapOptions &rendering) {
+  if (!args.from.starts_with("file:") || args.duration_s > 0)
+    return;
   const fs::path path = args.from.substr(5);
-  if (!fs::exists(path)) return;  // opening the source reports it
+  if (!fs::exists(path))
+    return; // opening the source reports it
   const fs::path file = fs::is_directory(path) ? recording_in(path) : path;
   const events::RecordingReader reader(file);
-  const std::string why =
-      why_too_many(heatmaps::listed_ticks(reader, events::event_stream(reader, args.source.stream).id, rendering));
-  if (!why.empty()) throw Error(file.string() + ": " + why);
+  const std::string why = why_too_many(heatmaps::listed_ticks(
+      reader, events::event_stream(reader, args.source.stream).id, rendering));
+  if (!why.empty())
+    throw Error(file.string() + ": " + why);
 }
 
 /// Runs the network on one thread.
-detect::ClassifyHeatmap network_of(const DetectArguments& args, const model::ModelBundle& bundle,
-                                   const model::ModelDescription& model) {
+detect::ClassifyHeatmap network_of(const DetectArguments &args,
+                                   const model::ModelBundle &bundle,
+                                   const model::ModelDescription &model) {
   const model::EngineKind kind = model::engine_named(args.engine);
   const model::Precision precision = model::precision_named(args.precision);
   if (kind == model::EngineKind::fast) {
-    const auto engine =
-        std::make_shared<model::LeNetEngine>(model.input, model::read_bundle_weights(bundle, model), model.settings.network,
-                                             model::EngineOptions{.precision = precision});
-    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+    const auto engine = std::make_shared<model::LeNetEngine>(
+        model.input, model::read_bundle_weights(bundle, model),
+        model.settings.network, model::EngineOptions{.precision = precision});
+    return [engine](std::span<const std::uint8_t> heatmap) {
+      return engine->classify(heatmap);
+    };
   }
-  if (precision != model::Precision::fp32) throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
-  const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(bundle.folder, 1, kind));
-  return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
+  if (precision != model::Precision::fp32)
+    throw Error("--precision int8: libtorch supports only fp32; expected "
+                "--engine fast");
+  const auto classifier = std::make_shared<const model::Classifier>(
+      model::open_classifier(bundle.folder, 1, kind));
+  return [classifier](std::span<const std::uint8_t> heatmap) {
+    return classifier->classify(heatmap, 1).front();
+  };
 }
 
 /// The run folder that a file source plays, if it has labels or truth.
-std::optional<RunFolder> played_run(const std::string& source) {
-  if (!source.starts_with("file:")) return std::nullopt;
+std::optional<RunFolder> played_run(const std::string &source) {
+  if (!source.starts_with("file:"))
+    return std::nullopt;
   const fs::path path = source.substr(5);
   const fs::path folder = fs::is_directory(path) ? path : path.parent_path();
-  const bool is_run = fs::exists(folder / "labels.json") || fs::exists(folder / "truth.json");
-  if (!is_run || (!fs::is_directory(path) && path.filename() != "events.aedat4")) return std::nullopt;
+  const bool is_run =
+      fs::exists(folder / "labels.json") || fs::exists(folder / "truth.json");
+  if (!is_run ||
+      (!fs::is_directory(path) && path.filename() != "events.aedat4"))
+    return std::nullopt;
   return run_folder_at(folder);
 }
 
-/// The tick that --tick-us asks for. @throws Error  unless the model's history is a whole number of it
-microseconds tick_within(microseconds history, std::int64_t tick_us, const std::string& model) {
-  if (tick_us <= history.count() && history.count() % tick_us == 0) return microseconds{tick_us};
-  const auto divides = [&history](std::int64_t us) { return history.count() % us == 0; };
+/// The tick that --tick-us asks for. @throws Error  unless the model's history
+/// is a whole number of it
+microseconds tick_within(microseconds history, std::int64_t tick_us,
+                         const std::string &model) {
+  if (tick_us <= history.count() && history.count() % tick_us == 0)
+    return microseconds{tick_us};
+  const auto divides = [&history](std::int64_t us) {
+    return history.count() % us == 0;
+  };
   std::int64_t below = std::min(tick_us, history.count()), above = below;
-  while (!divides(below)) --below;
-  while (!divides(above)) ++above;
+  while (!divides(below))
+    --below;
+  while (!divides(above))
+    ++above;
   throw Error(fmt::format(
-      "--tick-us {}: the history t_h of {} is {} us, which is not a whole number of such ticks; expected {}", tick_us, model,
-      history.count(), below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
+      "--tick-us {}: the history t_h of {} is {} us, which is not a whole "
+      "number of such ticks; expected {}",
+      tick_us, model, history.count(),
+      below == above ? fmt::format("{} at most", below)
+                     : fmt::format("a tick such as {} or {}", below, above)));
 }
 
 /// @throws Error  unless `udp` is HOST:PORT
-transport::NetworkAddress udp_address(const std::string& udp) {
+transport::NetworkAddress udp_address(const std::string &udp) {
   try {
     return transport::network_address("tcp://" + udp);
-  } catch (const Error&) {
-    throw Error("--udp '" + udp + "': is no address; expected HOST:PORT with a port from 1 to 65535");
+  } catch (const Error &) {
+    throw Error(
+        "--udp '" + udp +
+        "': is no address; expected HOST:PORT with a port from 1 to 65535");
   }
 }
 
 /// All but the network and the messages.
-detect::DetectionOptions session_options(const DetectArguments& args, const model::ModelBundle& bundle,
-                                         const model::ModelDescription& model) {
+detect::DetectionOptions session_options(const DetectArguments &args,
+                                         const model::ModelBundle &bundle,
+                                         const model::ModelDescription &model) {
   detect::DetectionOptions options;
   options.source_options = args.source;
   options.robot = robot_options(args.robot);
-  if (!args.udp.empty()) options.udp = udp_address(args.udp);
+  if (!args.udp.empty())
+    options.udp = udp_address(args.udp);
   options.input = model.input;
-  heatmaps::HeatmapOptions& rendering = options.detector.rendering;
+  heatmaps::HeatmapOptions &rendering = options.detector.rendering;
   rendering = model.settings.rendering;
-  if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
+  if (!args.mask.empty())
+    rendering.mask = events::read_mask(args.mask);
   check(rendering);
-  if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
+  if (args.tick_us)
+    rendering.tick =
+        tick_within(rendering.history, *args.tick_us, bundle.name());
   options.detector.confirmation = confirmation_in(args.confirm);
-  if (args.gate) options.detector.gate = model::gate_limit(bundle, model);
+  if (args.gate)
+    options.detector.gate = model::gate_limit(bundle, model);
+  options.detector.temperature = model::read_temperature(bundle, model).value;
   options.slack = microseconds{args.slack_us};
   options.rehearses = !args.no_rehearsal;
-  options.reconnect = std::chrono::milliseconds{std::llround(1000 * args.reconnect_s)};
-  if (args.duration_s > 0) options.duration = microseconds{std::llround(1e6 * args.duration_s)};
+  options.reconnect =
+      std::chrono::milliseconds{std::llround(1000 * args.reconnect_s)};
+  if (args.duration_s > 0)
+    options.duration = microseconds{std::llround(1e6 * args.duration_s)};
   options.real_time = !args.no_real_time;
   options.awake = args.awake;
-  if (args.record) options.record = {.data = args.out, .object = args.object, .run = args.run};
+  if (args.record)
+    options.record = {.data = args.out, .object = args.object, .run = args.run};
   return options;
 }
 
 /// @return  a sentence that names the picture; empty without --plot or ticks
-std::string draw(const DetectArguments& args, const detect::DetectionSummary& summary, const std::string& model,
-                 const std::vector<detect::ReportedTick>& ticks) {
-  if (args.plot.empty() || ticks.empty()) return {};
+std::string draw(const DetectArguments &args,
+                 const detect::DetectionSummary &summary,
+                 const std::string &model,
+                 const std::vector<detect::ReportedTick> &ticks) {
+  if (args.plot.empty() || ticks.empty())
+    return {};
   std::optional<RunFolder> run = played_run(args.from);
-  if (summary.recorded && fs::exists(summary.recorded->run.truth())) run = summary.recorded->run;
+  if (summary.recorded && fs::exists(summary.recorded->run.truth()))
+    run = summary.recorded->run;
   draw_ticks(ticks, summary.detector.rendering,
-             fmt::format("{}{}, predicted by {}", args.from, summary.simulated ? " (simulated)" : "", model), run, args.plot);
+             fmt::format("{}{}, predicted by {}", args.from,
+                         summary.simulated ? " (simulated)" : "", model),
+             run, args.plot);
   const bool restarted = ticks.front().beginning != ticks.back().beginning;
   return fmt::format("\nDrawn in {}{}\n", args.plot,
-                     restarted ? ": the ticks since the last restart of the stream; --ticks FILE.csv writes all" : "");
+                     restarted ? ": the ticks since the last restart of the "
+                                 "stream; --ticks FILE.csv writes all"
+                               : "");
 }
 
-void detect(DetectArguments args, const CommonArguments& common) {
+void detect(DetectArguments args, const CommonArguments &common) {
   let_openmp_threads_sleep();
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
-  if (!args.plot.empty()) pictures::check_is_picture(args.plot);
+  std::signal(SIGXFSZ,
+              SIG_IGN); // a limit of the file size is reported like a full disk
+  if (!args.plot.empty())
+    pictures::check_is_picture(args.plot);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
   const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
   detect::DetectionOptions options = session_options(args, bundle, model);
-  options.inform = [&line](const std::string& text) { line.inform(text); };
-  options.warn = [&line](const std::string& text) { line.warn(text); };
+  options.inform = [&line](const std::string &text) { line.inform(text); };
+  options.warn = [&line](const std::string &text) { line.warn(text); };
   line.inform("detecting with " + bundle.folder.string());
-  if (args.from.empty()) args.from = default_source("detect");
+  if (args.from.empty())
+    args.from = default_source("detect");
   check_tick_count(args, options.detector.rendering);
   options.source = args.from;
 
-  detect::DetectionSession session(std::move(options), network_of(args, bundle, model));
-  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
+  detect::DetectionSession session(std::move(options),
+                                   network_of(args, bundle, model));
+  TickReader reader(
+      {.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json},
+      line);
   detect::DetectionSummary summary = session.run(reader.output());
   line.clear();
   summary.ticks_left_out += reader.not_kept();
-  const DetectModel used{.name = bundle.name(), .engine = args.engine, .precision = args.precision};
+  const DetectModel used{.name = bundle.name(),
+                         .engine = args.engine,
+                         .precision = args.precision};
   const std::string drawn = draw(args, summary, used.name, reader.kept());
-  print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used) + drawn);
-  if (summary.failure) std::rethrow_exception(summary.failure);
+  print_result(common, json_of(summary, used),
+               (common.json ? "" : "\n") + text_of(summary, used) + drawn);
+  if (summary.failure)
+    std::rethrow_exception(summary.failure);
   if (!args.plot.empty() && reader.kept().empty())
-    throw Error(args.plot + ": there is no tick to draw; expected a stream longer than the history");
+    throw Error(args.plot + ": there is no tick to draw; expected a stream "
+                            "longer than the history");
 }
 
-void add_model_options(Command& command, DetectArguments& args) {
-  command.add_option("--model", args.model, "Model: a folder, or a name in --models; default: the newest single-run model");
-  command.add_option("--models", args.models, "Folder of models").show_default();
-  command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
+void add_model_options(Command &command, DetectArguments &args) {
+  command.add_option("--model", args.model,
+                     "Model: a folder, or a name in --models; default: the "
+                     "newest single-run model");
+  command.add_option("--models", args.models, "Folder of models")
+      .show_default();
+  command
+      .add_option("--from", args.from,
+                  "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, "
+                  "sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
   command
       .add_option("--confirm", args.confirm,
-                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
+                  "k/n: report a class only if it was predicted in at least k "
+                  "of the last n ticks; k > n/2")
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args.gate,
-                   "Report none without running the network while there are fewer events than the model's limit");
+                   "Report none without running the network while there are "
+                   "fewer events than the model's limit");
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
-  command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
+  command
+      .add_option("--precision", args.precision,
+                  "Precision of the fast engine's largest layer")
       .check(one_of({"fp32", "int8"}))
       .show_default();
-  command.add_option("--tick-us", args.tick_us, "Time between two verdicts [us]; t_h must be a whole number of them")
+  command
+      .add_option(
+          "--tick-us", args.tick_us,
+          "Time between two verdicts [us]; t_h must be a whole number of them")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .default_text("the model's");
-  command.add_option("--slack-us", args.slack_us, "Wait for late events: a tick closes this long after its end [us]")
+  command
+      .add_option(
+          "--slack-us", args.slack_us,
+          "Wait for late events: a tick closes this long after its end [us]")
       .check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       .show_default();
-  command.add_option("--duration", args.duration_s, "Stop after this time [s]").check(in_range(1e-3, 1e9)).type_name("S");
-  command.add_option("--reconnect", args.reconnect_s, "Try to reconnect for this long after a connection broke [s]")
+  command.add_option("--duration", args.duration_s, "Stop after this time [s]")
+      .check(in_range(1e-3, 1e9))
+      .type_name("S");
+  command
+      .add_option("--reconnect", args.reconnect_s,
+                  "Try to reconnect for this long after a connection broke [s]")
       .check(in_range(0.0, 1e9))
       .type_name("S")
       .show_default();
 }
 
-void add_output_options(Command& command, DetectArguments& args) {
-  command.add_option("--udp", args.udp, "Send a record to HOST:PORT at each tick").type_name("ADDRESS");
-  command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
-  command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");
-  const Option record = command.add_flag("--record", args.record, "Also record the run, as 'record' does");
-  command.add_option("--out", args.out, "With --record: folder of runs").needs(record).show_default();
-  command.add_option("--object", args.object, "With --record: name of the object").needs(record).show_default();
-  command.add_option("--run", args.run, "With --record: number of the run; default: the next free number").needs(record);
+void add_output_options(Command &command, DetectArguments &args) {
+  command
+      .add_option("--udp", args.udp, "Send a record to HOST:PORT at each tick")
+      .type_name("ADDRESS");
+  command.add_option("--ticks", args.ticks, "Write every tick to this CSV file")
+      .type_name("FILE.csv");
+  command
+      .add_option("--plot", args.plot,
+                  "Draw probabilities, events and truth over time")
+      .type_name("FILE.png|FILE.svg");
+  const Option record = command.add_flag(
+      "--record", args.record, "Also record the run, as 'record' does");
+  command.add_option("--out", args.out, "With --record: folder of runs")
+      .needs(record)
+      .show_default();
+  command
+      .add_option("--object", args.object, "With --record: name of the object")
+      .needs(record)
+      .show_default();
+  command
+      .add_option(
+          "--run", args.run,
+          "With --record: number of the run; default: the next free number")
+      .needs(record);
 }
 
-void add_source_options(Command& command, DetectArguments& args) {
-  command.add_option("--speed", args.source.speed, "Speed of files and the simulator: 1 is real time, 0 is as fast as possible")
+void add_source_options(Command &command, DetectArguments &args) {
+  command
+      .add_option("--speed", args.source.speed,
+                  "Speed of files and the simulator: 1 is real time, 0 is as "
+                  "fast as possible")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_option("--seed", args.source.seed, "Seed of the simulator").check(is_seed()).show_default();
-  command.add_option("--stream", args.source.stream, "Event stream to use, if a file has several").type_name("ID|SOURCE");
-  command.add_option("--readout-mode", args.source.readout_mode, "Read-out mode of the camera, such as variable-5000")
+  command.add_option("--seed", args.source.seed, "Seed of the simulator")
+      .check(is_seed())
+      .show_default();
+  command
+      .add_option("--stream", args.source.stream,
+                  "Event stream to use, if a file has several")
+      .type_name("ID|SOURCE");
+  command
+      .add_option("--readout-mode", args.source.readout_mode,
+                  "Read-out mode of the camera, such as variable-5000")
       .type_name("MODE");
 }
 
-void add_real_time_options(Command& command, DetectArguments& args) {
+void add_real_time_options(Command &command, DetectArguments &args) {
   command.add_flag("--no-real-time", args.no_real_time,
-                   "Do not use real-time priority and locked memory (default for live sources, where permitted)");
+                   "Do not use real-time priority and locked memory (default "
+                   "for live sources, where permitted)");
   command.add_flag("--no-rehearsal", args.no_rehearsal,
-                   "Do not run the network once before each tick; this saves processor time, but verdicts come later");
+                   "Do not run the network once before each tick; this saves "
+                   "processor time, but verdicts come later");
   command.add_flag("--awake", args.awake,
-                   "Keep processor cores awake, where permitted; verdicts come sooner, but power use rises");
+                   "Keep processor cores awake, where permitted; verdicts come "
+                   "sooner, but power use rises");
 }
 
-}  // namespace
+} // namespace
 
-void add_detect_command(CLI::App& app) {
+void add_detect_command(CLI::App &app) {
   auto args = std::make_shared<DetectArguments>();
   Command command = add_command(
-      app, "detect", "Detect press and slip live, every tick, and report them to a robot",
-      [args](const CommonArguments& common) { detect(*args, common); }, CtrlC::is_the_end);
+      app, "detect",
+      "Detect press and slip live, every tick, and report them to a robot",
+      [args](const CommonArguments &common) { detect(*args, common); },
+      CtrlC::is_the_end);
   add_model_options(command, *args);
   add_robot_options(command, args->robot);
   add_output_options(command, *args);
@@ -250,4 +360,4 @@ void add_detect_command(CLI::App& app) {
   add_real_time_options(command, *args);
 }
 
-}  // namespace tactile::cli
+} // namespace tactile::cli

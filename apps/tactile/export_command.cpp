@@ -14,6 +14,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/bundle/onnx_model.hpp"
+#include "tactile/model/bundle/temperature.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -35,50 +36,70 @@ struct ExportedFile {
 };
 
 /// Checks everything before the first file is written.
-void check_places(const ExportArguments& args) {
+void check_places(const ExportArguments &args) {
   if (args.onnx.empty() && args.safetensors.empty()) {
-    throw Error("no output is given; expected --onnx FILE, --safetensors FILE, or both");
+    throw Error("no output is given; expected --onnx FILE, --safetensors FILE, "
+                "or both");
   }
-  const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
-  if (!args.onnx.empty() && !args.safetensors.empty() && place(args.onnx) == place(args.safetensors)) {
-    throw Error(args.onnx + ": is given for both formats; expected a file for each");
+  const auto place = [](const std::string &file) {
+    return fs::weakly_canonical(fs::absolute(file));
+  };
+  if (!args.onnx.empty() && !args.safetensors.empty() &&
+      place(args.onnx) == place(args.safetensors)) {
+    throw Error(args.onnx +
+                ": is given for both formats; expected a file for each");
   }
-  for (const std::string& file : {args.onnx, args.safetensors}) {
-    if (file.empty() || !fs::exists(fs::symlink_status(file))) continue;
-    if (fs::is_directory(file)) throw Error(file + ": is a folder; expected the name of a file");
-    if (!args.force) throw Error(file + ": exists already; expected a new name, or --force to replace it");
+  for (const std::string &file : {args.onnx, args.safetensors}) {
+    if (file.empty() || !fs::exists(fs::symlink_status(file)))
+      continue;
+    if (fs::is_directory(file))
+      throw Error(file + ": is a folder; expected the name of a file");
+    if (!args.force)
+      throw Error(
+          file +
+          ": exists already; expected a new name, or --force to replace it");
   }
 }
 
-nlohmann::json json_of(const std::vector<ExportedFile>& files) {
+nlohmann::json json_of(const std::vector<ExportedFile> &files) {
   nlohmann::json json = nlohmann::json::array();
-  for (const ExportedFile& file : files)
-    json.push_back({{"format", file.format}, {"file", file.file.string()}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  for (const ExportedFile &file : files)
+    json.push_back({{"format", file.format},
+                    {"file", file.file.string()},
+                    {"bytes", file.bytes},
+                    {"sha256", file.sha256}});
   return json;
 }
 
-void export_model(const ExportArguments& args, const CommonArguments& common) {
+void export_model(const ExportArguments &args, const CommonArguments &common) {
   check_places(args);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
   const model::ModelDescription model = model::read_description(bundle);
-  if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
+  if (args.model.empty())
+    spdlog::info("exporting {}", bundle.folder.string());
   const model::Weights weights = model::read_bundle_weights(bundle, model);
   auto metadata = model::weights_metadata(model);
   metadata["model"] = bundle.name();
+  const double temperature = model::read_temperature(bundle, model).value;
+  metadata["temperature"] = fmt::format("{}", temperature);
 
   const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
   std::optional<WholeFile> onnx, safetensors;
   std::vector<ExportedFile> files;
-  const auto written = [&](const std::string& format, const fs::path& file, const WholeFile& whole) {
-    files.push_back({format, file, fs::file_size(whole.path()), sha256_of_file(whole.path())});
+  const auto written = [&](const std::string &format, const fs::path &file,
+                           const WholeFile &whole) {
+    files.push_back({format, file, fs::file_size(whole.path()),
+                     sha256_of_file(whole.path())});
   };
   if (!args.onnx.empty()) {
     auto about = metadata;
-    about.erase("format");  // of safetensors only
+    about.erase("format"); // of safetensors only
     about["weights_sha256"] = model.weights_sha256;
     onnx.emplace(args.onnx, if_there);
     write_whole(onnx->path(),
-                model::onnx_model(model::lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
+                model::onnx_model(model::lenet_layers(model.input),
+                                  model.settings.network, weights,
+                                  bundle.name(), about));
     written("onnx", args.onnx, *onnx);
   }
   if (!args.safetensors.empty()) {
@@ -87,45 +108,65 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
     written("safetensors", args.safetensors, *safetensors);
   }
   stop_if_interrupted();
-  if (onnx) onnx->commit();
-  if (safetensors) safetensors->commit();
+  if (onnx)
+    onnx->commit();
+  if (safetensors)
+    safetensors->commit();
 
-  nlohmann::json json = {{"model", bundle.folder.string()},
-                         {"name", bundle.name()},
-                         {"simulated", model.simulated},
-                         {"weights_sha256", model.weights_sha256},
-                         {"classes", nlohmann::json::parse(metadata.at("classes"))},
-                         {"input", nlohmann::json::parse(metadata.at("input"))},
-                         {"settings", {{"rendering", model.settings.rendering}, {"network", model.settings.network}}},
-                         {"parameters", model::lenet_layers(model.input).parameter_count()},
-                         {"files", json_of(files)}};
-  json["onnx"] = !onnx ? nlohmann::json()
-                       : nlohmann::json{{"ir_version", model::onnx_ir_version},
-                                        {"opset", model::onnx_opset},
-                                        {"input", "heatmaps"},
-                                        {"outputs", {"logits", "probabilities"}}};
+  nlohmann::json json = {
+      {"model", bundle.folder.string()},
+      {"name", bundle.name()},
+      {"simulated", model.simulated},
+      {"weights_sha256", model.weights_sha256},
+      {"temperature", temperature},
+      {"classes", nlohmann::json::parse(metadata.at("classes"))},
+      {"input", nlohmann::json::parse(metadata.at("input"))},
+      {"settings",
+       {{"rendering", model.settings.rendering},
+        {"network", model.settings.network}}},
+      {"parameters", model::lenet_layers(model.input).parameter_count()},
+      {"files", json_of(files)}};
+  json["onnx"] = !onnx
+                     ? nlohmann::json()
+                     : nlohmann::json{{"ir_version", model::onnx_ir_version},
+                                      {"opset", model::onnx_opset},
+                                      {"input", "heatmaps"},
+                                      {"outputs", {"logits", "probabilities"}}};
   std::vector<std::vector<std::string>> rows;
-  for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
+  for (const ExportedFile &file : files)
+    rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
-  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
+  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, "
+                              "{}, {}], a heatmap / 255; output: the logits of "
                               "none, press, slip",
-                              bundle.folder.string(), model.simulated ? "simulated" : "real", model.input.height,
-                              model.input.width)) +
+                              bundle.folder.string(),
+                              model.simulated ? "simulated" : "real",
+                              model.input.height, model.input.width)) +
           "\n";
   print_result(common, json, text);
 }
 
-}  // namespace
+} // namespace
 
-void add_export_command(CLI::App& app) {
+void add_export_command(CLI::App &app) {
   auto args = std::make_shared<ExportArguments>();
-  Command command = add_command(app, "export", "Write a model in formats that other software reads",
-                                [args](const CommonArguments& common) { export_model(*args, common); });
-  command.add_option("--model", args->model, "Model: a folder, or a name in --models; default: the model trained last");
-  command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
-  command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");
+  Command command = add_command(
+      app, "export", "Write a model in formats that other software reads",
+      [args](const CommonArguments &common) { export_model(*args, common); });
+  command.add_option("--model", args->model,
+                     "Model: a folder, or a name in --models; default: the "
+                     "model trained last");
+  command.add_option("--models", args->models, "Folder of models")
+      .show_default();
+  command
+      .add_option("--onnx", args->onnx,
+                  "Write an ONNX model: network and weights")
+      .type_name("FILE");
+  command
+      .add_option("--safetensors", args->safetensors,
+                  "Write only the weights, as safetensors")
+      .type_name("FILE");
   command.add_flag("--force", args->force, "Replace existing files");
 }
 
-}  // namespace tactile::cli
+} // namespace tactile::cli

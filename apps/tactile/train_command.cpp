@@ -20,6 +20,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/training/calibrate_model.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "text_table.hpp"
 
@@ -33,80 +34,109 @@ struct TrainArguments {
   double history_ms = 40;
   RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
-  std::vector<std::string> held_out;  ///< empty: those of the paper's five objects that the dataset has
+  std::vector<std::string> held_out; ///< empty: those of the paper's five
+                                     ///< objects that the dataset has
   model::TrainingOptions training;
-  std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
-              class_weights = "none";
+  std::string engine = "fast", optimizer = "adam", schedule = "constant",
+              activation = "relu", pool = "max", class_weights = "none";
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   std::string models = "models", name, from;
+  std::vector<std::string>
+      calibrate; ///< ids of runs to fit a temperature on; empty: none is fitted
   bool force = false, resume = false, strict = false;
   double save_every_s = 30;
 };
 
-constexpr double usual_validation_share = 0.2;  // of the training samples, with an early stop
+constexpr double usual_validation_share =
+    0.2; // of the training samples, with an early stop
 
-model::ModelSettings settings_of(const TrainArguments& args) {
+model::ModelSettings settings_of(const TrainArguments &args) {
   model::ModelSettings settings;
   settings.rendering = heatmap_options(args.history_ms, args.rendering);
-  settings.split = {.kind = windows::split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
-  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool)};
+  settings.split = {.kind = windows::split_named(args.split),
+                    .train_run = args.train_run,
+                    .held_out = args.held_out};
+  settings.network = {model::activation_named(args.activation),
+                      model::pooling_named(args.pool)};
   settings.training = args.training;
   settings.training.optimizer = model::optimizer_named(args.optimizer);
   settings.training.engine = model::engine_named(args.engine);
   settings.training.schedule = model::schedule_named(args.schedule);
-  settings.training.augmentation = model::augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
-  settings.training.class_weights = model::class_weights_named(args.class_weights);
-  settings.training.validation_share =
-      args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
+  settings.training.augmentation = model::augmentation_named(
+      fmt::format("{}", fmt::join(args.augment, ",")));
+  settings.training.class_weights =
+      model::class_weights_named(args.class_weights);
+  settings.training.validation_share = args.validation_share.value_or(
+      args.training.early_stop > 0 ? usual_validation_share : 0.0);
   check(settings.training);
-  if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
-    throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
+  if (!args.held_out.empty() &&
+      settings.split.kind != windows::SplitKind::unseen)
+    throw Error("--held-out: a split of single-run holds no object out; "
+                "expected --split unseen with it");
   return settings;
 }
 
 /// The command that evaluates the model.
-std::string eval_command(const model::ModelBundle& bundle, const TrainArguments& args) {
-  return fmt::format("tactile eval{}{} --model {}", args.data == "data" ? "" : " ",
-                     args.data == "data" ? "" : shell_word(args.data),
-                     shell_word(args.models == "models" ? bundle.name() : bundle.folder.string()));
+std::string eval_command(const model::ModelBundle &bundle,
+                         const TrainArguments &args) {
+  return fmt::format(
+      "tactile eval{}{} --model {}", args.data == "data" ? "" : " ",
+      args.data == "data" ? "" : shell_word(args.data),
+      shell_word(args.models == "models" ? bundle.name()
+                                         : bundle.folder.string()));
 }
 
-std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args, const model::ModelDescription& model,
-                    const std::string& outcome, const model::TrainingSummary& summary) {
+std::string text_of(const model::ModelBundle &bundle,
+                    const TrainArguments &args,
+                    const model::ModelDescription &model,
+                    const std::string &outcome,
+                    const model::TrainingSummary &summary) {
   const bool judged = summary.validation_samples > 0;
   std::vector<std::vector<std::string>> rows;
-  for (const model::EpochResult& epoch : summary.history) {
-    std::vector<std::string> row{std::to_string(epoch.epoch), fmt::format("{:.4f}", epoch.loss),
+  for (const model::EpochResult &epoch : summary.history) {
+    std::vector<std::string> row{std::to_string(epoch.epoch),
+                                 fmt::format("{:.4f}", epoch.loss),
                                  fmt::format("{:.2f}", 100 * epoch.accuracy)};
     if (judged) {
       row.push_back(fmt::format("{:.4f}", epoch.validation_loss.value_or(NAN)));
-      row.push_back(fmt::format("{:.2f}", 100 * epoch.validation_accuracy.value_or(NAN)));
+      row.push_back(
+          fmt::format("{:.2f}", 100 * epoch.validation_accuracy.value_or(NAN)));
     }
     row.push_back(fmt::format("{:.0f}", epoch.images_per_s));
     row.push_back(fmt::format("{:.1f}", epoch.seconds));
     rows.push_back(row);
   }
   std::vector<std::string> titles{"epoch", "loss", "accuracy [%]"};
-  if (judged) titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
+  if (judged)
+    titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
   titles.insert(titles.end(), {"images/s", "seconds"});
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (summary.stopped_early) {
-    text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
-                                summary.history.back().epoch, summary.best_epoch)) +
-            "\n\n";
+    text +=
+        wrapped(fmt::format("Stopped after epoch {}: the validation loss was "
+                            "smallest in epoch {}, whose weights are used.",
+                            summary.history.back().epoch, summary.best_epoch)) +
+        "\n\n";
   }
-  text +=
-      wrapped(fmt::format(
-          "{}: {}, with {} of {}; {} left to test it, by '{}'", bundle.folder.string(), outcome, counted(model.samples, "sample"),
-          counted(model.train_runs.size(), model.simulated ? "simulated run" : "real run"),
-          counted(model.test_runs.size(), "run") + (model.test_runs.size() == 1 ? " is" : " are"), eval_command(bundle, args))) +
-      "\n";
+  text += wrapped(fmt::format(
+              "{}: {}, with {} of {}; {} left to test it, by '{}'",
+              bundle.folder.string(), outcome, counted(model.samples, "sample"),
+              counted(model.train_runs.size(),
+                      model.simulated ? "simulated run" : "real run"),
+              counted(model.test_runs.size(), "run") +
+                  (model.test_runs.size() == 1 ? " is" : " are"),
+              eval_command(bundle, args))) +
+          "\n";
   return text;
 }
 
-nlohmann::json json_of(const model::ModelBundle& bundle, const model::ModelDescription& model, const std::string& outcome,
-                       bool dataset_made, const std::vector<std::string>& warnings, const model::TrainingSummary& summary) {
+nlohmann::json json_of(const model::ModelBundle &bundle,
+                       const model::ModelDescription &model,
+                       const std::string &outcome, bool dataset_made,
+                       const std::vector<std::string> &warnings,
+                       const model::TrainingSummary &summary,
+                       const model::Temperature &temperature) {
   return {{"model", bundle.folder.string()},
           {"name", bundle.name()},
           {"outcome", outcome},
@@ -125,70 +155,126 @@ nlohmann::json json_of(const model::ModelBundle& bundle, const model::ModelDescr
           {"validation_samples", summary.validation_samples},
           {"stopped_early", summary.stopped_early},
           {"seconds", summary.seconds},
+          {"temperature", temperature},
           {"history", summary.history}};
 }
 
-/// Whether to resume an interrupted training. @throws Error  if there is one, and neither --resume nor --force is given
-bool resumes_training(const TrainArguments& args, const model::ModelBundle& bundle) {
+/// Whether to resume an interrupted training. @throws Error  if there is one,
+/// and neither --resume nor --force is given
+bool resumes_training(const TrainArguments &args,
+                      const model::ModelBundle &bundle) {
   const fs::path folder = model::CheckpointFolder::beside(bundle.folder);
   if (!model::CheckpointFolder::holds_state(folder)) {
-    if (args.resume) spdlog::info("{}: there is no interrupted training; a new one begins", bundle.folder.string());
+    if (args.resume)
+      spdlog::info("{}: there is no interrupted training; a new one begins",
+                   bundle.folder.string());
     return false;
   }
-  if (args.resume) return true;
-  if (args.force) return false;
-  throw Error(
-      fmt::format("{}: an interrupted training; expected --resume to resume it, or --force to start again", folder.string()));
+  if (args.resume)
+    return true;
+  if (args.force)
+    return false;
+  throw Error(fmt::format("{}: an interrupted training; expected --resume to "
+                          "resume it, or --force to start again",
+                          folder.string()));
 }
 
-/// Why the existing bundle differs from the requested one: "with other settings (training.epochs: 10 before, 6 now)".
-std::string difference_of(const model::ModelBundle& bundle, const windows::Dataset& dataset,
-                          const model::ModelSettings& settings) {
+/// Why the existing bundle differs from the requested one: "with other settings
+/// (training.epochs: 10 before, 6 now)".
+std::string difference_of(const model::ModelBundle &bundle,
+                          const windows::Dataset &dataset,
+                          const model::ModelSettings &settings) {
   try {
     const model::ModelDescription there = model::read_description(bundle);
-    if (const std::string other = differences(there.settings, settings); !other.empty())
+    if (const std::string other = differences(there.settings, settings);
+        !other.empty())
       return "with other settings (" + other + ")";
-    if (there.manifest_hash != dataset.manifest_hash()) return "of another dataset";
-  } catch (const Error&) {
+    if (there.manifest_hash != dataset.manifest_hash())
+      return "of another dataset";
+  } catch (const Error &) {
     // It cannot be read: it is damaged.
   }
   return "damaged";
 }
 
-/// A learning rate that is too large does not always lead to NaN. Units that are 0 for every heatmap learn nothing, and the loss
-/// stays that of three equally likely classes, ln 3.
-void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
-                             const model::TrainingSummary& summary) {
+/// A learning rate that is too large does not always lead to NaN. Units that
+/// are 0 for every heatmap learn nothing, and the loss stays that of three
+/// equally likely classes, ln 3.
+void warn_of_nothing_learned(const model::ModelBundle &bundle,
+                             const model::ModelSettings &settings,
+                             const model::TrainingSummary &summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
-  if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
-  spdlog::warn(
-      "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
-      "than {}",
-      bundle.folder.string(), summary.history.back().loss, of_a_guess, settings.training.learning_rate,
-      counted(settings.training.epochs, "epoch"));
+  if (summary.history.empty() || summary.history.back().loss < of_a_guess)
+    return;
+  spdlog::warn("{}: has learned nothing: its loss of {:.4f} is not below that "
+               "of a guess, {:.4f}; try a smaller --lr than {}, or more "
+               "than {}",
+               bundle.folder.string(), summary.history.back().loss, of_a_guess,
+               settings.training.learning_rate,
+               counted(settings.training.epochs, "epoch"));
 }
 
-void train(const TrainArguments& args, const CommonArguments& common) {
+/// The bundle's temperature: fitted now with --calibrate, else the one it has.
+model::Temperature calibrated(const TrainArguments &args,
+                              const CommonArguments &common,
+                              const windows::Dataset &dataset,
+                              const model::ModelBundle &bundle,
+                              const model::ModelDescription &model) {
+  if (args.calibrate.empty())
+    return model::read_temperature(bundle, model);
+  return model::calibrate_model(dataset, bundle, args.calibrate,
+                                common.threads);
+}
+
+std::string text_of(const model::Temperature &temperature) {
+  if (temperature.fitted_on.empty())
+    return {};
+  return wrapped(fmt::format(
+             "Temperature {:.3f}, fitted on {} of {}: cross-entropy {:.4f} "
+             "instead of {:.4f} nats. Logits "
+             "are divided by it; verdicts stay the same. 'eval' does not use "
+             "these runs.",
+             temperature.value, counted(temperature.samples, "sample"),
+             counted(temperature.fitted_on.size(), "run"),
+             temperature.loss_after, temperature.loss_before)) +
+         "\n";
+}
+
+void train(const TrainArguments &args, const CommonArguments &common) {
   let_openmp_threads_sleep();
   model::ModelSettings settings = settings_of(args);
-  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  const std::optional<windows::DatasetSummary> made =
+      make_missing_dataset(args.data, args.strict, common);
   const bool dataset_made = made.has_value();
   const windows::Dataset dataset(dataset_file(args.data));
-  if (settings.split.kind == windows::SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
-  const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
+  if (settings.split.kind == windows::SplitKind::unseen)
+    settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
+  const std::vector<std::string> warnings =
+      warn_of_splits(dataset, {&settings.split, 1}, args.strict);
   const model::ModelBundle from = named_model(args.from, args.models);
-  if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
-  const model::ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? model::default_name(settings) : args.name)};
+  if (!args.from.empty())
+    settings.from = model::starting_point(from, dataset, settings);
+  const model::ModelBundle bundle{
+      fs::path(args.models) /
+      (args.name.empty() ? model::default_name(settings) : args.name)};
   const model::BundleState state = model::state_of(bundle, dataset, settings);
   if (state == model::BundleState::unchanged && !args.force) {
     const model::ModelDescription model = model::read_description(bundle);
-    print_result(common, json_of(bundle, model, "unchanged", dataset_made, warnings, {}),
-                 text_of(bundle, args, model, "unchanged", {}));
-    if (made) end_with(made->errors);
+    const model::Temperature temperature =
+        calibrated(args, common, dataset, bundle, model);
+    print_result(common,
+                 json_of(bundle, model, "unchanged", dataset_made, warnings, {},
+                         temperature),
+                 text_of(bundle, args, model, "unchanged", {}) +
+                     text_of(temperature));
+    if (made)
+      end_with(made->errors);
     return;
   }
   if (state == model::BundleState::changed && !args.force) {
-    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
+    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or "
+                            "--force to replace it",
+                            bundle.folder.string(),
                             difference_of(bundle, dataset, settings)));
   }
   heatmaps::check_renders(dataset, settings.rendering);
@@ -197,129 +283,201 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const auto report_begin = [&](unsigned epoch, double done) {
     estimate.begin(epoch, done);
     if (resumes) {
-      spdlog::info("resuming {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
-                   100 * done);
+      spdlog::info("resuming {} in epoch {} of {}, {:.0f} % of it done",
+                   bundle.name(), epoch, settings.training.epochs, 100 * done);
     } else {
-      spdlog::info("training {}: {}", bundle.name(), training_size(dataset, settings));
+      spdlog::info("training {}: {}", bundle.name(),
+                   training_size(dataset, settings));
     }
   };
   model::TrainingSummary summary;
   try {
-    summary = model::train_model(dataset, settings, bundle,
-                                 {.threads = common.threads,
-                                  .resume = resumes,
-                                  .save_every = std::chrono::duration<double>(args.save_every_s),
-                                  .from = from.folder,
-                                  .if_there = state == model::BundleState::missing ? IfThere::refuse : IfThere::replace,
-                                  .begins = report_begin},
-                                 [&estimate](const Progress& progress) { estimate.see(progress); });
-  } catch (const Interrupted&) {
-    if (model::CheckpointFolder::holds_state(model::CheckpointFolder::beside(bundle.folder)))
-      spdlog::warn("{}: interrupted; the same command with --resume resumes it", bundle.folder.string());
+    summary = model::train_model(
+        dataset, settings, bundle,
+        {.threads = common.threads,
+         .resume = resumes,
+         .save_every = std::chrono::duration<double>(args.save_every_s),
+         .from = from.folder,
+         .if_there = state == model::BundleState::missing ? IfThere::refuse
+                                                          : IfThere::replace,
+         .begins = report_begin},
+        [&estimate](const Progress &progress) { estimate.see(progress); });
+  } catch (const Interrupted &) {
+    if (model::CheckpointFolder::holds_state(
+            model::CheckpointFolder::beside(bundle.folder)))
+      spdlog::warn("{}: interrupted; the same command with --resume resumes it",
+                   bundle.folder.string());
     throw;
   }
-  const std::string outcome = state == model::BundleState::missing ? "trained" : "replaced";
+  const std::string outcome =
+      state == model::BundleState::missing ? "trained" : "replaced";
   const model::ModelDescription model = model::read_description(bundle);
   if (resumes && model.threads != common.threads)
-    spdlog::info("resumed with {} threads, as it began: another number changes the last bits", model.threads);
+    spdlog::info("resumed with {} threads, as it began: another number changes "
+                 "the last bits",
+                 model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
-  print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary),
-               text_of(bundle, args, model, outcome, summary));
-  if (made) end_with(made->errors);
+  const model::Temperature temperature =
+      calibrated(args, common, dataset, bundle, model);
+  print_result(common,
+               json_of(bundle, model, outcome, dataset_made, warnings, summary,
+                       temperature),
+               text_of(bundle, args, model, outcome, summary) +
+                   text_of(temperature));
+  if (made)
+    end_with(made->errors);
 }
 
-std::string check_bundle_name(const std::string& name) {
-  const bool plain = !name.empty() && name.front() != '.' && name.find('/') == std::string::npos;
-  return plain ? "" : fmt::format("'{}' is not a name for a model; expected one without '/' and without '.' at the front", name);
+std::string check_bundle_name(const std::string &name) {
+  const bool plain = !name.empty() && name.front() != '.' &&
+                     name.find('/') == std::string::npos;
+  return plain ? ""
+               : fmt::format("'{}' is not a name for a model; expected one "
+                             "without '/' and without '.' at the front",
+                             name);
 }
 
-void add_split_options(Command& command, TrainArguments& args) {
-  command.add_option("data", args.data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
+void add_split_options(Command &command, TrainArguments &args) {
+  command
+      .add_option("data", args.data,
+                  "Data folder with dataset.h5, or a dataset file; a missing "
+                  "dataset is made")
       .show_default();
-  command.add_option("--th", args.history_ms, "History t_h [ms], a whole number of ticks")
+  command
+      .add_option("--th", args.history_ms,
+                  "History t_h [ms], a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
   command
       .add_option("--split", args.split,
-                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
+                  "single-run: train on one run of every object; unseen: on "
+                  "one run of each object that is not held out")
       .check(one_of({"single-run", "unseen"}))
       .show_default();
-  command.add_option("--train-run", args.train_run, "Run of each object to train on; the next one if it has no samples")
+  command
+      .add_option(
+          "--train-run", args.train_run,
+          "Run of each object to train on; the next one if it has no samples")
       .check(is_run())
       .show_default();
   command
       .add_option("--held-out", args.held_out,
-                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
+                  "Objects held out by --split unseen, separated by commas; "
+                  "default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...");
   add_strict_option(command, args.strict);
 }
 
-void add_training_options(Command& command, TrainArguments& args) {
-  command.add_option("--seed", args.training.seed, "Seed of the initial weights and of the sample order")
+void add_training_options(Command &command, TrainArguments &args) {
+  command
+      .add_option("--seed", args.training.seed,
+                  "Seed of the initial weights and of the sample order")
       .check(is_seed())
       .show_default();
-  command.add_option("--epochs", args.training.epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
-  command.add_option("--batch", args.training.batch, "Batch size").check(in_range(1U, 65'536U)).show_default();
-  command.add_option("--lr", args.training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
+  command.add_option("--epochs", args.training.epochs, "Training epochs")
+      .check(in_range(1U, 100'000U))
+      .show_default();
+  command.add_option("--batch", args.training.batch, "Batch size")
+      .check(in_range(1U, 65'536U))
+      .show_default();
+  command.add_option("--lr", args.training.learning_rate, "Learning rate")
+      .check(in_range(1e-12, 10.0))
+      .show_default();
   command
       .add_option("--schedule", args.schedule,
-                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
+                  "Learning rate schedule: constant, cosine (down to 0) or "
+                  "step (to a tenth, then a hundredth)")
       .check(one_of({"constant", "cosine", "step"}))
       .show_default();
-  command.add_option("--optimizer", args.optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
+  command
+      .add_option(
+          "--optimizer", args.optimizer,
+          "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
       .check(one_of({"adam", "adamw", "sgd"}))
       .show_default();
-  command.add_option("--engine", args.engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
+  command
+      .add_option("--engine", args.engine,
+                  "Training engine: fast (tactile's own) or libtorch; they "
+                  "agree up to rounding")
       .check(one_of({"fast", "libtorch"}))
       .show_default();
   command.add_option("--activation", args.activation, "Activation function")
       .check(one_of({"relu", "tanh", "sigmoid"}))
       .show_default();
-  command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
-  command.add_option("--augment", args.augment, "Random augmentation: none, or flip and shift, separated by commas")
+  command.add_option("--pool", args.pool, "Pooling")
+      .check(one_of({"max", "average"}))
+      .show_default();
+  command
+      .add_option(
+          "--augment", args.augment,
+          "Random augmentation: none, or flip and shift, separated by commas")
       .delimiter(',')
       .check(one_of({"none", "flip", "shift"}))
       .show_default();
   command
       .add_option("--class-weights", args.class_weights,
-                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
+                  "Weights of the classes: none (equal samples), balanced "
+                  "(equal classes), or three numbers such as 1,2,1")
       .show_default();
 }
 
-void add_model_options(Command& command, TrainArguments& args) {
+void add_model_options(Command &command, TrainArguments &args) {
   command
       .add_option("--validation", args.validation_share,
-                  "Share of training samples used for validation, the last ones of each class")
+                  "Share of training samples used for validation, the last "
+                  "ones of each class")
       .check(in_range(0.0, 0.5))
       .default_text("0, or 0.2 with --early-stop");
   command
       .add_option("--early-stop", args.training.early_stop,
-                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
+                  "Stop after this many epochs without a lower validation "
+                  "loss, and keep the best weights; 0: never")
       .check(in_range(0U, 100'000U))
       .show_default();
-  command.add_option("--from", args.from, "Start from the weights of this model: a folder, or a name in --models")
+  command
+      .add_option("--from", args.from,
+                  "Start from the weights of this model: a folder, or a name "
+                  "in --models")
       .type_name("MODEL");
+  command
+      .add_option("--calibrate", args.calibrate,
+                  "Fit a temperature of the probabilities on these runs of "
+                  "each object, separated by commas; 'eval' leaves them out")
+      .delimiter(',')
+      .check(is_run())
+      .type_name("RUN,...");
   add_rendering_options(command, args.rendering);
-  command.add_option("--models", args.models, "Folder of models").show_default();
-  command.add_option("--name", args.name, "Name of the model's folder; default: made from history, split, run and seed")
+  command.add_option("--models", args.models, "Folder of models")
+      .show_default();
+  command
+      .add_option("--name", args.name,
+                  "Name of the model's folder; default: made from history, "
+                  "split, run and seed")
       .check(Check{check_bundle_name, ""});
-  command.add_flag("--resume", args.resume, "Resume an interrupted training; the result is the same as without the interruption");
-  command.add_option("--save-every", args.save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
+  command.add_flag("--resume", args.resume,
+                   "Resume an interrupted training; the result is the same as "
+                   "without the interruption");
+  command
+      .add_option(
+          "--save-every", args.save_every_s,
+          "Time between two checkpoints, in addition to one per epoch [s]")
       .check(in_range(0.0, 1e6))
       .show_default();
-  command.add_flag("--force", args.force, "Train again and replace the existing model");
+  command.add_flag("--force", args.force,
+                   "Train again and replace the existing model");
 }
 
-}  // namespace
+} // namespace
 
-void add_train_command(CLI::App& app) {
+void add_train_command(CLI::App &app) {
   auto args = std::make_shared<TrainArguments>();
-  Command command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
-                                [args](const CommonArguments& common) { train(*args, common); });
+  Command command = add_command(
+      app, "train", "Train LeNet on the heatmaps of one run per object",
+      [args](const CommonArguments &common) { train(*args, common); });
   add_split_options(command, *args);
   add_training_options(command, *args);
   add_model_options(command, *args);
 }
 
-}  // namespace tactile::cli
+} // namespace tactile::cli

@@ -9,40 +9,49 @@
 
 namespace tactile::detect {
 
-TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify,
-                           const TickDetectorOptions& options)
-    : sensor_(sensor),
-      options_(options),
-      classify_(std::move(classify)),
-      renderer_(sensor, options.rendering),
-      confirmation_(options.confirmation),
-      heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
-  if (renderer_.size() == input) return;
-  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
-                          renderer_.size().width, renderer_.size().height, input.width, input.height));
+TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input,
+                           ClassifyHeatmap classify,
+                           const TickDetectorOptions &options)
+    : sensor_(sensor), options_(options), classify_(std::move(classify)),
+      renderer_(sensor, options.rendering), confirmation_(options.confirmation),
+      heatmap_(static_cast<std::size_t>(renderer_.size().width) *
+               static_cast<std::size_t>(renderer_.size().height)) {
+  if (renderer_.size() == input)
+    return;
+  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected "
+                          "the {} x {} that the model was trained on",
+                          renderer_.size().width, renderer_.size().height,
+                          input.width, input.height));
 }
 
-TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost) {
+TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped,
+                                     TickCost &cost) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
   renderer_.move_to(t);
   TickVerdict verdict{.t = t, .events = renderer_.events()};
   verdict.gated = options_.gate && verdict.events < *options_.gate;
-  if (!verdict.gated) renderer_.render(std::span(heatmap_));
+  if (!verdict.gated)
+    renderer_.render(std::span(heatmap_));
   const Clock::time_point rendered = Clock::now();
   if (!verdict.gated) {
     const model::Logits logits = classify_(heatmap_);
     verdict.predicted = model::verdict_of(logits);
-    verdict.probabilities = model::probabilities_of(logits);
+    verdict.probabilities =
+        model::probabilities_of(logits, options_.temperature);
   }
-  for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
+  for (std::uint64_t i =
+           std::min<std::uint64_t>(skipped, options_.confirmation.of);
+       i > 0; --i)
+    confirmation_.next(Touch::none);
   verdict.verdict = confirmation_.next(verdict.predicted);
   cost = {.rendering = rendered - begun, .network = Clock::now() - rendered};
   return verdict;
 }
 
 bool TickDetector::rehearse() {
-  if (options_.gate && renderer_.events() < *options_.gate) return false;
+  if (options_.gate && renderer_.events() < *options_.gate)
+    return false;
   renderer_.render(std::span(heatmap_));
   classify_(heatmap_);
   return true;
@@ -53,4 +62,4 @@ void TickDetector::restart() {
   confirmation_.restart();
 }
 
-}  // namespace tactile::detect
+} // namespace tactile::detect

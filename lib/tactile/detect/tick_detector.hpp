@@ -14,56 +14,71 @@
 namespace tactile::detect {
 
 /// Runs the network: the logits of one heatmap of the network's input size.
-using ClassifyHeatmap = std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
+using ClassifyHeatmap =
+    std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
 
 /// The verdict at one tick, and what led to it.
 struct TickVerdict {
   CameraTime t{};
-  std::uint64_t events = 0;                     ///< in [t_c - t_h, t_c)
-  model::Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
-  Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation
-  Touch verdict = Touch::none;                  ///< after confirmation
-  bool gated = false;                           ///< fewer events than the gate's limit: none, without rendering or network
+  std::uint64_t events = 0; ///< in [t_c - t_h, t_c)
+  model::Probabilities probabilities{
+      1, 0, 0}; ///< of none, press, slip; {1, 0, 0} if gated
+  Touch predicted =
+      Touch::none; ///< by gate or network at this tick, before confirmation
+  Touch verdict = Touch::none; ///< after confirmation
+  bool gated = false; ///< fewer events than the gate's limit: none, without
+                      ///< rendering or network
 };
 
 /// The computing time of one tick.
 struct TickCost {
-  std::chrono::nanoseconds rendering{0};  ///< moving the window, and the heatmap
-  std::chrono::nanoseconds network{0};    ///< with confirmation
+  std::chrono::nanoseconds rendering{0}; ///< moving the window, and the heatmap
+  std::chrono::nanoseconds network{0};   ///< with confirmation
 };
 
 struct TickDetectorOptions {
   heatmaps::HeatmapOptions rendering;
   Confirmation confirmation{};
-  std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network runs
+  std::optional<std::uint64_t> gate =
+      std::nullopt; ///< least number of events in t_h for which the network
+                    ///< runs
+  double temperature = 1; ///< of the probabilities, > 0
 };
 
-/// Verdicts from events, tick by tick, with the renderer, gate, network and confirmation of `eval`: the same events give the same
-/// verdicts. Allocates memory only for a history with more events than any before.
+/// Verdicts from events, tick by tick, with the renderer, gate, network and
+/// confirmation of `eval`: the same events give the same verdicts. Allocates
+/// memory only for a history with more events than any before.
 class TickDetector {
- public:
+public:
   /// @param input  size of the network's input
-  /// @throws Error  if this sensor's heatmaps are of another size, or as HeatmapRenderer
-  TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
+  /// @throws Error  if this sensor's heatmaps are of another size, or as
+  /// HeatmapRenderer
+  TickDetector(events::SensorSize sensor, events::SensorSize input,
+               ClassifyHeatmap classify, const TickDetectorOptions &options);
 
-  void add(std::span<const events::Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
+  void add(std::span<const events::Event> events) {
+    renderer_.add(events);
+  } ///< @throws Error as HeatmapRenderer
 
-  /// Counts the events so far of the history that ends at `t`, and forgets earlier ones. This leaves less work for the verdict at
-  /// `t` or a later tick, and changes no verdict.
+  /// Counts the events so far of the history that ends at `t`, and forgets
+  /// earlier ones. This leaves less work for the verdict at `t` or a later
+  /// tick, and changes no verdict.
   void count_ahead(CameraTime t) { renderer_.move_to(t); }
 
-  /// Renders and runs the network without use, so that weights and code are in the cache for the next verdict. Changes no
-  /// verdict.
-  /// @return  false, and nothing is done, if the events are fewer than the gate's limit
+  /// Renders and runs the network without use, so that weights and code are in
+  /// the cache for the next verdict. Changes no verdict.
+  /// @return  false, and nothing is done, if the events are fewer than the
+  /// gate's limit
   bool rehearse();
 
-  /// The verdict at the tick `t`, which is later than the last one. Skipped ticks in between count as none.
-  TickVerdict verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost);
+  /// The verdict at the tick `t`, which is later than the last one. Skipped
+  /// ticks in between count as none.
+  TickVerdict verdict_at(CameraTime t, std::uint64_t skipped, TickCost &cost);
 
   /// Forgets all events and verdicts: the next events may have any time.
   void restart();
 
- private:
+private:
   events::SensorSize sensor_;
   TickDetectorOptions options_;
   ClassifyHeatmap classify_;
@@ -72,4 +87,4 @@ class TickDetector {
   std::vector<std::uint8_t> heatmap_;
 };
 
-}  // namespace tactile::detect
+} // namespace tactile::detect

@@ -16,27 +16,33 @@ namespace {
 
 /// Engines for concurrent threads: each thread takes one and returns it.
 class Engines {
- public:
+public:
   explicit Engines(LeNetEngine first) { idle_.push_back(std::move(first)); }
 
-  std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps, events::SensorSize size, unsigned threads) {
-    constexpr std::size_t share = 32;  // heatmaps per piece of work
+  std::vector<Logits> logits(std::span<const std::uint8_t> heatmaps,
+                             events::SensorSize size, unsigned threads) {
+    constexpr std::size_t share = 32; // heatmaps per piece of work
     std::vector<Logits> logits(heatmap_count(heatmaps, size));
-    const std::size_t cells = logits.empty() ? 0 : heatmaps.size() / logits.size();
-    parallel_for((logits.size() + share - 1) / share, threads, [&](std::size_t i) {
-      LeNetEngine engine = take();
-      for (std::size_t k = i * share; k < std::min((i + 1) * share, logits.size()); ++k)
-        logits[k] = engine.classify(heatmaps.subspan(k * cells, cells));
-      give_back(std::move(engine));
-    });
+    const std::size_t cells =
+        logits.empty() ? 0 : heatmaps.size() / logits.size();
+    parallel_for(
+        (logits.size() + share - 1) / share, threads, [&](std::size_t i) {
+          LeNetEngine engine = take();
+          for (std::size_t k = i * share;
+               k < std::min((i + 1) * share, logits.size()); ++k)
+            logits[k] = engine.classify(heatmaps.subspan(k * cells, cells));
+          give_back(std::move(engine));
+        });
     return logits;
   }
 
- private:
-  /// Copies the last idle engine instead of taking it, so there is always one to copy.
+private:
+  /// Copies the last idle engine instead of taking it, so there is always one
+  /// to copy.
   LeNetEngine take() {
     const std::scoped_lock lock(guard_);
-    if (idle_.size() == 1) return idle_.front();
+    if (idle_.size() == 1)
+      return idle_.front();
     LeNetEngine engine = std::move(idle_.back());
     idle_.pop_back();
     return engine;
@@ -51,55 +57,76 @@ class Engines {
   std::vector<LeNetEngine> idle_;
 };
 
-}  // namespace
+} // namespace
 
-Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, const EngineOptions& options)
-    : Classifier(bundle, threads, EngineKind::fast, [&](const ModelDescription& model, const Weights& weights) {
-        const auto engines = std::make_shared<Engines>(LeNetEngine(model.input, weights, model.settings.network, options));
-        return [engines, size = model.input](std::span<const std::uint8_t> heatmaps, unsigned on_threads) {
-          return engines->logits(heatmaps, size, on_threads);
-        };
-      }) {}
+Classifier::Classifier(const std::filesystem::path &bundle, unsigned threads,
+                       const EngineOptions &options)
+    : Classifier(bundle, threads, EngineKind::fast,
+                 [&](const ModelDescription &model, const Weights &weights) {
+                   const auto engines = std::make_shared<Engines>(LeNetEngine(
+                       model.input, weights, model.settings.network, options));
+                   return [engines, size = model.input](
+                              std::span<const std::uint8_t> heatmaps,
+                              unsigned on_threads) {
+                     return engines->logits(heatmaps, size, on_threads);
+                   };
+                 }) {}
 
-Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
-                       const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network)
+Classifier::Classifier(
+    const std::filesystem::path &bundle, unsigned threads, EngineKind engine,
+    const std::function<ClassifyHeatmaps(const ModelDescription &,
+                                         const Weights &)> &make_network)
     : bundle_{bundle.filename().empty() ? bundle.parent_path() : bundle},
       description_(read_description(bundle_)),
-      threads_(threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency())),
+      temperature_(read_temperature(bundle_, description_)),
+      threads_(threads > 0 ? threads
+                           : std::max(1U, std::thread::hardware_concurrency())),
       engine_(engine) {
   const Weights weights = read_bundle_weights(bundle_, description_);
   json_ = read_json(bundle_.description());
   try {
     network_ = make_network(description_, weights);
-  } catch (const Error& e) {
+  } catch (const Error &e) {
     throw Error(bundle_.folder.string() + ": " + e.what());
   }
 }
 
-std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps) const { return classify(heatmaps, threads_); }
+std::vector<Logits>
+Classifier::classify(std::span<const std::uint8_t> heatmaps) const {
+  return classify(heatmaps, threads_);
+}
 
-std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
+std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps,
+                                         unsigned threads) const {
   try {
     return network_(heatmaps, threads);
-  } catch (const Error& e) {
+  } catch (const Error &e) {
     throw Error(bundle().string() + ": " + e.what());
   }
 }
 
-std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps) const { return verdicts(heatmaps, threads_); }
+std::vector<Touch>
+Classifier::verdicts(std::span<const std::uint8_t> heatmaps) const {
+  return verdicts(heatmaps, threads_);
+}
 
-std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
+std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps,
+                                        unsigned threads) const {
   const auto logits = classify(heatmaps, threads);
   std::vector<Touch> verdicts(logits.size());
   std::transform(logits.begin(), logits.end(), verdicts.begin(), verdict_of);
   return verdicts;
 }
 
-std::vector<Probabilities> Classifier::probabilities(std::span<const std::uint8_t> heatmaps) const {
+std::vector<Probabilities>
+Classifier::probabilities(std::span<const std::uint8_t> heatmaps) const {
   const auto logits = classify(heatmaps);
   std::vector<Probabilities> probabilities(logits.size());
-  std::transform(logits.begin(), logits.end(), probabilities.begin(), probabilities_of);
+  std::transform(logits.begin(), logits.end(), probabilities.begin(),
+                 [this](const Logits &of) {
+                   return probabilities_of(of, temperature_.value);
+                 });
   return probabilities;
 }
 
-}  // namespace tactile::model
+} // namespace tactile::model

@@ -9,7 +9,7 @@
 
 #include "tactile/events/event.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
@@ -17,50 +17,71 @@
 namespace tactile::model {
 
 /// The logits of consecutive heatmaps. Must be thread-safe.
-using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::uint8_t> heatmaps, unsigned threads)>;
+using ClassifyHeatmaps = std::function<std::vector<Logits>(
+    std::span<const std::uint8_t> heatmaps, unsigned threads)>;
 
 /// A trained LeNet with the settings of its training.
 class Classifier {
- public:
-  /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
+public:
+  /// Opens the model bundle `models/<name>/` with the fast engine;
+  /// `open_classifier` offers libtorch too.
   /// @param threads  0: one per core; the logits do not depend on it
-  /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
-  ///                 that are not finite; if the fast engine does not support its layers
-  explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
+  /// @throws Error   if it is missing, incomplete or damaged: another format,
+  /// or weights with another hash, other sizes or values
+  ///                 that are not finite; if the fast engine does not support
+  ///                 its layers
+  explicit Classifier(const std::filesystem::path &bundle, unsigned threads = 0,
+                      const EngineOptions &options = {});
 
   /// The same with another engine.
-  /// @param make_network  makes the network from the bundle's description and weights
-  Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
-             const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network);
+  /// @param make_network  makes the network from the bundle's description and
+  /// weights
+  Classifier(const std::filesystem::path &bundle, unsigned threads,
+             EngineKind engine,
+             const std::function<ClassifyHeatmaps(
+                 const ModelDescription &, const Weights &)> &make_network);
 
-  const std::filesystem::path& bundle() const { return bundle_.folder; }
-  const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json
-  const ModelDescription& model() const { return description_; }  ///< the same as a struct
-  const heatmaps::HeatmapOptions& rendering() const { return description_.settings.rendering; }
+  const std::filesystem::path &bundle() const { return bundle_.folder; }
+  const nlohmann::json &description() const {
+    return json_;
+  } ///< the bundle's model.json
+  const ModelDescription &model() const {
+    return description_;
+  } ///< the same as a struct
+  const heatmaps::HeatmapOptions &rendering() const {
+    return description_.settings.rendering;
+  }
   events::SensorSize input_size() const { return description_.input; }
   EngineKind engine() const { return engine_; }
+  const Temperature &temperature() const {
+    return temperature_;
+  } ///< of its probabilities
 
   /// Thread-safe.
   /// @param heatmaps  [n, height, width] of `input_size()`
   /// @return  n times the logits of none, press, slip
   /// @throws Error  if the size is not a whole number of heatmaps
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
-  std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
+  std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps,
+                               unsigned threads) const;
 
   /// The verdicts for heatmaps, with the same parameters. Thread-safe.
   std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps) const;
-  std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
+  std::vector<Touch> verdicts(std::span<const std::uint8_t> heatmaps,
+                              unsigned threads) const;
 
   /// The probabilities for heatmaps, with the same parameters. Thread-safe.
-  std::vector<Probabilities> probabilities(std::span<const std::uint8_t> heatmaps) const;
+  std::vector<Probabilities>
+  probabilities(std::span<const std::uint8_t> heatmaps) const;
 
- private:
+private:
   ModelBundle bundle_;
   nlohmann::json json_;
   ModelDescription description_;
+  Temperature temperature_;
   unsigned threads_;
   EngineKind engine_;
   ClassifyHeatmaps network_;
 };
 
-}  // namespace tactile::model
+} // namespace tactile::model
