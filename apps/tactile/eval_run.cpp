@@ -116,16 +116,7 @@ nlohmann::json json_of(const evaluation::RunPrediction& prediction, const model:
                       {"png", stem.string() + ".png"},
                       {"svg", stem.string() + ".svg"},
                       {"intervals", nlohmann::json::array()}};
-  for (const results::Detection& detection : prediction.detections) {
-    const bool detected = detection.outcome == results::DetectionOutcome::detected;
-    json["intervals"].push_back({{"class", name_of(detection.interval.touch)},
-                                 {"start_us", us_of(detection.interval.start)},
-                                 {"end_us", us_of(detection.interval.end)},
-                                 {"outcome", detected                                                 ? "detected"
-                                             : detection.outcome == results::DetectionOutcome::missed ? "missed"
-                                                                                                      : "early"},
-                                 {"delay_ms", detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}});
-  }
+  for (const results::Detection& detection : prediction.detections) json["intervals"].push_back(detection);
   json["false_alarms"] = prediction.truth.labels.empty() ? nlohmann::json() : nlohmann::json(prediction.false_alarms.alarms);
   return json;
 }

@@ -7,21 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "eval_detection_tables.hpp"
+#include "figure_text.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
 namespace {
 
 using Row = std::vector<std::string>;
-
-std::string percent(const results::Figure& figure) {
-  return std::isfinite(figure.value) ? fmt::format("{:.2f}", 100 * figure.value) : "-";
-}
-
-/// "[lower, upper]", both times `scale`.
-std::string bounds(const results::Figure& figure, double scale) {
-  return figure.low ? fmt::format("[{:.2f}, {:.2f}]", scale * *figure.low, scale * *figure.high) : "-";
-}
 
 std::string baselines_not_below(const results::Evaluation& evaluation) {
   std::string names;
@@ -30,12 +23,6 @@ std::string baselines_not_below(const results::Evaluation& evaluation) {
   }
   return names;
 }
-
-std::string number(const results::Figure& figure) {
-  return std::isfinite(figure.value) ? fmt::format("{:.2f}", figure.value) : "-";
-}
-
-std::string misses_and_early(const results::DelaySummary& delay) { return fmt::format("{} + {}", delay.misses, delay.early); }
 
 std::string accuracy_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
@@ -78,8 +65,11 @@ std::string classes_text(const results::Evaluation& evaluation) {
   }
   return text_table({"true \\ predicted", "none", "press", "slip"}, rows) + "\n" +
          text_table({"[%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
-         wrapped(fmt::format("Expected calibration error of the network's probabilities: {} % {}.",
-                             percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100))) +
+         wrapped(fmt::format("Expected calibration error of the network's probabilities: {} % {} on balanced samples, {} % {} at "
+                             "every tick of whole runs, with their shares of the classes.",
+                             percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100),
+                             percent(evaluation.whole_run_calibration.error),
+                             bounds(evaluation.whole_run_calibration.error, 100))) +
          "\n\n";
 }
 
@@ -138,11 +128,15 @@ std::string gate_text(const results::Evaluation& evaluation) {
       return misses_and_early((score.*table).all);
     });
   }
-  add("false alarms", [](const results::Accuracy&, const results::DetectorScore& score) {
-    return std::to_string(score.false_alarms.total.alarms);
+  add("false alarms outside labels", [](const results::Accuracy&, const results::DetectorScore& score) {
+    return std::to_string(score.false_alarms.total.outside_labels);
   });
-  add("false alarms per min",
-      [](const results::Accuracy&, const results::DetectorScore& score) { return number(score.false_alarms.per_min); });
+  add("false alarms outside labels per min", [](const results::Accuracy&, const results::DetectorScore& score) {
+    return number(score.false_alarms.outside_labels_per_min);
+  });
+  add("wrong class per min of labels", [](const results::Accuracy&, const results::DetectorScore& score) {
+    return number(score.false_alarms.wrong_class_per_min);
+  });
   const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
   return text_table({fmt::format("gate: none below {} events", off.limit), "on", "off"}, rows) +
          fmt::format("The gate skips the network at {:.1f} % of {} ticks.\n\n", share, off.ticks);
@@ -150,8 +144,7 @@ std::string gate_text(const results::Evaluation& evaluation) {
 
 constexpr const char* operating_legend =
     "threshold: press or slip, whichever is likelier, is predicted from this probability on. m + e: missed + early intervals; "
-    "alarms: "
-    "false alarms.";
+    "alarms: false alarms outside labels; wrong: episodes of the wrong class per minute of labelled time.";
 
 std::string operating_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
@@ -160,82 +153,11 @@ std::string operating_text(const results::Evaluation& evaluation) {
     const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
     if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
     rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
-                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.false_alarms_per_min),
-                    bounds(point.false_alarms_per_min, 1)});
+                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.outside_labels_per_min),
+                    bounds(point.outside_labels_per_min, 1), number(point.wrong_class_per_min)});
   }
-  return text_table({"threshold", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %"}, rows) +
+  return text_table({"threshold", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %", "wrong/min"}, rows) +
          wrapped(operating_legend) + "\n";
-}
-
-constexpr const char* delay_legend =
-    "The best possible delay is one tick. The mean is over detected intervals. misses: not detected within 500 ms or the "
-    "interval; "
-    "early: predicted long before the interval. 95 %: bootstrap interval; sem: standard error of the mean; -: too few intervals. "
-    "In "
-    "brackets: trivial detectors, which ignore the events; fast detection by chance costs false alarms. From gross slip: below 0 "
-    "where slip is predicted before it.";
-
-constexpr const char* false_alarm_legend =
-    "A false alarm begins in no interval. Alarms within the guard after an interval, and alarms in unlabelled motion, are "
-    "counted "
-    "separately. An alarm counts once, however long it lasts: a detector that always predicts one class has one per run. "
-    "minutes: "
-    "total time without touch, and of the other two kinds. The interval per minute also allows for few alarms in a short time.";
-
-Row delay_row(const std::string& name, const results::DelaySummary& delay) {
-  return {name,
-          number(delay.mean_ms),
-          bounds(delay.mean_ms, 1),
-          std::isfinite(delay.sem_ms) ? fmt::format("{:.2f}", delay.sem_ms) : "-",
-          number(delay.median_ms),
-          std::to_string(delay.intervals),
-          std::to_string(delay.misses),
-          std::to_string(delay.early)};
-}
-
-std::string delay_text(const std::string& title, const results::DelayTable& network,
-                       const std::vector<std::pair<std::string, const results::DelayTable*>>& others) {
-  std::vector<Row> rows;
-  for (const auto& [name, delay] : network.objects) rows.push_back(delay_row(name, delay));
-  rows.push_back(delay_row("all", network.all));
-  for (const auto& [name, table] : others) rows.push_back(delay_row(name, table->all));
-  return text_table({title, "mean", "95 %", "sem", "median", "of", "misses", "early"}, rows) + "\n";
-}
-
-std::string delays_text(const results::Evaluation& evaluation) {
-  std::vector<std::pair<std::string, const results::DelayTable*>> press, slip;
-  for (const auto& [name, score] : evaluation.trivial) {
-    press.emplace_back("(" + name + ")", &score.press);
-    slip.emplace_back("(" + name + ")", &score.slip);
-  }
-  if (evaluation.truth) {
-    press.emplace_back("from the true onset", &evaluation.truth->press);
-    slip.emplace_back("from the true onset", &evaluation.truth->slip);
-    slip.emplace_back("from gross slip", &evaluation.truth->gross_slip);
-  }
-  return delay_text("delay of press [ms]", evaluation.network.press, press) +
-         delay_text("delay of slip [ms]", evaluation.network.slip, slip) + wrapped(delay_legend) + "\n\n";
-}
-
-std::string false_alarms_text(const results::Evaluation& evaluation) {
-  std::vector<Row> rows;
-  const auto add = [&](const std::string& name, const results::FalseAlarmTable& table) {
-    const results::FalseAlarms& total = table.total;
-    rows.push_back({name, number(table.per_min), bounds(table.per_min, 1), std::to_string(total.alarms),
-                    std::to_string(total.after_intervals), std::to_string(total.unlabelled)});
-  };
-  const auto add_minutes = [&](const std::string& name, const results::FalseAlarmTable& table) {
-    const auto minutes = [](microseconds us) { return fmt::format("{:.3f}", static_cast<double>(us.count()) / 60e6); };
-    const results::FalseAlarms& total = table.total;
-    rows.push_back({name, "", "", minutes(total.none_time), minutes(total.after_intervals_time), minutes(total.unlabelled_time)});
-  };
-  add("network", evaluation.network.false_alarms);
-  if (evaluation.truth) add("network, by the truth", evaluation.truth->false_alarms);
-  for (const auto& [name, score] : evaluation.trivial) add("(" + name + ")", score.false_alarms);
-  add_minutes("minutes", evaluation.network.false_alarms);
-  if (evaluation.truth) add_minutes("minutes, by the truth", evaluation.truth->false_alarms);
-  return text_table({"false alarms", "per min", "95 %", "alarms", "after", "unlabelled"}, rows) + wrapped(false_alarm_legend) +
-         "\n\n";
 }
 
 std::string engine_text(const results::Evaluation& evaluation) {
@@ -254,8 +176,8 @@ std::string text_of(const results::Evaluation& evaluation) {
   if (evaluation.confirm != "1/1") title += ", confirmed in " + evaluation.confirm + " ticks";
   if (evaluation.gate_off) title += ", gated";
   return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
-         delays_text(evaluation) + false_alarms_text(evaluation) + gate_text(evaluation) + over_time_text(evaluation) +
-         operating_text(evaluation) + engine_text(evaluation);
+         delays_text(evaluation) + false_alarms_text(evaluation) + labels_text(evaluation) + gate_text(evaluation) +
+         over_time_text(evaluation) + operating_text(evaluation) + engine_text(evaluation);
 }
 
 std::string text_of(const results::UnseenComparison& comparison, bool simulated) {

@@ -34,6 +34,9 @@ class Run:
         doubt = {flag["interval"] for flag in labels["flags"] if not flag["confirmed"]}
         self.labels = [(i["class"], i["start_us"], i["end_us"]) for i in labels["intervals"]]
         self.used = [interval for k, interval in enumerate(self.labels) if k not in doubt]
+        # Releases, and from each end until its 95 % interval is over.
+        self.unclear = [("none", i["start_us"], i["end_us"]) for i in labels.get("releases", [])]
+        self.unclear += [("none", i["end_us"], i["end_high_us"]) for i in labels["intervals"]]
         self.truth, self.unlabelled = None, []
         file = os.path.join(data, name, "truth.json")
         if os.path.exists(file):
@@ -80,6 +83,67 @@ def detect(t, tick, said, interval):
             return "detected", time - first_after + tick, leading
         time += tick
     return "missed", None, leading
+
+
+def detected_by(found, ms):
+    """Kaplan-Meier's share of intervals detected within ms: found has (interval, detection) of each."""
+    times = []
+    for (what, start, end), (outcome, delay, leading) in found:
+        if outcome == "missed":
+            times.append((min(end - start, WINDOW) / 1000, 0))
+        else:
+            times.append((0 if outcome == "early" or leading is not None else delay / 1000, 1))
+    left = 1.0
+    for time in sorted({time for time, event in times if event and time <= ms}):
+        at_risk = sum(other >= time for other, _ in times)
+        left *= 1 - sum(event for other, event in times if other == time) / at_risk
+    return 1 - left
+
+
+def quantile_of_all(found, q):
+    times = sorted((min(i[2] - i[1], WINDOW) if d[0] == "missed" else 0 if d[0] == "early" or d[2] is not None else d[1]) / 1000 for i, d in found)
+    value = times[max(1, math.ceil(q * len(times))) - 1]
+    within = sum(d[0] == "early" or (d[0] == "detected" and (0 if d[2] is not None else d[1] / 1000) <= value) for _, d in found)
+    return value, within < math.ceil(q * len(times))
+
+
+def episodes_of(said):
+    begins = [k for k in range(len(said)) if said[k] != "none" and (k == 0 or said[k - 1] != said[k])]
+    for begin in begins:
+        end = begin
+        while end < len(said) and said[end] == said[begin]:
+            end += 1
+        yield said[begin], begin, end
+
+
+def alarm_forms(t, tick, said, intervals, scored, unlabelled, found, guard):
+    """Counts and times [us] of the three forms, and of the wrong class."""
+    outside = [not any(inside(time, i) for i in intervals) for time in t]
+    without_motion = [out and not any(inside(time, i) for i in unlabelled) for out, time in zip(outside, t)]
+    quiet = [free and not any(i[2] < time <= i[2] + guard for i in intervals) for free, time in zip(without_motion, t)]
+    forms = {"outside_labels": [0, tick * sum(outside)], "outside_motion": [0, tick * sum(without_motion)]}
+    for what, begin, end in episodes_of(said):
+        led = [outcome for outcome, _, leading in found if leading == begin]
+        for name, wanted in (("outside_labels", outside), ("outside_motion", without_motion)):
+            ticks = sum(wanted[begin:end])
+            if "early" in led or ("detected" not in led and wanted[begin]):
+                forms[name][0] += max(1, -(-ticks * tick // WINDOW))
+            else:
+                forms[name][0] += ticks * tick // WINDOW
+    wrong, wrong_time, labelled = 0, 0, 0
+    for interval in scored:
+        held = [inside(time, interval) for time in t]
+        labelled += tick * sum(held)
+        for what, begin, end in episodes_of(said):
+            time = tick * sum(held[begin:end])
+            if what == interval[0] or time == 0:
+                continue
+            wrong_time += time
+            if held[begin] or time > guard:
+                wrong += -(-time // WINDOW)
+    forms["wrong_class"] = [wrong, labelled]
+    alarm = tick * sum(free and what != "none" for free, what in zip(quiet, said))
+    return forms, (alarm, tick * sum(quiet)), wrong_time
 
 
 def false_alarms(t, tick, said, intervals, unlabelled, found, guard):
@@ -156,6 +220,18 @@ def compare_delays(check, name, runs, found, theirs):
             check.same(where + ": median", float(np.median(delays)) if delays else None, entry["median"]["value"])
             sem = float(np.std(delays, ddof=1) / math.sqrt(len(delays))) if len(delays) > 1 else None
             check.same(where + ": sem", sem, entry["sem"])
+            here = [(i, d) for k, run in enumerate(runs) for i, d in found[k] if i[0] == what and which in (None, run.object)]
+            if not here:
+                continue
+            check.same(where + ": share of misses", np.mean([d[0] == "missed" for _, d in here]), entry["missed"]["value"])
+            ahead = sum(d[0] == "detected" and d[2] is not None for _, d in here)
+            check.same(where + ": head starts", ahead, entry["head_starts"])
+            for q, key in ((0.5, "median_of_all"), (0.9, "p90_of_all")):
+                value, is_bound = quantile_of_all(here, q)
+                check.same(f"{where}: {key}", value, entry[key]["value"])
+                check.same(f"{where}: {key} is a bound", int(is_bound), int(entry[key]["is_lower_bound"]))
+            for point in entry.get("detected_within", []):
+                check.same(f"{where}: within {point['ms']} ms", detected_by(here, point["ms"]), point["share"]["value"])
 
 
 def compare_false_alarms(check, name, results, theirs):
@@ -167,6 +243,17 @@ def compare_false_alarms(check, name, results, theirs):
     for zone, key in (("after", "after_intervals"), ("unlabelled", "unlabelled")):
         check.same(f"{name}, {key}", total[zone], theirs[key]["count"])
         check.same(f"{name}, time {key}", minutes[zone], theirs[key]["min"])
+
+
+def compare_forms(check, name, forms, theirs):
+    for form in ("outside_labels", "outside_motion", "wrong_class"):
+        count, time = (sum(of_run[0][form][i] for of_run in forms) for i in (0, 1))
+        check.same(f"{name}, {form}", count, theirs[form]["count"])
+        check.same(f"{name}, minutes of {form}", time / 60e6, theirs[form]["min"])
+        check.same(f"{name}, {form} per minute", share(count, time / 60e6), theirs[form]["per_min"]["value"])
+    alarm, quiet = (sum(of_run[1][i] for of_run in forms) for i in (0, 1))
+    check.same(f"{name}, none in alarm", share(alarm, quiet), theirs["none_in_alarm"]["share"]["value"])
+    check.same(f"{name}, time of the wrong class", sum(of_run[2] for of_run in forms) / 60e6, theirs["wrong_class"]["wrong_min"])
 
 
 def compare_over_time(check, name, runs, intervals_of, elsewhere_of, theirs):
@@ -251,16 +338,30 @@ def main():
     error = sum(abs(right[bins == b].mean() - confidence[bins == b].mean()) * np.mean(bins == b) for b in range(15) if np.any(bins == b))
     check.same("calibration error", float(error), theirs["calibration"]["ece"]["value"])
 
+    sure = [(run.p[k].max(), CLASSES[int(np.argmax(run.p[k]))] == class_at(run.t[k], run.used))
+            for run in runs for k in range(len(run.t))
+            if class_at(run.t[k], run.used) != "none" or not any(inside(run.t[k], i) for i in run.unclear + run.labels)]
+    confidence, right = (np.array(column, float) for column in zip(*sure))
+    bins = np.clip(np.searchsorted(edges, confidence, side="left") - 1, 0, 14)
+    error = sum(abs(right[bins == b].mean() - confidence[bins == b].mean()) * np.mean(bins == b) for b in range(15) if np.any(bins == b))
+    check.same("calibration error of whole runs", float(error), theirs["calibration_whole_runs"]["ece"]["value"])
+
     found = [[(i, detect(run.t, tick, run.said, i)) for i in run.used] for run in runs]
     compare_delays(check, "delay", runs, found, theirs["delay_ms"])
     alarms = [false_alarms(run.t, tick, run.said, run.labels, run.unlabelled, [d for _, d in of_run], guard)
               for run, of_run in zip(runs, found)]
     compare_false_alarms(check, "false alarms", alarms, theirs["false_alarms"])
+    forms = [alarm_forms(run.t, tick, run.said, run.labels, run.used, run.unlabelled, [d for _, d in of_run], guard)
+             for run, of_run in zip(runs, found)]
+    compare_forms(check, "false alarms", forms, theirs["false_alarms"])
     compare_over_time(check, "accuracy over time", runs, lambda run: run.used, lambda run: run.labels + run.unlabelled, theirs["over_time"])
 
     for always in CLASSES[1:]:
         met = [[(i, detect(run.t, tick, [always] * len(run.t), i)) for i in run.used] for run in runs]
         compare_delays(check, f"delay of always_{always}", runs, met, theirs["trivial"][f"always_{always}"]["delay_ms"])
+        forms = [alarm_forms(run.t, tick, [always] * len(run.t), run.labels, run.used, run.unlabelled, [d for _, d in of_run], guard)
+                 for run, of_run in zip(runs, met)]
+        compare_forms(check, f"false alarms of always_{always}", forms, theirs["trivial"][f"always_{always}"]["false_alarms"])
 
     for point in theirs["operating_curve"]:
         results = {what: [] for what in CLASSES[1:]}

@@ -4,11 +4,13 @@
 
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include "evaluation/trained_model.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/labels/labels.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::evaluation {
@@ -217,6 +219,43 @@ TEST(Evaluation, IsReadBackAsItIsWritten) {
   ASSERT_FALSE(json.at("gate").is_null());
   ASSERT_TRUE(json.contains("accuracy_true"));
   EXPECT_EQ(nlohmann::json(results::JsonView(json, "eval.json").get<results::Evaluation>()), json);
+}
+
+TEST(Evaluation, JudgesFlaggedRunsAndIntervalsApart) {
+  const auto flag = [](const std::filesystem::path& data) {
+    for (const auto& [run, interval] :
+         {std::pair("fan/03", std::optional<std::size_t>{}), std::pair("usb-hub/02", std::optional<std::size_t>{1})}) {
+      labels::Labels labels = labels::read_labels(data / run / "labels.json");
+      labels.flags.push_back({interval, "in doubt", false});
+      labels::write_labels(data / run / "labels.json", labels);
+    }
+  };
+  const Trained trained({"fan", "usb-hub"}, 3, 4, flag);
+  const windows::Dataset dataset(trained.file);
+  const results::Evaluation evaluation =
+      evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+  ASSERT_TRUE(evaluation.with_flagged);
+  EXPECT_EQ(evaluation.with_flagged->runs, std::vector<std::string>{"fan/03"});
+  EXPECT_EQ(evaluation.with_flagged->press.intervals, evaluation.network.press.all.intervals + 1) << "that of fan/03";
+  // A run without unflagged slip may be no test run at all; where it is one, its slip is judged here only.
+  EXPECT_GE(evaluation.with_flagged->slip.intervals, evaluation.network.slip.all.intervals + 1);
+  EXPECT_GT(evaluation.with_flagged->accuracy.value, 0.5);
+
+  const Trained plain({"fan", "usb-hub"});
+  const windows::Dataset unflagged(plain.file);
+  EXPECT_FALSE(evaluate(unflagged, model::Classifier(plain.bundle.folder, 1), test_runs(unflagged), {.threads = 1}).with_flagged);
+}
+
+TEST(Evaluation, HasCalibrationOfEveryTickOfASureClass) {
+  const Trained trained;
+  const windows::Dataset dataset(trained.file);
+  const results::Evaluation evaluation =
+      evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
+  std::uint64_t ticks = 0, samples = 0;
+  for (const results::ReliabilityBin& bin : evaluation.whole_run_calibration.bins) ticks += bin.samples;
+  for (const results::ReliabilityBin& bin : evaluation.calibration.bins) samples += bin.samples;
+  EXPECT_EQ(ticks, evaluation.ticks) << "labels are exact here, and none is in doubt";
+  EXPECT_EQ(samples, evaluation.confusion.samples());
 }
 
 TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {

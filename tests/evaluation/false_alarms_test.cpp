@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "support/verdict_row.hpp"
@@ -104,6 +105,108 @@ TEST(FalseAlarms, AreCountedAtBothEndsOfTheClock) {
     EXPECT_EQ(found.none_time, 6ms) << first;
     EXPECT_EQ(found.after_intervals_time, 4ms) << first;
   }
+}
+
+/// 20 s: a press from 2 to 3 s, a slip from 4 to 6 s; 17 s outside of both, 3 s in them.
+struct LongRun {
+  static constexpr std::size_t ticks = 10'000;
+  std::vector<TouchInterval> intervals{interval_ms(Touch::press, 2000, 3000), interval_ms(Touch::slip, 4000, 6000)};
+
+  results::FalseAlarms alarms_of(const std::vector<Touch>& verdicts, std::vector<TouchInterval> unlabelled = {},
+                                 std::vector<TouchInterval> releases = {}) const {
+    const auto detections = detections_of(ticks_of(verdicts), verdicts, intervals);
+    return false_alarms_of(ticks_of(verdicts), verdicts, {intervals, releases, unlabelled, 100ms}, detections);
+  }
+  /// One class from tick to tick, in milliseconds; else none.
+  static std::vector<Touch> only(Touch touch, std::vector<std::pair<std::size_t, std::size_t>> stretches_ms) {
+    std::vector<Touch> verdicts(ticks, Touch::none);
+    for (const auto& [from, to] : stretches_ms) std::fill(verdicts.begin() + from / 2, verdicts.begin() + to / 2, touch);
+    return verdicts;
+  }
+};
+
+TEST(FalseAlarmForms, OfADetectorStuckOnOneClassAreManyInAll) {
+  for (const Touch stuck : {Touch::press, Touch::slip}) {
+    const results::FalseAlarms found = LongRun().alarms_of(std::vector<Touch>(LongRun::ticks, stuck));
+    EXPECT_EQ(found.outside_labels_time, 17s);
+    EXPECT_EQ(found.outside_labels, 34U) << "2 a second";
+    EXPECT_EQ(*found.outside_labels_per_min(), 120);
+    EXPECT_EQ(*found.outside_motion_per_min(), 120);
+    EXPECT_EQ(*found.none_in_alarm_share(), 1);
+    // Press in the slip of 2 s: four times. Slip in the press of 1 s: twice.
+    EXPECT_EQ(found.wrong_class, stuck == Touch::press ? 4U : 2U);
+    EXPECT_EQ(found.labelled_time, 3s);
+    EXPECT_EQ(found.alarms, 1U) << "the count of episodes alone calls it quiet";
+  }
+}
+
+TEST(FalseAlarmForms, OfAPerfectDetectorAreNone) {
+  std::vector<Touch> verdicts(LongRun::ticks, Touch::none);
+  for (const TouchInterval& interval : LongRun().intervals) {
+    for (std::size_t i = 0; i < verdicts.size(); ++i) {
+      if (interval.contains(ticks_of(verdicts).at(static_cast<std::int64_t>(i)))) verdicts[i] = interval.touch;
+    }
+  }
+  const results::FalseAlarms found = LongRun().alarms_of(verdicts);
+  EXPECT_EQ(found.outside_labels, 0U);
+  EXPECT_EQ(found.outside_motion, 0U);
+  EXPECT_EQ(found.none_in_alarm, 0us);
+  EXPECT_EQ(found.wrong_class, 0U);
+  EXPECT_EQ(found.wrong_class_time, 0us);
+}
+
+TEST(FalseAlarmForms, OfOneFlickerAreOneAndItsTime) {
+  const results::FalseAlarms found = LongRun().alarms_of(LongRun::only(Touch::slip, {{10'000, 10'004}}));
+  EXPECT_EQ(found.outside_labels, 1U);
+  EXPECT_DOUBLE_EQ(*found.outside_labels_per_min(), 60.0 / 17);
+  EXPECT_EQ(found.none_in_alarm, 4ms);
+  EXPECT_EQ(found.wrong_class, 0U);
+}
+
+TEST(FalseAlarmForms, CountAnEpisodeAgainForEachFurtherHalfSecond) {
+  const auto count = [](std::size_t held_ms) {
+    return LongRun().alarms_of(LongRun::only(Touch::press, {{10'000, 10'000 + held_ms}})).outside_labels;
+  };
+  EXPECT_EQ(count(498), 1U);
+  EXPECT_EQ(count(500), 1U);
+  EXPECT_EQ(count(502), 2U);
+  EXPECT_EQ(count(1'000), 2U);
+  EXPECT_EQ(count(1'002), 3U);
+}
+
+TEST(FalseAlarmForms, TakeAVerdictThatOutlastsItsIntervalAsOneOnlyAfterHalfASecond) {
+  // Press from its onset on; the interval ends with the tick at 3000 ms.
+  EXPECT_EQ(LongRun().alarms_of(LongRun::only(Touch::press, {{2'002, 3'490}})).outside_labels, 0U);
+  EXPECT_EQ(LongRun().alarms_of(LongRun::only(Touch::press, {{2'002, 3'990}})).outside_labels, 1U);
+}
+
+TEST(FalseAlarmForms, OutsideLabelsHaveWhatIsLeftOutOfNone) {
+  // Just after the press, in a release, in unlabelled motion, and in none: all four are what a laboratory sees.
+  const results::FalseAlarms found =
+      LongRun().alarms_of(LongRun::only(Touch::slip, {{3'050, 3'060}, {8'500, 8'510}, {12'500, 12'510}, {15'000, 15'010}}),
+                          {interval_ms(Touch::slip, 12'000, 13'000)}, {interval_ms(Touch::none, 8'000, 9'000)});
+  EXPECT_EQ(found.alarms, 1U);
+  EXPECT_EQ(found.outside_labels, 4U);
+  EXPECT_EQ(found.outside_labels_time, 17s);
+  EXPECT_EQ(found.outside_motion, 3U) << "without the one in unlabelled motion";
+  EXPECT_EQ(found.outside_motion_time, 16s);
+  EXPECT_EQ(found.none_in_alarm, 10ms);
+}
+
+TEST(FalseAlarmForms, CountSlipSaidInsideAPress) {
+  const results::FalseAlarms found = LongRun().alarms_of(LongRun::only(Touch::slip, {{2'500, 2'568}}));
+  EXPECT_EQ(found.alarms, 0U);
+  EXPECT_EQ(found.outside_labels, 0U);
+  EXPECT_EQ(found.wrong_class, 1U);
+  EXPECT_EQ(found.wrong_class_time, 68ms);
+  EXPECT_DOUBLE_EQ(*found.wrong_class_per_min(), 20);
+}
+
+TEST(FalseAlarmForms, AllowTheGuardToAnotherClassThatBeganBeforeTheInterval) {
+  // The interval holds the ticks after 2000 ms.
+  EXPECT_EQ(LongRun().alarms_of(LongRun::only(Touch::slip, {{1'900, 2'102}})).wrong_class, 0U) << "100 ms in it";
+  EXPECT_EQ(LongRun().alarms_of(LongRun::only(Touch::slip, {{1'900, 2'104}})).wrong_class, 1U) << "102 ms";
+  EXPECT_EQ(LongRun().alarms_of(LongRun::only(Touch::slip, {{2'002, 2'004}})).wrong_class, 1U) << "begun in it";
 }
 
 TEST(FalseAlarms, NeedOneVerdictForEachTick) {

@@ -53,6 +53,25 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoin
   EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "no threshold"));
 }
 
+TEST(OperatingCurvePlot, TakesFalseAlarmsOutsideLabelsWhereTheyAreKnown) {
+  results::OperatingPoint point = operating_point(0.5, 6, 2, 0, 3, 1);
+  point.outside_labels_per_min = {.value = 100};
+  EXPECT_TRUE(has_row(operating_curve_plot("Operating curve", {point}), {2, 2, 3}));
+}
+
+TEST(DetectionCurvePlot, HoldsTheSharesWithTheirIntervals) {
+  const std::vector<results::DetectedWithin> press{{0, {0.1, 0, 0.2, 10}}, {18, {0.9, 0.8, 0.95, 10}}};
+  const std::vector<results::DetectedWithin> slip{{0, {.value = 0.25}}, {198, {.value = 0.5}}};
+  const pictures::Plot plot = detection_curve_plot("Detected", press, slip);
+  EXPECT_TRUE(has_row(plot, {0, 10, 0, 20}));
+  EXPECT_TRUE(has_row(plot, {1, 90, 80, 95})) << "18 ms: log10(1 + 18 / 2)";
+  EXPECT_TRUE(has_row(plot, {2, 50, 50, 50})) << "198 ms, without an interval";
+  const std::string svg = drawn(plot);
+  for (const char* words : {"time since the onset [ms]", "detected [%]", "predicted ahead of the onset", ">100<"})
+    EXPECT_TRUE(contains(svg, words)) << words;
+  drawn(detection_curve_plot("Only press", press, {}));
+}
+
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
   const results::AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
                                         .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};

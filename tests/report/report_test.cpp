@@ -25,9 +25,14 @@ using test::TemporaryFolder;
 json figure(double value) { return {{"value", value}, {"low", value - 0.01}, {"high", value + 0.01}, {"n", 9}}; }
 
 json delays(double mean) {
+  json median = figure(mean), quantile = figure(412.5);
+  median["is_lower_bound"] = false;
+  quantile["is_lower_bound"] = true;
   const json one = {
-      {"mean", figure(mean)}, {"median", figure(mean)}, {"sem", 0.5}, {"intervals", 9}, {"misses", 1}, {"early", 0}};
+      {"mean", figure(mean)},    {"median", figure(mean)}, {"sem", 0.5}, {"intervals", 9}, {"misses", 1}, {"early", 0},
+      {"median_of_all", median}, {"p90_of_all", quantile}};
   json all = one;
+  all["detected_within"] = {{{"ms", 0}, {"share", figure(0)}}, {{"ms", 500}, {"share", figure(0.875)}}};
   all["objects"] = {{"fan", one}, {"usb-hub", one}};
   return all;
 }
@@ -55,7 +60,21 @@ json evaluation() {
        {{"count", 3},
         {"none_min", 0.329},
         {"after_intervals", {{"count", 13}, {"min", 0.1}}},
-        {"unlabelled", {{"count", 24}, {"min", 0.2}}}}},
+        {"unlabelled", {{"count", 24}, {"min", 0.2}}},
+        {"outside_labels", {{"count", 40}, {"min", 0.629}, {"per_min", figure(63.59)}}},
+        {"outside_motion", {{"count", 16}, {"min", 0.429}, {"per_min", figure(37.25)}}},
+        {"none_in_alarm", {{"min", 0.01}, {"share", figure(0.0625)}}},
+        {"wrong_class", {{"count", 3}, {"wrong_min", 0.004}, {"min", 0.25}, {"per_min", figure(12.5)}}}}},
+      {"label_uncertainty",
+       {{"draws", 200},
+        {"accuracy", {{"mean", 0.8875}, {"low", 0.88}, {"high", 0.91}, {"with_runs", figure(0.9)}}},
+        {"delay_ms", {{"press", {{"mean", {{"mean", 3.5}, {"low", 2.75}, {"high", 4.5}, {"with_runs", figure(3.25)}}}}}}}}},
+      {"with_flagged",
+       {{"runs", {"fan/03"}},
+        {"intervals", 2},
+        {"accuracy", figure(0.8125)},
+        {"delay_ms", {{"press", delays(3.75)}, {"slip", delays(4.75)}}}}},
+      {"calibration_whole_runs", {{"ece", figure(0.0575)}}},
       {"over_time",
        {{"press",
          {{"first", figure(0.97)},
@@ -68,7 +87,10 @@ json evaluation() {
          {{"false_alarms_per_min", figure(20)},
           {"delay_ms",
            {{"press", {{"mean", {{"value", nullptr}}}, {"intervals", 9}, {"misses", 0}, {"early", 9}}}, {"slip", delays(6)}}}}},
-        {"random", {{"false_alarms_per_min", figure(7777)}, {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
+        {"random",
+         {{"false_alarms_per_min", figure(1)},
+          {"false_alarms", {{"outside_labels", {{"count", 9}, {"min", 0.1}, {"per_min", figure(7777)}}}}},
+          {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
       {"operating_curve",
        {{{"threshold", 0.5}, {"false_alarms_per_min", figure(2)}, {"delay_ms", {{"press", delays(2)}, {"slip", delays(3)}}}}}},
       {"calibration",
@@ -164,8 +186,8 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   std::vector<std::string> told;
   const ReportSummary summary =
       write_report(folder / "study", folder / "out", [&](std::string_view name) { told.emplace_back(name); });
-  const std::vector<std::string> figures{"frames",      "accuracy-by-history", "delays", "operating-curve", "confusion",
-                                         "reliability", "run-fan-02",          "unseen", "training"};
+  const std::vector<std::string> figures{"frames",    "accuracy-by-history", "detection-curve", "delays", "operating-curve",
+                                         "confusion", "reliability",         "run-fan-02",      "unseen", "training"};
   EXPECT_EQ(summary.figures, figures);
   EXPECT_EQ(told, figures);
   EXPECT_EQ(summary.claims, 2U);
@@ -193,9 +215,16 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "0.0625",
                             "all objects, by always_press",
                             "all 9 early",
-                            "0.329",
-                            ">13<",
-                            ">24<",
+                            "0.629",
+                            "63.59",
+                            "37.25",
+                            "6.25",
+                            "12.50",
+                            "at least 412.50",
+                            "2.75 to 4.50",
+                            "1 flagged runs that the dataset leaves out and 2 flagged intervals",
+                            "81.25 %",
+                            "whole runs, with their shares of the classes: 5.75 %",
                             "-11.50",
                             "35.50",
                             "at the same time",
@@ -312,7 +341,8 @@ TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
   const json summary = json::parse(result.out);
   EXPECT_EQ(summary.at("title").get<std::string>(), "Results of a (simulated runs)");
   EXPECT_EQ(summary.at("page").get<std::string>(), "models/a/report/report.html");
-  EXPECT_EQ(summary.at("figures"), json({"delays", "operating-curve", "confusion", "reliability", "training"}));
+  EXPECT_EQ(summary.at("figures"),
+            json({"detection-curve", "delays", "operating-curve", "confusion", "reliability", "training"}));
   for (const char* words : {"figure 8", "figure 10", "figure 11", "claims"})
     EXPECT_TRUE(any_tells(summary.at("missing"), words)) << words;
   EXPECT_TRUE(fs::exists(folder / "models/a/report/report.html"));

@@ -18,8 +18,10 @@ TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, 
       confirmation_(options.confirmation),
       heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
   if (renderer_.size() == input) return;
-  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
-                          renderer_.size().width, renderer_.size().height, input.width, input.height));
+  throw Error(
+      fmt::format("the sensor's heatmaps are {} x {} cells; expected "
+                  "the {} x {} that the model was trained on",
+                  renderer_.size().width, renderer_.size().height, input.width, input.height));
 }
 
 TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost) {
@@ -33,7 +35,7 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
   if (!verdict.gated) {
     const model::Logits logits = classify_(heatmap_);
     verdict.predicted = model::verdict_of(logits);
-    verdict.probabilities = model::probabilities_of(logits);
+    verdict.probabilities = model::probabilities_of(logits, options_.temperature);
   }
   for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
   verdict.verdict = confirmation_.next(verdict.predicted);

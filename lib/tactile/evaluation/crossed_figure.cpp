@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include "tactile/core/random.hpp"
 
@@ -281,6 +282,12 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
   CrossedResults results;
   for (const auto& object : objects) results.push_back(object.second);
   return results;
+}
+
+std::size_t count_of_runs(const CrossedObject& cells) {
+  std::set<std::size_t> runs;
+  for (const CrossedCell& cell : cells) runs.insert(cell.run);
+  return runs.size();
 }
 
 std::vector<std::size_t> indexes_of(const CrossedObject& cells) {

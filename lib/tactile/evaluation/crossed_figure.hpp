@@ -46,6 +46,9 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
 std::vector<std::size_t> indexes_of(const CrossedObject& cells);
 RunsByObject all_of(const CrossedResults& objects);
 
+/// The number of runs that have results.
+std::size_t count_of_runs(const CrossedObject& cells);
+
 /// The values that a figure may have. The interval is made on a scale without limits, and so stays within them: the logarithm of
 /// (x - lowest) / (highest - x) with two limits, of the distance to the limit with one, x itself with none.
 struct Range {

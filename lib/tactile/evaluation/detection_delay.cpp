@@ -7,7 +7,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
-#include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/detection_curve.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -63,7 +63,8 @@ Range range_of_delays(std::span<const double> delays) {
 
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
-                                 MakeFigure make_figure) {
+                                 const DetectionTimes& times, MakeFigure make_figure) {
+  const Range range = range_of_delays(delays_ms(runs, chosen, touch));
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
@@ -72,19 +73,33 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
         ++summary.intervals;
         if (detection.outcome == results::DetectionOutcome::missed) ++summary.misses;
         if (detection.outcome == results::DetectionOutcome::early) ++summary.early;
+        if (detection.outcome == results::DetectionOutcome::detected && detection.ahead) ++summary.head_starts;
       }
     }
   }
   summary.sem_ms = standard_error_of(delays_ms(runs, chosen, touch));
   const auto figure = [&](auto of_delays) {
-    return make_figure([&runs, touch, of_delays](const RunsByObject& drawn) -> std::optional<double> {
-      auto delays = delays_ms(runs, drawn, touch);
-      if (delays.empty()) return std::nullopt;
-      return of_delays(std::move(delays));
-    });
+    return make_figure(
+        [&runs, touch, of_delays](const RunsByObject& drawn) -> std::optional<double> {
+          auto delays = delays_ms(runs, drawn, touch);
+          if (delays.empty()) return std::nullopt;
+          return of_delays(std::move(delays));
+        },
+        range);
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
   summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
+  summary.missed = make_figure([&times](const RunsByObject& drawn) { return times.missed_share(drawn); }, {0, 1, 1});
+  for (const auto& [q, of_all] : {std::pair(0.5, &summary.median_of_all_ms), std::pair(0.9, &summary.quantile_of_all_ms)}) {
+    of_all->ms = make_figure(
+        [&times, q = q](const RunsByObject& drawn) -> std::optional<double> {
+          const auto found = times.quantile(drawn, q);
+          return found ? std::optional(found->ms) : std::nullopt;
+        },
+        range);
+    const auto found = times.quantile(chosen, q);
+    of_all->is_lower_bound = found && found->is_lower_bound;
+  }
   return summary;
 }
 
@@ -103,6 +118,8 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
   for (const TouchInterval& interval : intervals) {
     results::Detection detection;
     detection.interval = interval;
+    const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
+    detection.limit = std::max(between(interval.start, latest), microseconds{0});
     const std::int64_t k0 = first_tick_after(interval.start, ticks);
     if (says(k0 - 1, interval.touch) && says(k0, interval.touch)) {
       std::int64_t first = k0 - 1;
@@ -110,14 +127,15 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
       detection.leading_episode = first;
       if (ticks.tick * (k0 - first) > options.head_start) {
         detection.outcome = results::DetectionOutcome::early;
+        detection.ahead = true;
         detections.push_back(detection);
         continue;
       }
     }
-    const CameraTime latest = std::min(interval.end, after(interval.start, options.window));
     for (std::int64_t k = std::max<std::int64_t>(k0, 0); k < ticks.count && ticks.at(k) <= latest; ++k) {
       if (!says(k, interval.touch)) continue;
       detection.outcome = results::DetectionOutcome::detected;
+      detection.ahead = detection.leading_episode.has_value();
       detection.delay = ticks.tick * (k - k0 + 1);
       detection.first_right = ticks.at(k);
       break;
@@ -129,6 +147,8 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
 
 results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks) {
   results::Detection other = detection;
+  const CameraTime latest = after(detection.interval.start, detection.limit);
+  other.limit = std::max(between(onset, latest), microseconds{0});
   if (other.outcome != results::DetectionOutcome::detected) return other;
   const std::int64_t k = first_tick_after(detection.first_right, ticks) - 1;
   other.delay = ticks.tick * (k - first_tick_after(onset, ticks) + 1);
@@ -138,21 +158,24 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
   const CrossedResults chosen = without_names(runs_that_have(touch, runs));
-  const Range range = range_of_delays(delays_ms(runs, all_of(chosen), touch));
-  return summary_of(runs, all_of(chosen), touch,
-                    [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options, range); });
+  return summary_of(
+      runs, all_of(chosen), touch, DetectionTimes(runs, touch),
+      [&](const Statistic& statistic, const Range& range) { return figure_over_objects(chosen, statistic, options, range); });
 }
 
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options) {
   results::DelayTable table;
-  const Range range = range_of_delays(delays_ms(runs, all_of(without_names(runs_that_have(touch, runs))), touch));
-  for (const auto& [name, cells] : runs_that_have(touch, runs)) {
-    table.objects[name] = summary_of(runs, {indexes_of(cells)}, touch, [&, &of = cells](const Statistic& statistic) {
-      return figure_of_object(of, statistic, options, range);
-    });
+  const DetectionTimes times(runs, touch);
+  const std::map<std::string, CrossedObject> objects = runs_that_have(touch, runs);
+  for (const auto& [name, cells] : objects) {
+    table.objects[name] =
+        summary_of(runs, {indexes_of(cells)}, touch, times, [&, &of = cells](const Statistic& statistic, const Range& range) {
+          return figure_of_object(of, statistic, options, range);
+        });
   }
   table.all = delay_summary(runs, touch, options);
+  table.curve = detection_curve(times, without_names(objects), options);
   return table;
 }
 

@@ -32,7 +32,8 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
                                               std::span<const TouchInterval> intervals, const DelayOptions& options = {});
 
 /// The delay of the same detection from another onset, which may be after the detection: (k - k0 + 1) * tick with k0
-/// the first tick after `onset`, zero or negative where the touch was predicted before it. Missed and early ones stay so.
+/// the first tick after `onset`, zero or negative where the touch was predicted before it. Missed and early ones stay so; their
+/// limit is counted from `onset`, too.
 results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks);
 
 /// Over all runs only, as `delay_table(...).all`.

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/ticks.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/class_scores.hpp"
+#include "tactile/evaluation/flagged_runs.hpp"
+#include "tactile/evaluation/label_uncertainty.hpp"
 #include "tactile/evaluation/operating_curve.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -113,6 +116,7 @@ void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored
   evaluation.confusion = sum_of(evaluation.runs);
   evaluation.classes = class_scores_of(evaluation.runs, bootstrap);
   evaluation.calibration = calibration_of(scored.each<RunReliability>(&RunResult::reliability), bootstrap);
+  evaluation.whole_run_calibration = calibration_of(scored.each<RunReliability>(&RunResult::every_tick), bootstrap);
   for (std::size_t i = 0; i < guards.size(); ++i) {
     const auto of_guard = scored.each<results::RunConfusion>([i](const RunResult& run) { return run.by_guard[i]; });
     evaluation.guards.push_back({guards[i], accuracy_of(of_guard, bootstrap),
@@ -134,6 +138,56 @@ void add_tick_scores(results::Evaluation& evaluation, const ScoredRuns& scored, 
         scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap));
   }
   evaluation.over_time = accuracy_over_time(scored.each<RunOverTime>(&RunResult::over_time), options, scored.bootstrap);
+}
+
+/// A flagged run that is left out of the dataset, scored by one training.
+struct ScoredFlaggedRun {
+  results::JudgedRun run;
+  WithFlaggedScore score;
+};
+
+std::vector<ScoredFlaggedRun> scored_flagged_runs(const RunScoring& scoring, const ModelOnRuns& training, std::size_t number,
+                                                  unsigned threads) {
+  const std::vector<RunFolder> folders = flagged_runs_beside(scoring.dataset, training.runs, training.classifier->model());
+  std::vector<ScoredFlaggedRun> scored(folders.size());
+  parallel_for(folders.size(), threads, [&](std::size_t i) {
+    scored[i] = {{folders[i].object, folders[i].run, number}, score_flagged_run(scoring, folders[i], 1)};
+  });
+  return scored;
+}
+
+/// Nothing where no run and no interval is flagged.
+std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
+  results::WithFlagged with;
+  auto confusions = scored.each<results::RunConfusion>([](const RunResult& run) { return run.with_flagged.confusion; });
+  auto detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.with_flagged.detections; });
+  const auto name_of_run = [](const results::JudgedRun& run) { return run.object + "/" + run.run; };
+  std::set<std::string> counted, left_out_runs;  // several trainings may be judged on one run
+  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
+    if (counted.insert(name_of_run(scored.names[i])).second) with.intervals += scored.runs[i].with_flagged.flagged;
+  }
+  for (const ScoredFlaggedRun& one : left_out) {
+    confusions.push_back({one.run, one.score.confusion});
+    detections.push_back({one.run, one.score.detections});
+    left_out_runs.insert(name_of_run(one.run));
+  }
+  with.runs.assign(left_out_runs.begin(), left_out_runs.end());
+  if (with.runs.empty() && with.intervals == 0) return std::nullopt;
+  with.accuracy = accuracy_of(confusions, scored.bootstrap).mean;
+  with.press = delay_summary(detections, Touch::press, scored.bootstrap);
+  with.slip = delay_summary(detections, Touch::slip, scored.bootstrap);
+  return with;
+}
+
+/// How much of the figures depends on where labels are, and on which are in doubt.
+void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
+  std::vector<RunByDrawnLabels> by_draws;
+  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
+    const RunResult& run = scored.runs[i];
+    by_draws.push_back({scored.names[i], {run.confusion, run.network.detections}, run.by_drawn_labels});
+  }
+  evaluation.label_uncertainty = label_uncertainty(by_draws, scored.bootstrap);
+  evaluation.with_flagged = with_flagged(scored, left_out);
 }
 
 results::GateOff gate_off(const ScoredRuns& scored, std::uint64_t limit) {
@@ -169,6 +223,7 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
   const std::vector<microseconds> sampling_guards = guards_beside(evaluation.sampling_guard);
   ScoredRuns scored{{}, {}, options.bootstrap};
   std::vector<BaselineSamples> learned;
+  std::vector<ScoredFlaggedRun> left_out;
   for (std::size_t k = 0; k < trainings.size(); ++k) {
     const model::Classifier& classifier = *trainings[k].classifier;
     const std::size_t first = scored.runs.size();
@@ -181,10 +236,12 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
                   [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                     scored.runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
                   });
+    for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
     learned.push_back(training_samples(dataset, classifier, threads, progress));
   }
   add_sample_scores(evaluation, scored, sampling_guards);
   add_tick_scores(evaluation, scored, options.over_time);
+  add_label_scores(evaluation, scored, left_out);
   if (const auto gate = gate_of(*trainings.front().classifier, options)) evaluation.gate_off = gate_off(scored, *gate);
   evaluation.truth = truth_score(scored, options.over_time);
 

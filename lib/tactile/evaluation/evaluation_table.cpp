@@ -50,11 +50,17 @@ class Table {
     count(group, object, touch, "intervals", delay.intervals);
     count(group, object, touch, "misses", delay.misses);
     count(group, object, touch, "early", delay.early);
+    count(group, object, touch, "head_starts", delay.head_starts);
+    figure(group, object, touch, "missed", delay.missed);
+    quantile(group, object, touch, "median_of_all", delay.median_of_all_ms);
+    quantile(group, object, touch, "p90_of_all", delay.quantile_of_all_ms);
   }
 
   void delays(std::string_view group, std::string_view touch, const results::DelayTable& table) {
     delay(group, "all", touch, table.all);
     for (const auto& [name, of_object] : table.objects) delay(group, name, touch, of_object);
+    for (const results::DetectedWithin& point : table.curve)
+      figure(group, "all", touch, fmt::format("detected_within_{:g}", point.ms), point.share);
   }
 
   void false_alarms(std::string_view group, const results::FalseAlarmTable& table) {
@@ -68,6 +74,25 @@ class Table {
     number(group, "all", "", "releases_min", results::in_minutes(table.total.releases_time));
     count(group, "all", "", "unlabelled", table.total.unlabelled);
     number(group, "all", "", "unlabelled_min", results::in_minutes(table.total.unlabelled_time));
+    figure(group, "all", "", "outside_labels_per_min", table.outside_labels_per_min);
+    count(group, "all", "", "outside_labels", table.total.outside_labels);
+    number(group, "all", "", "outside_labels_min", results::in_minutes(table.total.outside_labels_time));
+    figure(group, "all", "", "outside_motion_per_min", table.outside_motion_per_min);
+    count(group, "all", "", "outside_motion", table.total.outside_motion);
+    number(group, "all", "", "outside_motion_min", results::in_minutes(table.total.outside_motion_time));
+    figure(group, "all", "", "none_in_alarm_share", table.none_in_alarm_share);
+    figure(group, "all", "", "wrong_class_per_min", table.wrong_class_per_min);
+    count(group, "all", "", "wrong_class", table.total.wrong_class);
+    number(group, "all", "", "wrong_class_min", results::in_minutes(table.total.wrong_class_time));
+    number(group, "all", "", "labelled_min", results::in_minutes(table.total.labelled_time));
+  }
+
+  void spread(std::string_view touch, const std::string& metric, const results::SpreadByLabels& spread) {
+    constexpr std::string_view group = "label_uncertainty";
+    number(group, "all", touch, metric + "_mean", spread.mean);
+    number(group, "all", touch, metric + "_low", spread.low);
+    number(group, "all", touch, metric + "_high", spread.high);
+    figure(group, "all", touch, metric + "_with_runs", spread.with_runs);
   }
 
   void over_time(std::string_view group, std::string_view touch, const results::AccuracyOverTime& accuracy) {
@@ -84,6 +109,12 @@ class Table {
   std::string text() && { return std::move(text_); }
 
  private:
+  void quantile(std::string_view group, std::string_view object, std::string_view touch, const std::string& metric,
+                const results::CensoredQuantile& quantile) {
+    figure(group, object, touch, metric, quantile.ms);
+    count(group, object, touch, metric + "_is_lower_bound", quantile.is_lower_bound ? 1 : 0);
+  }
+
   static std::string text_of(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : ""; }
 
   void share(std::string_view group, std::string_view object, std::string_view touch, const results::ShareOverTime& share) {
@@ -119,15 +150,32 @@ void add_classes(Table& table, const results::ClassScores& scores) {
   for (const auto& [name, of_object] : scores.objects) add(name, of_object);
 }
 
-void add_calibration(Table& table, const results::Calibration& calibration) {
-  table.figure("calibration", "all", "", "ece", calibration.error);
-  for (const auto& [name, error] : calibration.objects) table.figure("calibration", name, "", "ece", error);
+void add_calibration(Table& table, const results::Calibration& calibration, const std::string& suffix) {
+  table.figure("calibration" + suffix, "all", "", "ece", calibration.error);
+  for (const auto& [name, error] : calibration.objects) table.figure("calibration" + suffix, name, "", "ece", error);
   for (const results::ReliabilityBin& bin : calibration.bins) {
-    const std::string group = fmt::format("reliability:{:.4f}-{:.4f}", bin.from, bin.to);
+    const std::string group = fmt::format("reliability{}:{:.4f}-{:.4f}", suffix, bin.from, bin.to);
     table.count(group, "all", "", "samples", bin.samples);
     table.number(group, "all", "", "confidence", bin.confidence);
     table.figure(group, "all", "", "accuracy", bin.accuracy);
   }
+}
+
+void add_labels(Table& table, const results::Evaluation& evaluation) {
+  const results::LabelUncertainty& uncertainty = evaluation.label_uncertainty;
+  table.count("label_uncertainty", "all", "", "draws", uncertainty.draws);
+  table.spread("", "accuracy", uncertainty.accuracy);
+  table.spread("press", "mean", uncertainty.press_mean_ms);
+  table.spread("press", "median_of_all", uncertainty.press_median_ms);
+  table.spread("slip", "mean", uncertainty.slip_mean_ms);
+  table.spread("slip", "median_of_all", uncertainty.slip_median_ms);
+  if (!evaluation.with_flagged) return;
+  const results::WithFlagged& with = *evaluation.with_flagged;
+  table.count("with_flagged", "all", "", "runs", with.runs.size());
+  table.count("with_flagged", "all", "", "flagged_intervals", with.intervals);
+  table.figure("with_flagged", "all", "", "accuracy", with.accuracy);
+  table.delay("with_flagged", "all", "press", with.press);
+  table.delay("with_flagged", "all", "slip", with.slip);
 }
 
 void add_detector(Table& table, const std::string& suffix, const results::DetectorScore& score) {
@@ -143,7 +191,8 @@ std::string table_of(const results::Evaluation& evaluation) {
   table.accuracy("accuracy", evaluation.accuracy);
   table.confusion("confusion", evaluation.confusion);
   add_classes(table, evaluation.classes);
-  add_calibration(table, evaluation.calibration);
+  add_calibration(table, evaluation.calibration, "");
+  add_calibration(table, evaluation.whole_run_calibration, "_whole_runs");
   for (const results::GuardScore& score : evaluation.guards) {
     const std::string group = fmt::format("guard:{}", static_cast<double>(score.guard.count()) / 1000);
     table.accuracy(group, score.accuracy);
@@ -163,6 +212,7 @@ std::string table_of(const results::Evaluation& evaluation) {
     table.confusion("confusion:gate_off", off.confusion);
     add_detector(table, ":gate_off", off.network);
   }
+  add_labels(table, evaluation);
   add_over_time(table, "over_time", evaluation.over_time);
   for (const results::OperatingPoint& point : evaluation.operating_curve) {
     const std::string group = fmt::format("threshold:{}", point.threshold);
@@ -170,6 +220,8 @@ std::string table_of(const results::Evaluation& evaluation) {
     table.delay(group, "all", "slip", point.slip);
     table.figure(group, "all", "", "false_alarms_per_min", point.false_alarms_per_min);
     table.count(group, "all", "", "false_alarms", point.false_alarms);
+    table.figure(group, "all", "", "outside_labels_per_min", point.outside_labels_per_min);
+    table.figure(group, "all", "", "wrong_class_per_min", point.wrong_class_per_min);
   }
   if (!evaluation.truth) return std::move(table).text();
   const results::TruthScore& truth = *evaluation.truth;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -24,6 +25,98 @@ Zone zone_of(CameraTime tick, const MotionZones& zones) {
   return any(zones.unlabelled, holds) ? Zone::unlabelled : Zone::none;
 }
 
+/// How often an episode counts: once if it begins `here`, and again for each further `again_after` that it holds.
+constexpr microseconds again_after{500'000};
+
+std::uint64_t counts_of(bool begins_here, microseconds held) {
+  if (held <= microseconds{0}) return begins_here ? 1 : 0;
+  // The tick that ends a whole `again_after` does not begin the next one.
+  const microseconds further = begins_here ? held - microseconds{1} : held;
+  return (begins_here ? 1 : 0) + static_cast<std::uint64_t>(further / again_after);
+}
+
+/// What the ticks of a run are.
+class TickZones {
+ public:
+  TickZones(const TickRange& ticks, const MotionZones& zones) : ticks_(ticks), zones_(zones) {
+    for (std::int64_t i = 0; i < ticks.count; ++i) {
+      const CameraTime t = ticks.at(i);
+      zone_.push_back(zone_of(t, zones));
+      const auto holds = [t](const TouchInterval& interval) { return interval.contains(t); };
+      in_unlabelled_.push_back(std::any_of(zones.unlabelled.begin(), zones.unlabelled.end(), holds));
+    }
+  }
+
+  Zone zone(std::int64_t index) const { return zone_[static_cast<std::size_t>(index)]; }
+  bool is_outside_labels(std::int64_t index) const { return zone(index) != Zone::in_interval; }
+  bool is_outside_motion(std::int64_t index) const {
+    return is_outside_labels(index) && !in_unlabelled_[static_cast<std::size_t>(index)];
+  }
+
+  /// The time of an episode's ticks that are `wanted`.
+  template <class Wanted>
+  microseconds held(const Episode& episode, Wanted wanted) const {
+    std::int64_t ticks = 0;
+    for (std::int64_t i = episode.first; i <= episode.last; ++i) ticks += wanted(i) ? 1 : 0;
+    return ticks_.tick * ticks;
+  }
+
+  void add_times(results::FalseAlarms& found, std::span<const Touch> verdicts) const {
+    for (std::int64_t i = 0; i < ticks_.count; ++i) {
+      if (zone(i) == Zone::none) found.none_time += ticks_.tick;
+      if (zone(i) == Zone::after_interval) found.after_intervals_time += ticks_.tick;
+      if (zone(i) == Zone::release) found.releases_time += ticks_.tick;
+      if (zone(i) == Zone::unlabelled) found.unlabelled_time += ticks_.tick;
+      if (is_outside_labels(i)) found.outside_labels_time += ticks_.tick;
+      if (is_outside_motion(i)) found.outside_motion_time += ticks_.tick;
+      if (zone(i) == Zone::none && verdicts[static_cast<std::size_t>(i)] != Touch::none) found.none_in_alarm += ticks_.tick;
+    }
+  }
+
+ private:
+  TickRange ticks_;
+  MotionZones zones_;
+  std::vector<Zone> zone_;
+  std::vector<bool> in_unlabelled_;
+};
+
+/// Counts an episode by where it begins, once.
+void count_once(results::FalseAlarms& found, Zone zone, bool spoilt_an_interval) {
+  switch (zone) {
+    case Zone::in_interval:
+      found.alarms += spoilt_an_interval ? 1 : 0;
+      break;
+    case Zone::after_interval:
+      ++found.after_intervals;
+      break;
+    case Zone::release:
+      ++found.releases;
+      break;
+    case Zone::unlabelled:
+      ++found.unlabelled;
+      break;
+    case Zone::none:
+      ++found.alarms;
+      break;
+  }
+}
+
+void add_wrong_class(results::FalseAlarms& found, const TickRange& ticks, std::span<const Episode> episodes,
+                     const TouchInterval& interval, microseconds guard) {
+  const auto in_it = [&](std::int64_t index) { return interval.contains(ticks.at(index)); };
+  for (std::int64_t i = 0; i < ticks.count; ++i) found.labelled_time += in_it(i) ? ticks.tick : microseconds{0};
+  for (const Episode& episode : episodes) {
+    if (episode.touch == interval.touch || ticks.at(episode.first) > interval.end || ticks.at(episode.last) <= interval.start)
+      continue;
+    std::int64_t count = 0;
+    for (std::int64_t i = episode.first; i <= episode.last; ++i) count += in_it(i) ? 1 : 0;
+    const microseconds held = ticks.tick * count;
+    found.wrong_class_time += held;
+    const bool counts = held > microseconds{0} && (in_it(episode.first) || held > guard);
+    found.wrong_class += counts ? counts_of(true, held) : 0;
+  }
+}
+
 }  // namespace
 
 results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, const MotionZones& zones,
@@ -32,49 +125,38 @@ results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Tou
     throw Error("false alarms: " + std::to_string(verdicts.size()) + " verdicts for " + std::to_string(ticks.count) +
                 " ticks; expected one for each");
   }
-  const auto zone_at = [&](std::int64_t index) { return zone_of(ticks.at(index), zones); };
+  const TickZones of_ticks(ticks, zones);
   results::FalseAlarms found;
-  for (std::int64_t i = 0; i < ticks.count; ++i) {
-    const Zone zone = zone_at(i);
-    if (zone == Zone::none) found.none_time += ticks.tick;
-    if (zone == Zone::after_interval) found.after_intervals_time += ticks.tick;
-    if (zone == Zone::release) found.releases_time += ticks.tick;
-    if (zone == Zone::unlabelled) found.unlabelled_time += ticks.tick;
-  }
-  for (const Episode& episode : episodes_in(verdicts)) {
+  of_ticks.add_times(found, verdicts);
+  const std::vector<Episode> episodes = episodes_in(verdicts);
+  for (const Episode& episode : episodes) {
     const auto led_to = [&](results::DetectionOutcome outcome) {
       return std::any_of(detections.begin(), detections.end(), [&](const results::Detection& detection) {
         return detection.leading_episode == episode.first && detection.outcome == outcome;
       });
     };
     const bool spoilt_an_interval = led_to(results::DetectionOutcome::early);
-    if (!spoilt_an_interval && led_to(results::DetectionOutcome::detected)) continue;
-    switch (zone_at(episode.first)) {
-      case Zone::in_interval:
-        found.alarms += spoilt_an_interval ? 1 : 0;
-        break;
-      case Zone::after_interval:
-        ++found.after_intervals;
-        break;
-      case Zone::release:
-        ++found.releases;
-        break;
-      case Zone::unlabelled:
-        ++found.unlabelled;
-        break;
-      case Zone::none:
-        ++found.alarms;
-        break;
-    }
+    const bool detects = !spoilt_an_interval && led_to(results::DetectionOutcome::detected);
+    const auto outside_labels = [&](std::int64_t i) { return of_ticks.is_outside_labels(i); };
+    const auto outside_motion = [&](std::int64_t i) { return of_ticks.is_outside_motion(i); };
+    found.outside_labels +=
+        counts_of(spoilt_an_interval || (!detects && outside_labels(episode.first)), of_ticks.held(episode, outside_labels));
+    found.outside_motion +=
+        counts_of(spoilt_an_interval || (!detects && outside_motion(episode.first)), of_ticks.held(episode, outside_motion));
+    if (!detects) count_once(found, of_ticks.zone(episode.first), spoilt_an_interval);
   }
+  for (const results::Detection& detection : detections) add_wrong_class(found, ticks, episodes, detection.interval, zones.guard);
   return found;
 }
 
+void widen_by_few_alarms(results::Figure& per_min, std::uint64_t alarms, microseconds time, double confidence, unsigned seeds) {
+  if (!per_min.high || time <= microseconds{0}) return;
+  const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(alarms) / seeds));
+  per_min.high = std::max(*per_min.high, poisson_upper_bound(of_a_seed, confidence) / (results::in_minutes(time) / seeds));
+}
+
 void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& counted, double confidence, unsigned seeds) {
-  if (!per_min.high || counted.none_time <= microseconds{0}) return;
-  const auto of_a_seed = static_cast<std::uint64_t>(std::ceil(static_cast<double>(counted.alarms) / seeds));
-  per_min.high =
-      std::max(*per_min.high, poisson_upper_bound(of_a_seed, confidence) / (results::in_minutes(counted.none_time) / seeds));
+  widen_by_few_alarms(per_min, counted.alarms, counted.none_time, confidence, seeds);
 }
 
 results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options) {
@@ -86,7 +168,9 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
     }
     return sum;
   };
-  const Statistic per_min = [sum_of](const RunsByObject& chosen) { return sum_of(chosen).per_min(); };
+  const auto statistic = [&](std::optional<double> (results::FalseAlarms::*rate)() const) -> Statistic {
+    return [sum_of, rate](const RunsByObject& chosen) { return (sum_of(chosen).*rate)(); };
+  };
   const auto in_steps_of_one_alarm = [](std::size_t units, const results::FalseAlarms& counted) {
     return Range{.lowest = 0, .step = static_cast<double>(units) / results::in_minutes(counted.none_time)};
   };
@@ -94,12 +178,28 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
   for (const RunFalseAlarms& run : runs) table.total += run.counts;
   for (const auto& [name, cells] : objects) {
     results::Figure& of_object = table.objects[name];
-    of_object = figure_of_object(cells, per_min, options, in_steps_of_one_alarm(cells.size(), sum_of({indexes_of(cells)})));
-    widen_by_few_alarms(of_object, sum_of({indexes_of(cells)}), options.confidence);
+    of_object = figure_of_object(cells, statistic(&results::FalseAlarms::per_min), options,
+                                 in_steps_of_one_alarm(cells.size(), sum_of({indexes_of(cells)})));
+    widen_by_few_alarms(of_object, sum_of({indexes_of(cells)}), options.confidence, static_cast<unsigned>(of_object.trainings));
   }
-  table.per_min =
-      figure_over_objects(without_names(objects), per_min, options, in_steps_of_one_alarm(objects.size(), table.total));
-  widen_by_few_alarms(table.per_min, table.total, options.confidence);
+  table.per_min = figure_over_objects(without_names(objects), statistic(&results::FalseAlarms::per_min), options,
+                                      in_steps_of_one_alarm(objects.size(), table.total));
+  widen_by_few_alarms(table.per_min, table.total, options.confidence, static_cast<unsigned>(table.per_min.trainings));
+  const CrossedResults all = without_names(results_by_object(runs, [](const RunFalseAlarms&) { return true; }));
+  const auto figure = [&](auto rate, double highest = std::numeric_limits<double>::infinity()) {
+    return figure_over_objects(all, statistic(rate), options, {0, highest, in_steps_of_one_alarm(all.size(), table.total).step});
+  };
+  const auto widened = [&](results::Figure per_min, std::uint64_t alarms, microseconds time) {
+    widen_by_few_alarms(per_min, alarms, time, options.confidence, static_cast<unsigned>(per_min.trainings));
+    return per_min;
+  };
+  const results::FalseAlarms& total = table.total;
+  table.outside_labels_per_min =
+      widened(figure(&results::FalseAlarms::outside_labels_per_min), total.outside_labels, total.outside_labels_time);
+  table.outside_motion_per_min =
+      widened(figure(&results::FalseAlarms::outside_motion_per_min), total.outside_motion, total.outside_motion_time);
+  table.none_in_alarm_share = figure(&results::FalseAlarms::none_in_alarm_share, 1);
+  table.wrong_class_per_min = widened(figure(&results::FalseAlarms::wrong_class_per_min), total.wrong_class, total.labelled_time);
   return table;
 }
 

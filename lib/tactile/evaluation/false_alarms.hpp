@@ -25,8 +25,18 @@ struct MotionZones {
 /// within the guard after an interval (end < t_c <= end + guard), else in a release or within the guard after it, else in an
 /// unlabelled true interval are counted under these names.
 ///
+/// Three forms count an episode again for each further 500 ms, so that a detector that stays on one class has many in any
+/// recording:
+///
+///   outside_labels   ticks in no labelled interval. An episode counts once where its first tick is one of them, as above, and
+///                    then once for each whole 500 ms more of them that it holds. One that began in an interval, or that detects
+///                    an onset, counts only for each 500 ms after.
+///   outside_motion   the same for the ticks that are in no unlabelled true interval either
+///   wrong_class      an episode of another class than an interval counts where it begins in the interval, or holds more than the
+///                    guard of it, and again for each 500 ms more in it. Only intervals of `detections` are taken.
+///
 /// @param verdicts    one for each tick
-/// @param detections  of the same verdicts, by `detections_of`
+/// @param detections  of the same verdicts, by `detections_of`, of the intervals whose labels are not in doubt
 /// @throws Error  if there is not one verdict for each tick
 results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Touch> verdicts, const MotionZones& zones,
                                      std::span<const results::Detection> detections);
@@ -49,6 +59,10 @@ struct RunFalseAlarms : results::JudgedRun {
 /// @param seeds    > 0; networks that `counted` holds the same runs of: the time is that of one, and so are the alarms, rounded
 /// up
 void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& counted, double confidence = 0.95,
+                         unsigned seeds = 1);
+
+/// The same for alarms of any kind, counted in `time`.
+void widen_by_few_alarms(results::Figure& per_min, std::uint64_t alarms, microseconds time, double confidence,
                          unsigned seeds = 1);
 
 results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options = {});

@@ -25,15 +25,18 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
   const events::SensorSize size = stream.size ? heatmaps::heatmap_size(*stream.size, rendering.factor) : events::SensorSize{};
   const events::SensorSize expected = classifier.input_size();
   if (size != expected) {
-    throw Error(fmt::format("{}: its heatmaps are {} x {} cells; expected the {} x {} that {} was trained on", recording.string(),
-                            size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
+    throw Error(
+        fmt::format("{}: its heatmaps are {} x {} cells; expected the "
+                    "{} x {} that {} was trained on",
+                    recording.string(), size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
   }
   results::FullRun run;
   std::vector<std::uint8_t> waiting;
   const auto classify_waiting = [&] {
     const auto logits = classifier.classify(waiting, threads);
     std::transform(logits.begin(), logits.end(), std::back_inserter(run.verdicts), model::verdict_of);
-    std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities), model::probabilities_of);
+    std::transform(logits.begin(), logits.end(), std::back_inserter(run.probabilities),
+                   [&](const model::Logits& of) { return model::probabilities_of(of, classifier.temperature().value); });
     run.close += static_cast<std::size_t>(std::count_if(logits.begin(), logits.end(), model::is_close));
     waiting.clear();
     if (advance) advance(logits.size());

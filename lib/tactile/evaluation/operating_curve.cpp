@@ -23,8 +23,13 @@ std::vector<Touch> verdicts_above(std::span<const model::Probabilities> probabil
 results::OperatingPoint operating_point(double threshold, std::span<const results::RunDetections> detections,
                                         std::span<const RunFalseAlarms> alarms, const results::BootstrapOptions& options) {
   const results::FalseAlarmTable table = false_alarm_table(alarms, options);
-  return {threshold, delay_summary(detections, Touch::press, options), delay_summary(detections, Touch::slip, options),
-          table.per_min, table.total.alarms};
+  return {threshold,
+          delay_summary(detections, Touch::press, options),
+          delay_summary(detections, Touch::slip, options),
+          table.per_min,
+          table.total.alarms,
+          table.outside_labels_per_min,
+          table.wrong_class_per_min};
 }
 
 }  // namespace tactile::evaluation

@@ -63,7 +63,9 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
     json["false_alarms"] = {{"count", prediction.false_alarms.alarms},
                             {"after_intervals", prediction.false_alarms.after_intervals},
                             {"releases", prediction.false_alarms.releases},
-                            {"unlabelled", prediction.false_alarms.unlabelled}};
+                            {"unlabelled", prediction.false_alarms.unlabelled},
+                            {"outside_labels", prediction.false_alarms.outside_labels},
+                            {"wrong_class", prediction.false_alarms.wrong_class}};
   }
   return json;
 }

@@ -27,16 +27,22 @@ std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std
   return verdicts;
 }
 
+/// The samples that the dataset would have of a run with these labels.
+std::vector<windows::Sample> samples_by(const windows::SamplingOptions& options, std::uint32_t run, const RunFolder& folder,
+                                        std::span<const windows::SampledInterval> labels, const RunTruth& truth,
+                                        const TickRange& ticks, microseconds history) {
+  if (ticks.count == 0) return {};
+  return windows::balanced_samples(run, labels, before(ticks.first, history), ticks.at(ticks.count - 1),
+                                   seed_for(options.seed, {"windows", folder.object, folder.run}), options, truth.unclear);
+}
+
 /// The samples that the dataset would have of this run by another guard; by its own, those that it has.
 std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, std::uint32_t run, const RunTruth& truth,
                                               const TickRange& ticks, microseconds history, microseconds guard) {
   if (guard == dataset.sampling().guard) return samples_in(dataset, run);
-  if (ticks.count == 0) return {};
   windows::SamplingOptions options = dataset.sampling();
   options.guard = guard;
-  const windows::DatasetRun& names = dataset.runs()[run];
-  return windows::balanced_samples(run, truth.labels, before(ticks.first, history), ticks.at(ticks.count - 1),
-                                   seed_for(options.seed, {"windows", names.object, names.run}), options, truth.unclear);
+  return samples_by(options, run, folder_of(dataset, run), truth.labels, truth, ticks, history);
 }
 
 RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
@@ -93,6 +99,49 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   elsewhere.insert(elsewhere.end(), run.truth.releases.begin(), run.truth.releases.end());
   elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
   result.over_time = over_time_of(run.full.ticks, run.verdicts, labelled, options.over_time, elsewhere);
+}
+
+/// Every tick of a sure class: that of its label, or none. Ticks of unclear motion and of labels in doubt have none.
+Reliability reliability_of_ticks(const ClassifiedRun& run) {
+  Reliability reliability;
+  const std::vector<TouchInterval> used = run.truth.used();
+  for (std::size_t k = 0; k < run.full.verdicts.size(); ++k) {
+    const CameraTime t = run.full.ticks.at(static_cast<std::int64_t>(k));
+    const Touch touch = touch_at(t, used);
+    const auto holds = [t](const TouchInterval& interval) { return interval.contains(t); };
+    const auto in_doubt = [t](const windows::SampledInterval& label) { return !label.used && label.interval.contains(t); };
+    if (touch == Touch::none && (std::any_of(run.truth.unclear.begin(), run.truth.unclear.end(), holds) ||
+                                 std::any_of(run.truth.labels.begin(), run.truth.labels.end(), in_doubt)))
+      continue;
+    const Touch predicted = run.full.verdicts[k];
+    reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]), predicted == touch);
+  }
+  return reliability;
+}
+
+/// The samples are those of the dataset where it has some and no label is flagged.
+WithFlaggedScore score_with_flagged(const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
+  WithFlaggedScore score;
+  std::vector<windows::SampledInterval> all = run.truth.labels;
+  for (windows::SampledInterval& label : all) {
+    score.flagged += label.used ? 0 : 1;
+    label.used = true;
+  }
+  const std::vector<windows::Sample> samples = score.flagged == 0 && !run.samples.empty()
+                                                   ? run.samples
+                                                   : samples_by(scoring.dataset.sampling(), run.index, folder, all, run.truth,
+                                                                run.full.ticks, scoring.classifier.rendering().history);
+  for (const windows::Sample& sample : samples) score.confusion.add(sample.touch, run.verdicts[run.tick_of(sample)]);
+  score.detections = detections_of(run.full.ticks, run.verdicts, run.truth.all_labelled(), scoring.options.delay);
+  return score;
+}
+
+void score_by_doubt(RunResult& result, const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
+  std::vector<std::size_t> places;
+  for (const windows::Sample& sample : run.samples) places.push_back(run.tick_of(sample));
+  result.by_drawn_labels = scores_by_drawn_labels(run.full.ticks, run.verdicts, places, run.truth, scoring.options.delay,
+                                                  seed_for(scoring.options.bootstrap.seed, {"labels", run.name}));
+  result.with_flagged = score_with_flagged(run, folder, scoring);
 }
 
 void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
@@ -171,19 +220,30 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     result.reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
                            predicted == sample.touch);
   }
+  run.truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  result.every_tick = reliability_of_ticks(run);
   if (scoring.gate) {
     run.open_verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
     result.gated = apply_gate(run.full, *scoring.gate);
   }
   run.verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
-  run.truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   result.ticks = run.verdicts.size();
   result.close_ticks = run.full.close;
   result.has_truth = run.truth.has_truth;
   score_samples(result, run, scoring);
   score_ticks(result, run, scoring);
+  score_by_doubt(result, run, folder, scoring);
   if (run.truth.has_truth) score_against_truth(result, run, scoring);
   return result;
+}
+
+WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads) {
+  ClassifiedRun run{.index = 0, .name = folder.name(), .samples = {}};
+  run.full = classify_full_run(folder.events(), scoring.classifier, threads);
+  if (scoring.gate) apply_gate(run.full, *scoring.gate);
+  run.verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+  run.truth = read_run_truth(folder, true);
+  return score_with_flagged(run, folder, scoring);
 }
 
 void for_full_runs(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> runs,

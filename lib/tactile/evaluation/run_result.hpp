@@ -14,6 +14,8 @@
 #include "tactile/evaluation/calibration.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
+#include "tactile/evaluation/label_uncertainty.hpp"
+#include "tactile/evaluation/run_truth.hpp"
 
 namespace tactile::evaluation {
 
@@ -27,11 +29,21 @@ struct RunScore {
 inline constexpr std::size_t trivial_count = 3;
 inline constexpr std::array<const char*, trivial_count> trivial_names{"always_press", "always_slip", "random"};
 
+/// A run scored with its flagged labels, too.
+struct WithFlaggedScore {
+  std::uint64_t flagged = 0;  ///< intervals
+  results::Confusion confusion;
+  std::vector<results::Detection> detections;
+};
+
 /// The counts of one run.
 struct RunResult {
   std::size_t ticks = 0, close_ticks = 0;
   results::Confusion confusion;
-  Reliability reliability;
+  Reliability reliability;  ///< of the balanced samples
+  Reliability every_tick;   ///< of every tick that has a sure class
+  std::vector<DrawnLabelsScore> by_drawn_labels;
+  WithFlaggedScore with_flagged;
   std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
   BaselineSamples samples;
   RunScore network;
@@ -64,6 +76,9 @@ struct RunScoring {
 /// @throws Error  as `evaluate`
 RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
                     const std::function<void(std::size_t)>& advance);
+
+/// Scores a run that is left out of the dataset because it is flagged. @throws Error  if it cannot be read
+WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads);
 
 /// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size
 void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options);

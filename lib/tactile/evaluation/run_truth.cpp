@@ -29,6 +29,7 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
     truth.releases = labels.releases;
     truth.unclear = labels::unclear_motion(labels);
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+      truth.bounds.push_back({labels.intervals[i].start, labels.intervals[i].end});
       truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
     }
   }

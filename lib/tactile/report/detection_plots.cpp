@@ -18,6 +18,12 @@ constexpr int curve_left = 90, curve_right = 40, curve_top = 84, delay_bottom = 
 constexpr double x_margin = 0.03;                 // of the axis, on both sides
 constexpr double y_below = 0.03, y_above = 0.18;  // of the largest value
 
+/// Of older results, those in none time.
+double alarms_per_min(const results::OperatingPoint& point) {
+  const double outside = point.outside_labels_per_min.value;
+  return std::isfinite(outside) ? outside : point.false_alarms_per_min.value;
+}
+
 /// The axes of the figure. False alarms span decades: their logarithm is drawn, and no alarms at all have a place on the left.
 struct CurveAxes {
   double begin = 0, end = 1, none_at = 0;  ///< log10 of false alarms per minute
@@ -26,7 +32,7 @@ struct CurveAxes {
   explicit CurveAxes(const std::vector<results::OperatingPoint>& points) {
     double most_alarms = 0, least_alarms = 1e9;
     for (const results::OperatingPoint& point : points) {
-      if (const double alarms = point.false_alarms_per_min.value; std::isfinite(alarms) && alarms > 0) {
+      if (const double alarms = alarms_per_min(point); std::isfinite(alarms) && alarms > 0) {
         most_alarms = std::max(most_alarms, alarms);
         least_alarms = std::min(least_alarms, alarms);
       }
@@ -44,7 +50,7 @@ struct CurveAxes {
 
   double span() const { return end - none_at; }
   double place_of(const results::OperatingPoint& point) const {
-    const double alarms = point.false_alarms_per_min.value;
+    const double alarms = alarms_per_min(point);
     return alarms > 0 ? std::log10(alarms) : alarms == 0 ? none_at : alarms;
   }
   pictures::PlotAxis x(bool has_labels) const {
@@ -146,6 +152,41 @@ pictures::Plot operating_curve_plot(const std::string& title, const std::vector<
   script.begin_panel({.left = curve_left, .top = missed_top, .right = page_width - curve_right, .bottom = bottom});
   script.axes(axes.x(true), axes.y(axes.most_missed, "missed or early [%]"));
   draw_curves(script, axes, points, own, [](const results::DelaySummary& touch) { return percent(touch.missed_share()); });
+  return std::move(script).finished();
+}
+
+pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
+                                    const std::vector<results::DetectedWithin>& slip) {
+  constexpr int left = 90, right = 40, top = 84, bottom = top + 360, below = 62;
+  constexpr double half_ms = 2;  // where the scale turns from even to logarithmic
+  const auto place_of = [](double ms) { return std::log10(1 + ms / half_ms); };
+  double longest = 10;
+  std::vector<pictures::PlotSeries> series;
+  pictures::PlotScript script(title, page_width, bottom + below);
+  script.note("Blue circles: press; orange squares: slip. Thin lines: 95 % interval. At 0: predicted ahead of the onset.");
+  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
+  for (const std::vector<results::DetectedWithin>* curve : {&press, &slip}) {
+    const bool is_press = curve == &press;
+    const auto colour = is_press ? pictures::figure_colours::press : pictures::figure_colours::slip;
+    std::vector<double> values;
+    for (const results::DetectedWithin& point : *curve) {
+      longest = std::max(longest, point.ms);
+      values.insert(values.end(), {place_of(point.ms), percent(point.share.value)});
+      add_interval(values, point.share);
+    }
+    const std::string table = script.table(4, std::move(values));
+    series.push_back({table, "1:3", "steps", {.colour = colour, .width = 0.7}});
+    series.push_back({table, "1:4", "steps", {.colour = colour, .width = 0.7}});
+    series.push_back({table, "1:2", "steps", {.colour = colour, .width = 1.8, .dashes = is_press ? 1 : 2}});
+    series.push_back({table, "1:2", "points", {.colour = colour, .mark = is_press ? 7 : 5, .size = 0.7}});
+  }
+  std::string tics;
+  for (const double ms : {0, 2, 4, 6, 10, 20, 50, 100, 200, 500})
+    tics += fmt::format("{}'{:g}' {:.9g}", tics.empty() ? "" : ", ", ms, place_of(ms));
+  script.axes(
+      {.begin = -0.03 * place_of(longest), .end = 1.03 * place_of(longest), .label = "time since the onset [ms]", .tics = tics},
+      {.begin = 0, .end = 103, .label = "detected [%]"});
+  script.plot(series);
   return std::move(script).finished();
 }
 

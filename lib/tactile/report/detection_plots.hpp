@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tactile/pictures/gnuplot.hpp"
+#include "tactile/results/delay_table.hpp"
 #include "tactile/results/operating_point.hpp"
 #include "tactile/results/over_time.hpp"
 
@@ -12,8 +13,14 @@ namespace tactile::report {
 
 // Results of predictions at every tick. Values that are NaN are not drawn.
 
+/// The share of intervals detected by a time after their onset, with its interval as thin lines. Time is drawn on a scale of
+/// log(1 + t / 2 ms), from those predicted ahead of the onset, at 0.
+pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
+                                    const std::vector<results::DetectedWithin>& slip);
+
 /// Delay, and the share of intervals that it leaves out, against false alarms over the thresholds. Some thresholds are written
-/// beside the points of each curve, in its colour, where there is room.
+/// beside the points of each curve, in its colour, where there is room. False alarms are those outside labels, where the points
+/// have them: there, a detector that stays on one class has many.
 /// @param own  of the network's own verdicts, without a threshold: hollow diamonds
 pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
                                     const std::optional<results::OperatingPoint>& own = {});

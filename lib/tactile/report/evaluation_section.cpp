@@ -50,19 +50,29 @@ HtmlTable accuracy_table(const results::Evaluation& scores) {
 }
 
 HtmlTable delay_table(const std::string& caption) {
-  return {
-      .caption = caption, .head = {"object", "class", "mean [ms]", "standard error", "intervals", "missed", "early"}, .rows = {}};
+  return {.caption = caption,
+          .head = {"object", "class", "median of all [ms]", "90 % of all [ms]", "intervals", "missed", "early", "mean [ms]",
+                   "standard error"},
+          .rows = {}};
+}
+
+HtmlCell quantile_cell(const results::CensoredQuantile& quantile) {
+  HtmlCell cell = figure_cell(quantile.ms);
+  if (quantile.is_lower_bound) cell.text = "at least " + cell.text;
+  return cell;
 }
 
 void add_delay(HtmlTable& table, const std::string& object, const std::string& touch, const results::DelaySummary& delay) {
   if (delay.intervals == 0) return;
   table.rows.push_back({{.text = object},
                         {.text = touch},
-                        number_cell(delay.mean_ms.value),
-                        number_cell(delay.sem_ms),
+                        quantile_cell(delay.median_of_all_ms),
+                        quantile_cell(delay.quantile_of_all_ms),
                         number_cell(count_text(delay.intervals)),
                         number_cell(count_text(delay.misses)),
-                        number_cell(count_text(delay.early))});
+                        number_cell(count_text(delay.early)),
+                        number_cell(delay.mean_ms.value),
+                        number_cell(delay.sem_ms)});
 }
 
 void add_delays(HtmlTable& table, const std::string& touch, const results::DelayTable& delays) {
@@ -76,6 +86,43 @@ bool has_standard_errors(const results::DelayTable& delays) {
                      [](const auto& object) { return std::isfinite(object.second.sem_ms); });
 }
 
+/// What the uncertainty of the labels and flagged labels change.
+void add_labels(ReportPage& page, const results::Evaluation& scores) {
+  const results::LabelUncertainty& drawn = scores.label_uncertainty;
+  const results::DelaySummary &press = scores.network.press.all, &slip = scores.network.slip.all;
+  if (drawn.draws > 0) {
+    HtmlTable table{
+        .caption = fmt::format("Labels drawn {} times from the 95 % intervals of their onsets and ends. Labels alone: "
+                               "the middle 95 % of these draws, of the same runs. Both: draws of runs and of labels",
+                               drawn.draws),
+        .head = {"figure", "as labelled", "labels alone", "both"},
+        .rows = {}};
+    const auto add = [&](const std::string& name, const results::Figure& labelled, const results::SpreadByLabels& spread,
+                         double scale) {
+      if (!std::isfinite(spread.mean)) return;
+      const results::Figure alone{scale * spread.mean, scale * spread.low, scale * spread.high};
+      table.rows.push_back({{.text = name},
+                            figure_cell(scaled(labelled, scale)),
+                            figure_cell(alone),
+                            figure_cell(scaled(spread.with_runs, scale))});
+    };
+    add("accuracy [%]", scores.accuracy.mean, drawn.accuracy, 100);
+    add("mean delay of press [ms]", press.mean_ms, drawn.press_mean_ms, 1);
+    add("median of all presses [ms]", press.median_of_all_ms.ms, drawn.press_median_ms, 1);
+    add("mean delay of slip [ms]", slip.mean_ms, drawn.slip_mean_ms, 1);
+    add("median of all slips [ms]", slip.median_of_all_ms.ms, drawn.slip_median_ms, 1);
+    page.html.table(table);
+  }
+  if (!scores.with_flagged) return;
+  const results::WithFlagged& with = *scores.with_flagged;
+  page.html.paragraph(fmt::format(
+      "With {} flagged runs that the dataset leaves out and {} flagged intervals, the accuracy is {:.2f} % instead of "
+      "{:.2f} %, the median of all presses {:g} ms instead of {:g} ms, of all slips {:g} ms instead of {:g} ms.",
+      with.runs.size(), with.intervals, 100 * with.accuracy.value, 100 * scores.accuracy.mean.value,
+      with.press.median_of_all_ms.ms.value, press.median_of_all_ms.ms.value, with.slip.median_of_all_ms.ms.value,
+      slip.median_of_all_ms.ms.value));
+}
+
 void add_delays(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
   page.html.heading("Detection delay");
   const results::DelayTable &press = scores.network.press, &slip = scores.network.slip;
@@ -86,6 +133,14 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
   if (names.empty()) {
     page.missing.push_back("Detection delays (the paper's figure 9) of " + model + ".");
   } else {
+    if (!press.curve.empty() || !slip.curve.empty()) {
+      page.figure(
+          "detection-curve" + suffix,
+          detection_curve_plot(page.titled("Detected within a time, " + model), press.curve, slip.curve),
+          "Share of presses and slips detected by a time after their onset.",
+          "The share of intervals detected within a time after the labelled onset, by Kaplan and Meier: a missed interval "
+          "counts as not detected until its end, at most 500 ms. Those predicted ahead of the onset are at 0.");
+    }
     page.figure(
         "delays" + suffix,
         delay_plot(page.titled("Detection delay, " + model), {names.begin(), names.end()}, press.objects, slip.objects),
@@ -98,7 +153,11 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
                         : "; no object has two detected intervals, which a standard error needs",
                     static_cast<double>(scores.tick.count()) / 1000));
     HtmlTable table = delay_table(
-        "Detection delay from the labelled onset. Trivial detectors ignore the events; they are scored on the same intervals");
+        "Detection delay from the labelled onset. Median and 90 % are of all intervals: a miss counts with the time until which "
+        "it "
+        "could be detected, and where misses fall below the quantile, it is a lower bound. The mean is over detected intervals, "
+        "as "
+        "in the paper. Trivial detectors ignore the events; they are scored on the same intervals");
     add_delays(table, "press", press);
     add_delays(table, "slip", slip);
     for (const auto& [name, trivial] : scores.trivial) {
@@ -107,6 +166,7 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
     }
     page.html.table(table);
   }
+  add_labels(page, scores);
   if (!scores.truth) return;
   HtmlTable table = delay_table(
       "Detection delay from the true onset of the simulation; gross: from the first motion between object and tip, negative "
@@ -120,8 +180,7 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
 
 std::vector<HtmlCell> alarm_row(const std::string& detector, const results::DetectorScore& score) {
   const results::FalseAlarms& total = score.false_alarms.total;
-  const bool has_counts = total.none_time > microseconds{0};
-  const auto count = [&](std::uint64_t alarms) { return number_cell(has_counts ? count_text(alarms) : std::string("-")); };
+  const bool has_counts = total.outside_labels_time > microseconds{0};
   const auto delay = [](const results::DelaySummary& summary) {
     HtmlCell cell = number_cell(summary.mean_ms.value);
     if (summary.misses == summary.intervals && summary.misses > 0)
@@ -132,10 +191,15 @@ std::vector<HtmlCell> alarm_row(const std::string& detector, const results::Dete
       cell.second_line = fmt::format("{} missed, {} early", summary.misses, summary.early);
     return cell;
   };
-  return {{.text = detector},           figure_cell(score.false_alarms.per_min),
-          count(total.alarms),          has_counts ? number_cell(results::in_minutes(total.none_time), 3) : number_cell("-"),
-          count(total.after_intervals), count(total.releases),
-          count(total.unlabelled),      delay(score.press.all),
+  const results::FalseAlarmTable& alarms = score.false_alarms;
+  return {{.text = detector},
+          figure_cell(alarms.outside_labels_per_min),
+          figure_cell(alarms.outside_motion_per_min),
+          percent_cell(alarms.none_in_alarm_share),
+          figure_cell(alarms.wrong_class_per_min),
+          has_counts ? number_cell(results::in_minutes(total.outside_labels_time), 3) : number_cell("-"),
+          has_counts ? number_cell(results::in_minutes(total.labelled_time), 3) : number_cell("-"),
+          delay(score.press.all),
           delay(score.slip.all)};
 }
 
@@ -143,12 +207,17 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
   const bool has_alarms = std::isfinite(scores.network.false_alarms.per_min.value);
   if (has_alarms || !scores.trivial.empty()) {
     page.html.heading("False alarms");
-    HtmlTable table{.caption =
-                        "False alarms over every tick of the runs. Trivial detectors ignore the events. Alarms that begin "
-                        "within the guard after an interval, in a release or in unlabelled motion are counted separately",
-                    .head = {"detector", "per minute", "false alarms", "minutes of none", "after intervals", "in releases",
-                             "in unlabelled motion", "mean delay of press [ms]", "mean delay of slip [ms]"},
-                    .rows = {}};
+    HtmlTable table{
+        .caption =
+            "False alarms over every tick of the runs. Outside labels: all episodes that begin in no labelled interval, "
+            "those after intervals, in releases and in unlabelled motion too. Without unlabelled motion: not those in "
+            "true motion without a label, which only simulated runs know. None: time without any motion. An episode "
+            "counts again for each further 500 ms. Wrong class: episodes of another class in a labelled interval. "
+            "Trivial detectors ignore the events",
+        .head = {"detector", "per minute outside labels", "without unlabelled motion", "none time in alarm [%]",
+                 "wrong class per minute of labels", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
+                 "mean delay of slip [ms]"},
+        .rows = {}};
     if (has_alarms) table.rows.push_back(alarm_row("network", scores.network));
     for (const auto& [name, trivial] : scores.trivial) table.rows.push_back(alarm_row(name, trivial));
     page.html.table(table);
@@ -161,7 +230,8 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
   if (has_alarms) {
     own = results::OperatingPoint{.press = scores.network.press.all,
                                   .slip = scores.network.slip.all,
-                                  .false_alarms_per_min = scores.network.false_alarms.per_min};
+                                  .false_alarms_per_min = scores.network.false_alarms.per_min,
+                                  .outside_labels_per_min = scores.network.false_alarms.outside_labels_per_min};
   }
   page.figure(
       "operating-curve" + suffix,
@@ -204,8 +274,8 @@ void add_classes(ReportPage& page, const results::Evaluation& scores, const std:
   page.html.table(table);
 }
 
-void add_calibration(ReportPage& page, const results::Calibration& calibration, const std::string& model,
-                     const std::string& suffix) {
+void add_calibration(ReportPage& page, const results::Calibration& calibration, const results::Calibration& whole_runs,
+                     const std::string& model, const std::string& suffix) {
   const bool has_samples = std::any_of(calibration.bins.begin(), calibration.bins.end(),
                                        [](const results::ReliabilityBin& bin) { return bin.samples > 0; });
   if (!has_samples) {
@@ -217,7 +287,11 @@ void add_calibration(ReportPage& page, const results::Calibration& calibration, 
               "Accuracy against the largest probability, with the number of samples below.",
               fmt::format("Reliability: accuracy by the network's largest probability. Bins of fewer than {} samples are hollow. "
                           "Expected calibration error: {:.2f} %.",
-                          few_samples, 100 * calibration.error.value));
+                          few_samples, 100 * calibration.error.value) +
+                  (std::isfinite(whole_runs.error.value)
+                       ? fmt::format(" At every tick of whole runs, with their shares of the classes: {:.2f} %.",
+                                     100 * whole_runs.error.value)
+                       : std::string()));
 }
 
 void add_over_time(ReportPage& page, const results::OverTime& over_time, const std::string& model, const std::string& suffix) {
@@ -272,7 +346,7 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
   add_delays(page, scores, model, suffix);
   add_false_alarms(page, scores, model, suffix);
   add_classes(page, scores, model, suffix);
-  add_calibration(page, scores.calibration, model, suffix);
+  add_calibration(page, scores.calibration, scores.whole_run_calibration, model, suffix);
   add_over_time(page, scores.over_time, model, suffix);
   if (evaluation.is_folded) page.html.end_folded();
 }

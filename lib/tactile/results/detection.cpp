@@ -39,7 +39,9 @@ void to_json(nlohmann::json& json, const Detection& detection) {
       {"start_us", us_of(detection.interval.start)},
       {"end_us", us_of(detection.interval.end)},
       {"outcome", name_of(detection.outcome)},
-      {"delay_ms", detection.outcome == DetectionOutcome::detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()}};
+      {"delay_ms", detection.outcome == DetectionOutcome::detected ? nlohmann::json(in_ms(detection.delay)) : nlohmann::json()},
+      {"ahead", detection.ahead},
+      {"limit_ms", in_ms(detection.limit)}};
 }
 
 void from_json(const JsonView& json, Detection& detection) {
@@ -51,6 +53,8 @@ void from_json(const JsonView& json, Detection& detection) {
   if (found == all.end()) throw Error(outcome.where() + " is '" + outcome.text() + "'; expected detected, missed or early");
   detection.outcome = *found;
   if (detection.outcome == DetectionOutcome::detected) detection.delay = json["delay_ms"].milliseconds();
+  detection.ahead = json["ahead"].truth();
+  detection.limit = json["limit_ms"].milliseconds();
 }
 
 RunDetections detections_in(const JsonView& json) {

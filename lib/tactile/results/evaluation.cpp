@@ -110,6 +110,8 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
           {"confusion", evaluation.confusion},
           {"per_class", evaluation.classes},
           {"calibration", evaluation.calibration},
+          {"calibration_whole_runs", evaluation.whole_run_calibration},
+          {"label_uncertainty", evaluation.label_uncertainty},
           {"accuracy_by_guard", nlohmann::json::array()},
           {"over_time", evaluation.over_time},
           {"operating_curve", evaluation.operating_curve}};
@@ -121,6 +123,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const BaselineScore& baseline : evaluation.baselines) {
     json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
   }
+  json["with_flagged"] = evaluation.with_flagged ? nlohmann::json(*evaluation.with_flagged) : nlohmann::json();
   json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
   json["runs"] = nlohmann::json::array();
@@ -158,9 +161,12 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .confusion = confusion_in(json["confusion"]),
                 .classes = json["per_class"].get<ClassScores>(),
                 .calibration = json["calibration"].get<Calibration>(),
+                .whole_run_calibration = json["calibration_whole_runs"].get<Calibration>(),
                 .guards = {},
                 .baselines = {},
                 .network = detector_in(json),
+                .label_uncertainty = json["label_uncertainty"].get<LabelUncertainty>(),
+                .with_flagged = std::nullopt,
                 .gate_off = std::nullopt,
                 .trivial = {},
                 .over_time = json["over_time"].get<OverTime>(),
@@ -171,6 +177,7 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
   for (const auto& [name, baseline] : json["baselines"].members())
     evaluation.baselines.push_back({name, {baseline["accuracy"].get<Figure>(), baseline["objects"].map_of<Figure>()}});
   for (const auto& [name, detector] : json["trivial"].members()) evaluation.trivial.emplace(name, detector_in(detector));
+  if (const JsonView with = json["with_flagged"]) evaluation.with_flagged = with.get<WithFlagged>();
   if (const JsonView gate = json["gate"]) evaluation.gate_off = gate_in(gate);
   if (json["accuracy_true"] || json["delay_true_ms"]) evaluation.truth = truth_in(json);
 }

@@ -15,6 +15,7 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/detection.hpp"
 #include "tactile/results/false_alarm_table.hpp"
+#include "tactile/results/label_sensitivity.hpp"
 #include "tactile/results/operating_point.hpp"
 #include "tactile/results/over_time.hpp"
 
@@ -84,9 +85,12 @@ struct Evaluation {
   Confusion confusion;
   ClassScores classes;
   Calibration calibration;                       ///< of the network's own verdicts, unconfirmed
+  Calibration whole_run_calibration;             ///< the same at every tick of a sure class
   std::vector<GuardScore> guards;                ///< the dataset's own first, then 100 ms and 0 where they are others
   std::vector<BaselineScore> baselines;          ///< empty where the dataset has no run that the model learned from
   DetectorScore network;                         ///< against the labels
+  LabelUncertainty label_uncertainty;            ///< of accuracy and delays against the labels
+  std::optional<WithFlagged> with_flagged;       ///< where a run or an interval is flagged
   std::optional<GateOff> gate_off;               ///< where the gate is on
   std::map<std::string, DetectorScore> trivial;  ///< "always_press", "always_slip", "random": unconfirmed, same labels
   OverTime over_time;

@@ -7,6 +7,11 @@ namespace {
 
 microseconds minutes_in(const JsonView& json) { return microseconds{std::llround(60e6 * json.number_if_there().value_or(0))}; }
 
+std::optional<double> rate(std::uint64_t count, microseconds time) {
+  if (time <= microseconds{0}) return std::nullopt;
+  return static_cast<double>(count) / in_minutes(time);
+}
+
 }  // namespace
 
 double in_minutes(microseconds time) { return static_cast<double>(time.count()) / 60e6; }
@@ -20,12 +25,25 @@ FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
   after_intervals_time += other.after_intervals_time;
   releases_time += other.releases_time;
   unlabelled_time += other.unlabelled_time;
+  outside_labels += other.outside_labels;
+  outside_labels_time += other.outside_labels_time;
+  outside_motion += other.outside_motion;
+  outside_motion_time += other.outside_motion_time;
+  none_in_alarm += other.none_in_alarm;
+  wrong_class += other.wrong_class;
+  wrong_class_time += other.wrong_class_time;
+  labelled_time += other.labelled_time;
   return *this;
 }
 
-std::optional<double> FalseAlarms::per_min() const {
+std::optional<double> FalseAlarms::per_min() const { return rate(alarms, none_time); }
+std::optional<double> FalseAlarms::outside_labels_per_min() const { return rate(outside_labels, outside_labels_time); }
+std::optional<double> FalseAlarms::outside_motion_per_min() const { return rate(outside_motion, outside_motion_time); }
+std::optional<double> FalseAlarms::wrong_class_per_min() const { return rate(wrong_class, labelled_time); }
+
+std::optional<double> FalseAlarms::none_in_alarm_share() const {
   if (none_time <= microseconds{0}) return std::nullopt;
-  return static_cast<double>(alarms) / in_minutes(none_time);
+  return static_cast<double>(none_in_alarm.count()) / static_cast<double>(none_time.count());
 }
 
 void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
@@ -35,13 +53,33 @@ void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
           {"objects", table.objects},
           {"after_intervals", {{"count", table.total.after_intervals}, {"min", in_minutes(table.total.after_intervals_time)}}},
           {"releases", {{"count", table.total.releases}, {"min", in_minutes(table.total.releases_time)}}},
-          {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}}};
+          {"unlabelled", {{"count", table.total.unlabelled}, {"min", in_minutes(table.total.unlabelled_time)}}},
+          {"outside_labels",
+           {{"count", table.total.outside_labels},
+            {"min", in_minutes(table.total.outside_labels_time)},
+            {"per_min", table.outside_labels_per_min}}},
+          {"outside_motion",
+           {{"count", table.total.outside_motion},
+            {"min", in_minutes(table.total.outside_motion_time)},
+            {"per_min", table.outside_motion_per_min}}},
+          {"none_in_alarm", {{"min", in_minutes(table.total.none_in_alarm)}, {"share", table.none_in_alarm_share}}},
+          {"wrong_class",
+           {{"count", table.total.wrong_class},
+            {"wrong_min", in_minutes(table.total.wrong_class_time)},
+            {"min", in_minutes(table.total.labelled_time)},
+            {"per_min", table.wrong_class_per_min}}}};
 }
 
 void from_json(const JsonView& json, FalseAlarmTable& table) {
   const JsonView after = json["after_intervals"], releases = json["releases"], unlabelled = json["unlabelled"];
+  const JsonView outside = json["outside_labels"], outside_motion = json["outside_motion"];
+  const JsonView in_alarm = json["none_in_alarm"], wrong_class = json["wrong_class"];
   table = {.per_min = json["per_min"].get<Figure>(),
            .objects = json["objects"].map_of<Figure>(),
+           .outside_labels_per_min = outside["per_min"].get<Figure>(),
+           .outside_motion_per_min = outside_motion["per_min"].get<Figure>(),
+           .none_in_alarm_share = in_alarm["share"].get<Figure>(),
+           .wrong_class_per_min = wrong_class["per_min"].get<Figure>(),
            .total = {.alarms = json["count"].count(),
                      .after_intervals = after["count"].count(),
                      .releases = releases["count"].count(),
@@ -49,7 +87,15 @@ void from_json(const JsonView& json, FalseAlarmTable& table) {
                      .none_time = minutes_in(json["none_min"]),
                      .after_intervals_time = minutes_in(after["min"]),
                      .releases_time = minutes_in(releases["min"]),
-                     .unlabelled_time = minutes_in(unlabelled["min"])}};
+                     .unlabelled_time = minutes_in(unlabelled["min"]),
+                     .outside_labels = outside["count"].count(),
+                     .outside_labels_time = minutes_in(outside["min"]),
+                     .outside_motion = outside_motion["count"].count(),
+                     .outside_motion_time = minutes_in(outside_motion["min"]),
+                     .none_in_alarm = minutes_in(in_alarm["min"]),
+                     .wrong_class = wrong_class["count"].count(),
+                     .wrong_class_time = minutes_in(wrong_class["wrong_min"]),
+                     .labelled_time = minutes_in(wrong_class["min"])}};
 }
 
 }  // namespace tactile::results

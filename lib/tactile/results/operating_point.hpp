@@ -15,9 +15,12 @@ struct OperatingPoint {
   DelaySummary press{}, slip{};                                 ///< over all runs
   Figure false_alarms_per_min{};
   std::uint64_t false_alarms = 0;
+  Figure outside_labels_per_min{};  ///< as `FalseAlarmTable` has it; nothing in older files
+  Figure wrong_class_per_min{};
 };
 
-/// {"threshold", "delay_ms": {"press", "slip"}, "false_alarms_per_min", "false_alarms"}
+/// {"threshold", "delay_ms": {"press", "slip"}, "false_alarms_per_min", "false_alarms", "outside_labels_per_min",
+/// "wrong_class_per_min"}
 void to_json(nlohmann::json& json, const OperatingPoint& point);
 void from_json(const JsonView& json, OperatingPoint& point);
 

@@ -58,13 +58,16 @@ class Export : public testing::Test {
 
 TEST_F(Export, WritesBothFormatsWithTheirMetadata) {
   const ModelBundle bundle = make_bundle("mine", 3, "2024-01-01T00:00:00Z", {Activation::tanh, Pooling::average});
-  const auto result = run("--model mine --onnx out/model.onnx --safetensors out/model.safetensors --json");
+  const auto result =
+      run("--model mine --onnx out/model.onnx --safetensors "
+          "out/model.safetensors --json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const ModelDescription model = read_description(bundle);
 
   const auto metadata = read_metadata(folder / "out/model.safetensors");
   auto expected = weights_metadata(model);
   expected["model"] = "mine";
+  expected["temperature"] = "1";
   EXPECT_EQ(metadata, expected);
   for (const char* key : {"split", "learned_from"}) EXPECT_TRUE(expected.contains(key)) << key;
   EXPECT_EQ(read_weights(folder / "out/model.safetensors", lenet_layers(small).parameters()), read_bundle_weights(bundle, model));

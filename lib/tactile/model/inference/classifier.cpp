@@ -33,7 +33,8 @@ class Engines {
   }
 
  private:
-  /// Copies the last idle engine instead of taking it, so there is always one to copy.
+  /// Copies the last idle engine instead of taking it, so there is always one
+  /// to copy.
   LeNetEngine take() {
     const std::scoped_lock lock(guard_);
     if (idle_.size() == 1) return idle_.front();
@@ -65,6 +66,7 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
                        const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network)
     : bundle_{bundle.filename().empty() ? bundle.parent_path() : bundle},
       description_(read_description(bundle_)),
+      temperature_(read_temperature(bundle_, description_)),
       threads_(threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency())),
       engine_(engine) {
   const Weights weights = read_bundle_weights(bundle_, description_);
@@ -98,7 +100,8 @@ std::vector<Touch> Classifier::verdicts(std::span<const std::uint8_t> heatmaps, 
 std::vector<Probabilities> Classifier::probabilities(std::span<const std::uint8_t> heatmaps) const {
   const auto logits = classify(heatmaps);
   std::vector<Probabilities> probabilities(logits.size());
-  std::transform(logits.begin(), logits.end(), probabilities.begin(), probabilities_of);
+  std::transform(logits.begin(), logits.end(), probabilities.begin(),
+                 [this](const Logits& of) { return probabilities_of(of, temperature_.value); });
   return probabilities;
 }
 

@@ -9,7 +9,7 @@
 
 #include "tactile/events/event.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
@@ -22,14 +22,18 @@ using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::
 /// A trained LeNet with the settings of its training.
 class Classifier {
  public:
-  /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
+  /// Opens the model bundle `models/<name>/` with the fast engine;
+  /// `open_classifier` offers libtorch too.
   /// @param threads  0: one per core; the logits do not depend on it
-  /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
-  ///                 that are not finite; if the fast engine does not support its layers
+  /// @throws Error   if it is missing, incomplete or damaged: another format,
+  /// or weights with another hash, other sizes or values
+  ///                 that are not finite; if the fast engine does not support
+  ///                 its layers
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
 
   /// The same with another engine.
-  /// @param make_network  makes the network from the bundle's description and weights
+  /// @param make_network  makes the network from the bundle's description and
+  /// weights
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
              const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network);
 
@@ -39,6 +43,7 @@ class Classifier {
   const heatmaps::HeatmapOptions& rendering() const { return description_.settings.rendering; }
   events::SensorSize input_size() const { return description_.input; }
   EngineKind engine() const { return engine_; }
+  const Temperature& temperature() const { return temperature_; }  ///< of its probabilities
 
   /// Thread-safe.
   /// @param heatmaps  [n, height, width] of `input_size()`
@@ -58,6 +63,7 @@ class Classifier {
   ModelBundle bundle_;
   nlohmann::json json_;
   ModelDescription description_;
+  Temperature temperature_;
   unsigned threads_;
   EngineKind engine_;
   ClassifyHeatmaps network_;

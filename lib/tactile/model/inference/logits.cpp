@@ -16,11 +16,12 @@ bool is_close(const Logits& logits) {
   return ascending[touch_count - 1] - ascending[touch_count - 2] < apart;
 }
 
-Probabilities probabilities_of(const Logits& logits) {
+Probabilities probabilities_of(const Logits& logits, double temperature) {
   const double largest = *std::max_element(logits.begin(), logits.end());
   std::array<double, touch_count> weights{};
   double sum = 0;
-  for (std::size_t i = 0; i < touch_count; ++i) sum += weights[i] = std::exp(static_cast<double>(logits[i]) - largest);
+  for (std::size_t i = 0; i < touch_count; ++i)
+    sum += weights[i] = std::exp((static_cast<double>(logits[i]) - largest) / temperature);
   Probabilities probabilities{};
   for (std::size_t i = 0; i < touch_count; ++i) probabilities[i] = static_cast<float>(weights[i] / sum);
   return probabilities;

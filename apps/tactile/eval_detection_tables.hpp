@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "tactile/results/evaluation.hpp"
+
+namespace tactile::cli {
+
+// The results of every tick as tables.
+
+std::string delays_text(const results::Evaluation& evaluation);        ///< all intervals first, then the paper's mean
+std::string false_alarms_text(const results::Evaluation& evaluation);  ///< in three forms, and of the wrong class
+std::string labels_text(const results::Evaluation& evaluation);        ///< what the labels add to both
+
+}  // namespace tactile::cli

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tactile/core/random.hpp"
+#include "tactile/core/ticks.hpp"
+#include "tactile/core/touch.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
+#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/evaluation/run_truth.hpp"
+#include "tactile/results/confusion.hpp"
+#include "tactile/results/detection.hpp"
+#include "tactile/results/judged_run.hpp"
+#include "tactile/results/label_sensitivity.hpp"
+
+namespace tactile::evaluation {
+
+inline constexpr std::size_t label_draws = 200;
+
+/// The run's labels that are in use, with each onset and end drawn from its own 95 % interval:
+///
+///   at + z (high - at) / 1.96 for z >= 0, at + z (at - low) / 1.96 for z < 0,   z normal
+///
+/// No interval begins before the one ahead of it ends, or ends before it begins.
+std::vector<TouchInterval> drawn_labels(const RunTruth& truth, Random& random);
+
+/// A run scored by one draw of its labels.
+struct DrawnLabelsScore {
+  results::Confusion confusion;  ///< of the balanced samples: each has the class of its tick by the drawn labels
+  std::vector<results::Detection> detections;
+};
+
+/// @param verdicts  one for each tick
+/// @param samples   ticks of the balanced samples, by index
+/// @param seed      the same for a run's labels, whichever training is scored
+/// @return  `label_draws` scores; none where no label has an interval
+std::vector<DrawnLabelsScore> scores_by_drawn_labels(const TickRange& ticks, std::span<const Touch> verdicts,
+                                                     std::span<const std::size_t> samples, const RunTruth& truth,
+                                                     const DelayOptions& options, std::uint64_t seed);
+
+/// One run with its labels as they are, and drawn.
+struct RunByDrawnLabels : results::JudgedRun {
+  DrawnLabelsScore as_labelled{};
+  std::vector<DrawnLabelsScore> drawn{};
+};
+
+/// The spread of accuracy and delays. Draws of runs and labels together take the draws of labels in turn.
+results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> runs,
+                                            const results::BootstrapOptions& options = {});
+
+}  // namespace tactile::evaluation
