@@ -53,8 +53,7 @@ struct DetectArguments {
   std::string out = "data", object = "unnamed", run;
 };
 
-/// Checks a recording before the first verdict, as `eval` does. @throws Error
-/// if it seems to have too many ticks
+/// Checks a recording before the first verdict, as `eval` does. @throws Error  if it seems to have too many ticks
 void check_tick_count(const DetectArguments& args, const heatmaps::HeatmapOptions& rendering) {
   if (!args.from.starts_with("file:") || args.duration_s > 0) return;
   const fs::path path = args.from.substr(5);
@@ -77,10 +76,7 @@ detect::ClassifyHeatmap network_of(const DetectArguments& args, const model::Mod
                                              model::EngineOptions{.precision = precision});
     return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
   }
-  if (precision != model::Precision::fp32)
-    throw Error(
-        "--precision int8: libtorch supports only fp32; expected "
-        "--engine fast");
+  if (precision != model::Precision::fp32) throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
   const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(bundle.folder, 1, kind));
   return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
 }
@@ -95,19 +91,16 @@ std::optional<RunFolder> played_run(const std::string& source) {
   return run_folder_at(folder);
 }
 
-/// The tick that --tick-us asks for. @throws Error  unless the model's history
-/// is a whole number of it
+/// The tick that --tick-us asks for. @throws Error  unless the model's history is a whole number of it
 microseconds tick_within(microseconds history, std::int64_t tick_us, const std::string& model) {
   if (tick_us <= history.count() && history.count() % tick_us == 0) return microseconds{tick_us};
   const auto divides = [&history](std::int64_t us) { return history.count() % us == 0; };
   std::int64_t below = std::min(tick_us, history.count()), above = below;
   while (!divides(below)) --below;
   while (!divides(above)) ++above;
-  throw Error(
-      fmt::format("--tick-us {}: the history t_h of {} is {} us, which is not a whole "
-                  "number of such ticks; expected {}",
-                  tick_us, model, history.count(),
-                  below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
+  throw Error(fmt::format(
+      "--tick-us {}: the history t_h of {} is {} us, which is not a whole number of such ticks; expected {}", tick_us, model,
+      history.count(), below == above ? fmt::format("{} at most", below) : fmt::format("a tick such as {} or {}", below, above)));
 }
 
 /// @throws Error  unless `udp` is HOST:PORT
@@ -155,15 +148,12 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
              fmt::format("{}{}, predicted by {}", args.from, summary.simulated ? " (simulated)" : "", model), run, args.plot);
   const bool restarted = ticks.front().beginning != ticks.back().beginning;
   return fmt::format("\nDrawn in {}{}\n", args.plot,
-                     restarted ? ": the ticks since the last restart of the "
-                                 "stream; --ticks FILE.csv writes all"
-                               : "");
+                     restarted ? ": the ticks since the last restart of the stream; --ticks FILE.csv writes all" : "");
 }
 
 void detect(DetectArguments args, const CommonArguments& common) {
   let_openmp_threads_sleep();
-  std::signal(SIGXFSZ,
-              SIG_IGN);  // a limit of the file size is reported like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
   const model::ModelDescription model = model::read_description(bundle);
@@ -186,30 +176,21 @@ void detect(DetectArguments args, const CommonArguments& common) {
   print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used) + drawn);
   if (summary.failure) std::rethrow_exception(summary.failure);
   if (!args.plot.empty() && reader.kept().empty())
-    throw Error(args.plot +
-                ": there is no tick to draw; expected a stream "
-                "longer than the history");
+    throw Error(args.plot + ": there is no tick to draw; expected a stream longer than the history");
 }
 
 void add_model_options(Command& command, DetectArguments& args) {
-  command.add_option("--model", args.model,
-                     "Model: a folder, or a name in --models; default: the "
-                     "newest single-run model");
+  command.add_option("--model", args.model, "Model: a folder, or a name in --models; default: the newest single-run model");
   command.add_option("--models", args.models, "Folder of models").show_default();
-  command
-      .add_option("--from", args.from,
-                  "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, "
-                  "sim[:OBJECT] or camera[:SERIAL]")
+  command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
   command
       .add_option("--confirm", args.confirm,
-                  "k/n: report a class only if it was predicted in at least k "
-                  "of the last n ticks; k > n/2")
+                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args.gate,
-                   "Report none without running the network while there are "
-                   "fewer events than the model's limit");
+                   "Report none without running the network while there are fewer events than the model's limit");
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
@@ -239,10 +220,7 @@ void add_output_options(Command& command, DetectArguments& args) {
 }
 
 void add_source_options(Command& command, DetectArguments& args) {
-  command
-      .add_option("--speed", args.source.speed,
-                  "Speed of files and the simulator: 1 is real time, 0 is as "
-                  "fast as possible")
+  command.add_option("--speed", args.source.speed, "Speed of files and the simulator: 1 is real time, 0 is as fast as possible")
       .check(in_range(0.0, 1e6))
       .show_default();
   command.add_option("--seed", args.source.seed, "Seed of the simulator").check(is_seed()).show_default();
@@ -253,14 +231,11 @@ void add_source_options(Command& command, DetectArguments& args) {
 
 void add_real_time_options(Command& command, DetectArguments& args) {
   command.add_flag("--no-real-time", args.no_real_time,
-                   "Do not use real-time priority and locked memory (default "
-                   "for live sources, where permitted)");
+                   "Do not use real-time priority and locked memory (default for live sources, where permitted)");
   command.add_flag("--no-rehearsal", args.no_rehearsal,
-                   "Do not run the network once before each tick; this saves "
-                   "processor time, but verdicts come later");
+                   "Do not run the network once before each tick; this saves processor time, but verdicts come later");
   command.add_flag("--awake", args.awake,
-                   "Keep processor cores awake, where permitted; verdicts come "
-                   "sooner, but power use rises");
+                   "Keep processor cores awake, where permitted; verdicts come sooner, but power use rises");
 }
 
 }  // namespace

@@ -41,8 +41,7 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   return options;
 }
 
-/// Writes the result to `file`, and as a table beside it. @return  a sentence
-/// that names both
+/// Writes the result to `file`, and as a table beside it. @return  a sentence that names both
 std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation) {
   fs::path table = file;
   table.replace_extension(".csv");
@@ -51,8 +50,7 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, const
   return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
 }
 
-/// The file of results. Options that change the figures have their own file, so
-/// that none replaces another.
+/// The file of results. Options that change the figures have their own file, so that none replaces another.
 fs::path result_file(const fs::path& usual, const EvalArguments& args, const evaluation::EvaluationOptions& options,
                      const windows::Dataset& dataset) {
   std::string name = usual.stem().string();
@@ -64,17 +62,14 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const eva
   return usual.parent_path() / (name + ".json");
 }
 
-/// Removes the runs that the model's temperature was fitted on. @throws Error
-/// if none is left
+/// Removes the runs that the model's temperature was fitted on. @throws Error  if none is left
 void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
                                 const model::Classifier& classifier) {
   std::erase_if(runs,
                 [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run].events_sha256); });
   if (model::samples_of_runs(dataset, runs).empty()) {
-    throw Error(
-        fmt::format("{}: no run with samples is left that {} neither "
-                    "learned from nor was calibrated on; expected one",
-                    dataset.file().string(), classifier.bundle().string()));
+    throw Error(fmt::format("{}: no run with samples is left that {} neither learned from nor was calibrated on; expected one",
+                            dataset.file().string(), classifier.bundle().string()));
   }
 }
 
@@ -97,11 +92,10 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
     const auto other = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
       return model.settings.split.kind == windows::SplitKind::single_run;
     });
-    const std::string way_out = other ? fmt::format(
-                                            "; {} belongs to another state of it, or to another "
-                                            "dataset, and is evaluated on it with --model {}",
-                                            other->name(), shell_word(other->name()))
-                                      : "";
+    const std::string way_out =
+        other ? fmt::format("; {} belongs to another state of it, or to another dataset, and is evaluated on it with --model {}",
+                            other->name(), shell_word(other->name()))
+              : "";
     throw Error(fmt::format("{}: no single-run model of {}; expected one, run '{}' first{}", args.models, file.string(),
                             train_command(args, {}), way_out));
   }
@@ -113,10 +107,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   evaluation::EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
   if (options.of_another_dataset) {
-    spdlog::warn(
-        "{} was trained on another dataset than {}; it is evaluated "
-        "on the {} runs that it was not trained on",
-        bundle->name(), file.string(), runs.size());
+    spdlog::warn("{} was trained on another dataset than {}; it is evaluated on the {} runs that it was not trained on",
+                 bundle->name(), file.string(), runs.size());
   }
   const std::vector<windows::SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
   const std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
@@ -214,22 +206,16 @@ void add_eval_command(CLI::App& app) {
                                   if (!args->runs.empty()) return show_runs(*args, common);
                                   args->unseen ? evaluate_unseen(*args, common) : evaluate_one(*args, common);
                                 });
-  command
-      .add_option("data", args->data,
-                  "Data folder with dataset.h5, or a dataset file; its run "
-                  "folders are read too")
+  command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; its run folders are read too")
       .show_default();
   command.add_option("--model", args->model,
-                     "Model: a folder, or a name in --models; default: the "
-                     "newest single-run model of the dataset");
+                     "Model: a folder, or a name in --models; default: the newest single-run model of the dataset");
   command.add_option("--models", args->models, "Folder of models").show_default();
-  const Option unseen = command.add_flag("--unseen", args->unseen,
-                                         "Compare held-out objects with the same objects seen in "
-                                         "training; trains missing models");
+  const Option unseen = command.add_flag(
+      "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains missing models");
   command
       .add_option("--held-out", args->held_out,
-                  "With --unseen: held-out objects, separated by commas; "
-                  "default: the paper's five, where present")
+                  "With --unseen: held-out objects, separated by commas; default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...")
       .needs(unseen);
@@ -241,26 +227,23 @@ void add_eval_command(CLI::App& app) {
   add_strict_option(command, args->strict);
   command
       .add_option("--guard-ms", args->guard_ms,
-                  "Count alarms separately for this long after an interval "
-                  "[ms]; default: the dataset's guard")
+                  "Count alarms separately for this long after an interval [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
   command
       .add_option("--confirm", args->confirm,
-                  "k/n: report a class only if it was predicted in at least k "
-                  "of the last n ticks; k > n/2")
+                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args->gate,
-                   "Report none without the network while there are fewer "
-                   "events than the model's limit; results are given with "
+                   "Report none without the network while there are fewer events than the model's limit; results are given with "
                    "and without it");
   add_engine_option(command, args->engine);
-  const Option run = command
-                         .add_option("--run", args->runs,
-                                     "Write every tick of these runs as CSV, PNG and SVG "
-                                     "instead; object/run or folders, separated by commas")
-                         .delimiter(',')
-                         .excludes(unseen);
+  const Option run =
+      command
+          .add_option("--run", args->runs,
+                      "Write every tick of these runs as CSV, PNG and SVG instead; object/run or folders, separated by commas")
+          .delimiter(',')
+          .excludes(unseen);
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
 }
 

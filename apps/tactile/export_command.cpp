@@ -38,9 +38,7 @@ struct ExportedFile {
 /// Checks everything before the first file is written.
 void check_places(const ExportArguments& args) {
   if (args.onnx.empty() && args.safetensors.empty()) {
-    throw Error(
-        "no output is given; expected --onnx FILE, --safetensors FILE, "
-        "or both");
+    throw Error("no output is given; expected --onnx FILE, --safetensors FILE, or both");
   }
   const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
   if (!args.onnx.empty() && !args.safetensors.empty() && place(args.onnx) == place(args.safetensors)) {
@@ -113,8 +111,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   std::vector<std::vector<std::string>> rows;
   for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
-  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, "
-                              "{}, {}], a heatmap / 255; output: the logits of "
+  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
                               "none, press, slip",
                               bundle.folder.string(), model.simulated ? "simulated" : "real", model.input.height,
                               model.input.width)) +
@@ -128,9 +125,7 @@ void add_export_command(CLI::App& app) {
   auto args = std::make_shared<ExportArguments>();
   Command command = add_command(app, "export", "Write a model in formats that other software reads",
                                 [args](const CommonArguments& common) { export_model(*args, common); });
-  command.add_option("--model", args->model,
-                     "Model: a folder, or a name in --models; default: the "
-                     "model trained last");
+  command.add_option("--model", args->model, "Model: a folder, or a name in --models; default: the model trained last");
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
   command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");

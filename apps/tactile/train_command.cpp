@@ -34,8 +34,7 @@ struct TrainArguments {
   double history_ms = 40;
   RenderingArguments rendering;
   std::string split = "single-run", train_run = "01";
-  std::vector<std::string> held_out;  ///< empty: those of the paper's five
-                                      ///< objects that the dataset has
+  std::vector<std::string> held_out;  ///< empty: those of the paper's five objects that the dataset has
   model::TrainingOptions training;
   std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
               class_weights = "none";
@@ -64,9 +63,7 @@ model::ModelSettings settings_of(const TrainArguments& args) {
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   check(settings.training);
   if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
-    throw Error(
-        "--held-out: a split of single-run holds no object out; "
-        "expected --split unseen with it");
+    throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
   return settings;
 }
 
@@ -97,8 +94,7 @@ std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args
   titles.insert(titles.end(), {"images/s", "seconds"});
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (summary.stopped_early) {
-    text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was "
-                                "smallest in epoch {}, whose weights are used.",
+    text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
                                 summary.history.back().epoch, summary.best_epoch)) +
             "\n\n";
   }
@@ -136,8 +132,7 @@ nlohmann::json json_of(const model::ModelBundle& bundle, const model::ModelDescr
           {"history", summary.history}};
 }
 
-/// Whether to resume an interrupted training. @throws Error  if there is one,
-/// and neither --resume nor --force is given
+/// Whether to resume an interrupted training. @throws Error  if there is one, and neither --resume nor --force is given
 bool resumes_training(const TrainArguments& args, const model::ModelBundle& bundle) {
   const fs::path folder = model::CheckpointFolder::beside(bundle.folder);
   if (!model::CheckpointFolder::holds_state(folder)) {
@@ -147,13 +142,10 @@ bool resumes_training(const TrainArguments& args, const model::ModelBundle& bund
   if (args.resume) return true;
   if (args.force) return false;
   throw Error(
-      fmt::format("{}: an interrupted training; expected --resume to "
-                  "resume it, or --force to start again",
-                  folder.string()));
+      fmt::format("{}: an interrupted training; expected --resume to resume it, or --force to start again", folder.string()));
 }
 
-/// Why the existing bundle differs from the requested one: "with other settings
-/// (training.epochs: 10 before, 6 now)".
+/// Why the existing bundle differs from the requested one: "with other settings (training.epochs: 10 before, 6 now)".
 std::string difference_of(const model::ModelBundle& bundle, const windows::Dataset& dataset,
                           const model::ModelSettings& settings) {
   try {
@@ -167,16 +159,14 @@ std::string difference_of(const model::ModelBundle& bundle, const windows::Datas
   return "damaged";
 }
 
-/// A learning rate that is too large does not always lead to NaN. Units that
-/// are 0 for every heatmap learn nothing, and the loss stays that of three
-/// equally likely classes, ln 3.
+/// A learning rate that is too large does not always lead to NaN. Units that are 0 for every heatmap learn nothing, and the loss
+/// stays that of three equally likely classes, ln 3.
 void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
                              const model::TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
   if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
-      "{}: has learned nothing: its loss of {:.4f} is not below that "
-      "of a guess, {:.4f}; try a smaller --lr than {}, or more "
+      "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
       "than {}",
       bundle.folder.string(), summary.history.back().loss, of_a_guess, settings.training.learning_rate,
       counted(settings.training.epochs, "epoch"));
@@ -191,10 +181,8 @@ model::Temperature calibrated(const TrainArguments& args, const CommonArguments&
 
 std::string text_of(const model::Temperature& temperature) {
   if (temperature.fitted_on.empty()) return {};
-  return wrapped(fmt::format("Temperature {:.3f}, fitted on {} of {}: cross-entropy {:.4f} "
-                             "instead of {:.4f} nats. Logits "
-                             "are divided by it; verdicts stay the same. 'eval' does not use "
-                             "these runs.",
+  return wrapped(fmt::format("Temperature {:.3f}, fitted on {} of {}: cross-entropy {:.4f} instead of {:.4f} nats. Logits are "
+                             "divided by it; verdicts stay the same. 'eval' does not use these runs.",
                              temperature.value, counted(temperature.samples, "sample"),
                              counted(temperature.fitted_on.size(), "run"), temperature.loss_after, temperature.loss_before)) +
          "\n";
@@ -221,10 +209,8 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     return;
   }
   if (state == model::BundleState::changed && !args.force) {
-    throw Error(
-        fmt::format("{}: exists already, {}; expected a new --name, or "
-                    "--force to replace it",
-                    bundle.folder.string(), difference_of(bundle, dataset, settings)));
+    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
+                            difference_of(bundle, dataset, settings)));
   }
   heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
@@ -256,10 +242,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const std::string outcome = state == model::BundleState::missing ? "trained" : "replaced";
   const model::ModelDescription model = model::read_description(bundle);
   if (resumes && model.threads != common.threads)
-    spdlog::info(
-        "resumed with {} threads, as it began: another number changes "
-        "the last bits",
-        model.threads);
+    spdlog::info("resumed with {} threads, as it began: another number changes the last bits", model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
   const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
   print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary, temperature),
@@ -269,26 +252,18 @@ void train(const TrainArguments& args, const CommonArguments& common) {
 
 std::string check_bundle_name(const std::string& name) {
   const bool plain = !name.empty() && name.front() != '.' && name.find('/') == std::string::npos;
-  return plain ? ""
-               : fmt::format(
-                     "'{}' is not a name for a model; expected one "
-                     "without '/' and without '.' at the front",
-                     name);
+  return plain ? "" : fmt::format("'{}' is not a name for a model; expected one without '/' and without '.' at the front", name);
 }
 
 void add_split_options(Command& command, TrainArguments& args) {
-  command
-      .add_option("data", args.data,
-                  "Data folder with dataset.h5, or a dataset file; a missing "
-                  "dataset is made")
+  command.add_option("data", args.data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
       .show_default();
   command.add_option("--th", args.history_ms, "History t_h [ms], a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
   command
       .add_option("--split", args.split,
-                  "single-run: train on one run of every object; unseen: on "
-                  "one run of each object that is not held out")
+                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
       .check(one_of({"single-run", "unseen"}))
       .show_default();
   command.add_option("--train-run", args.train_run, "Run of each object to train on; the next one if it has no samples")
@@ -296,8 +271,7 @@ void add_split_options(Command& command, TrainArguments& args) {
       .show_default();
   command
       .add_option("--held-out", args.held_out,
-                  "Objects held out by --split unseen, separated by commas; "
-                  "default: the paper's five, where present")
+                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
       .delimiter(',')
       .type_name("NAME,...");
   add_strict_option(command, args.strict);
@@ -312,17 +286,13 @@ void add_training_options(Command& command, TrainArguments& args) {
   command.add_option("--lr", args.training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
   command
       .add_option("--schedule", args.schedule,
-                  "Learning rate schedule: constant, cosine (down to 0) or "
-                  "step (to a tenth, then a hundredth)")
+                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
       .check(one_of({"constant", "cosine", "step"}))
       .show_default();
   command.add_option("--optimizer", args.optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
       .check(one_of({"adam", "adamw", "sgd"}))
       .show_default();
-  command
-      .add_option("--engine", args.engine,
-                  "Training engine: fast (tactile's own) or libtorch; they "
-                  "agree up to rounding")
+  command.add_option("--engine", args.engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
       .check(one_of({"fast", "libtorch"}))
       .show_default();
   command.add_option("--activation", args.activation, "Activation function")
@@ -335,46 +305,35 @@ void add_training_options(Command& command, TrainArguments& args) {
       .show_default();
   command
       .add_option("--class-weights", args.class_weights,
-                  "Weights of the classes: none (equal samples), balanced "
-                  "(equal classes), or three numbers such as 1,2,1")
+                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
       .show_default();
 }
 
 void add_model_options(Command& command, TrainArguments& args) {
   command
       .add_option("--validation", args.validation_share,
-                  "Share of training samples used for validation, the last "
-                  "ones of each class")
+                  "Share of training samples used for validation, the last ones of each class")
       .check(in_range(0.0, 0.5))
       .default_text("0, or 0.2 with --early-stop");
   command
       .add_option("--early-stop", args.training.early_stop,
-                  "Stop after this many epochs without a lower validation "
-                  "loss, and keep the best weights; 0: never")
+                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
       .check(in_range(0U, 100'000U))
       .show_default();
-  command
-      .add_option("--from", args.from,
-                  "Start from the weights of this model: a folder, or a name "
-                  "in --models")
+  command.add_option("--from", args.from, "Start from the weights of this model: a folder, or a name in --models")
       .type_name("MODEL");
   command
-      .add_option("--calibrate", args.calibrate,
-                  "Fit a temperature of the probabilities on these runs of "
-                  "each object, separated by commas; 'eval' leaves them out")
+      .add_option(
+          "--calibrate", args.calibrate,
+          "Fit a temperature of the probabilities on these runs of each object, separated by commas; 'eval' leaves them out")
       .delimiter(',')
       .check(is_run())
       .type_name("RUN,...");
   add_rendering_options(command, args.rendering);
   command.add_option("--models", args.models, "Folder of models").show_default();
-  command
-      .add_option("--name", args.name,
-                  "Name of the model's folder; default: made from history, "
-                  "split, run and seed")
+  command.add_option("--name", args.name, "Name of the model's folder; default: made from history, split, run and seed")
       .check(Check{check_bundle_name, ""});
-  command.add_flag("--resume", args.resume,
-                   "Resume an interrupted training; the result is the same as "
-                   "without the interruption");
+  command.add_flag("--resume", args.resume, "Resume an interrupted training; the result is the same as without the interruption");
   command.add_option("--save-every", args.save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
       .check(in_range(0.0, 1e6))
       .show_default();

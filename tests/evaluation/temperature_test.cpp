@@ -13,8 +13,7 @@ namespace tactile::model {
 namespace {
 
 TEST(Temperature, MakesAHundredSureGuessesAsSureAsTheyAreRight) {
-  // Two classes at odds of e^6 to 1; three of four are right. Then the best
-  // odds are 3 to 1: 6 / T = ln 3.
+  // Two classes at odds of e^6 to 1; three of four are right. Then the best odds are 3 to 1: 6 / T = ln 3.
   const std::vector<Logits> logits(100, Logits{6, 0, -1000});
   std::vector<Touch> truth(100, Touch::none);
   for (std::size_t i = 0; i < 25; ++i) truth[i] = Touch::press;

@@ -18,10 +18,8 @@ TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, 
       confirmation_(options.confirmation),
       heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
   if (renderer_.size() == input) return;
-  throw Error(
-      fmt::format("the sensor's heatmaps are {} x {} cells; expected "
-                  "the {} x {} that the model was trained on",
-                  renderer_.size().width, renderer_.size().height, input.width, input.height));
+  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
+                          renderer_.size().width, renderer_.size().height, input.width, input.height));
 }
 
 TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost) {

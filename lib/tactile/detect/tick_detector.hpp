@@ -23,8 +23,7 @@ struct TickVerdict {
   model::Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
   Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation
   Touch verdict = Touch::none;                  ///< after confirmation
-  bool gated = false;                           ///< fewer events than the gate's limit: none, without
-                                                ///< rendering or network
+  bool gated = false;                           ///< fewer events than the gate's limit: none, without rendering or network
 };
 
 /// The computing time of one tick.
@@ -36,36 +35,30 @@ struct TickCost {
 struct TickDetectorOptions {
   heatmaps::HeatmapOptions rendering;
   Confirmation confirmation{};
-  std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network
-                                                     ///< runs
+  std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network runs
   double temperature = 1;                            ///< of the probabilities, > 0
 };
 
-/// Verdicts from events, tick by tick, with the renderer, gate, network and
-/// confirmation of `eval`: the same events give the same verdicts. Allocates
-/// memory only for a history with more events than any before.
+/// Verdicts from events, tick by tick, with the renderer, gate, network and confirmation of `eval`: the same events give the same
+/// verdicts. Allocates memory only for a history with more events than any before.
 class TickDetector {
  public:
   /// @param input  size of the network's input
-  /// @throws Error  if this sensor's heatmaps are of another size, or as
-  /// HeatmapRenderer
+  /// @throws Error  if this sensor's heatmaps are of another size, or as HeatmapRenderer
   TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
 
   void add(std::span<const events::Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
 
-  /// Counts the events so far of the history that ends at `t`, and forgets
-  /// earlier ones. This leaves less work for the verdict at `t` or a later
-  /// tick, and changes no verdict.
+  /// Counts the events so far of the history that ends at `t`, and forgets earlier ones. This leaves less work for the verdict at
+  /// `t` or a later tick, and changes no verdict.
   void count_ahead(CameraTime t) { renderer_.move_to(t); }
 
-  /// Renders and runs the network without use, so that weights and code are in
-  /// the cache for the next verdict. Changes no verdict.
-  /// @return  false, and nothing is done, if the events are fewer than the
-  /// gate's limit
+  /// Renders and runs the network without use, so that weights and code are in the cache for the next verdict. Changes no
+  /// verdict.
+  /// @return  false, and nothing is done, if the events are fewer than the gate's limit
   bool rehearse();
 
-  /// The verdict at the tick `t`, which is later than the last one. Skipped
-  /// ticks in between count as none.
+  /// The verdict at the tick `t`, which is later than the last one. Skipped ticks in between count as none.
   TickVerdict verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost);
 
   /// Forgets all events and verdicts: the next events may have any time.

@@ -25,10 +25,8 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
   const events::SensorSize size = stream.size ? heatmaps::heatmap_size(*stream.size, rendering.factor) : events::SensorSize{};
   const events::SensorSize expected = classifier.input_size();
   if (size != expected) {
-    throw Error(
-        fmt::format("{}: its heatmaps are {} x {} cells; expected the "
-                    "{} x {} that {} was trained on",
-                    recording.string(), size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
+    throw Error(fmt::format("{}: its heatmaps are {} x {} cells; expected the {} x {} that {} was trained on", recording.string(),
+                            size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
   }
   results::FullRun run;
   std::vector<std::uint8_t> waiting;

@@ -58,9 +58,7 @@ class Export : public testing::Test {
 
 TEST_F(Export, WritesBothFormatsWithTheirMetadata) {
   const ModelBundle bundle = make_bundle("mine", 3, "2024-01-01T00:00:00Z", {Activation::tanh, Pooling::average});
-  const auto result =
-      run("--model mine --onnx out/model.onnx --safetensors "
-          "out/model.safetensors --json");
+  const auto result = run("--model mine --onnx out/model.onnx --safetensors out/model.safetensors --json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const ModelDescription model = read_description(bundle);
 

@@ -41,8 +41,7 @@ TEST(Probabilities, OfTenThousandAreOneAndNothing) {
   EXPECT_EQ(probabilities_of({1e4F, -1e4F, 0.0F}), (Probabilities{1, 0, 0}));
   EXPECT_EQ(probabilities_of({-1e4F, -1e4F, 1e4F}), (Probabilities{0, 0, 1}));
   EXPECT_EQ(verdict_of({-1e4F, 1e4F, 0.0F}), Touch::press);
-  // Their difference counts, however far they lie from 0; neighbours of 10 000
-  // in float32 are 1 / 1024 apart.
+  // Their difference counts, however far they lie from 0; neighbours of 10 000 in float32 are 1 / 1024 apart.
   const Probabilities close = probabilities_of({1e4F + 0.5F, -1e4F, 1e4F});
   EXPECT_NEAR(close[0], 1 / (1 + std::exp(-0.5)), 1e-7);
   EXPECT_NEAR(close[2], 1 / (1 + std::exp(0.5)), 1e-7);

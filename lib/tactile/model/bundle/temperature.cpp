@@ -9,11 +9,8 @@
 #include "tactile/core/json.hpp"
 
 namespace tactile::model {
-namespace {
 
 std::filesystem::path temperature_file(const ModelBundle& bundle) { return bundle.folder / "temperature.json"; }
-
-}  // namespace
 
 void to_json(nlohmann::json& json, const Temperature& temperature) {
   json = {{"value", temperature.value},           {"fitted_on", nlohmann::json::array()},
@@ -48,8 +45,7 @@ Temperature read_temperature(const ModelBundle& bundle, const ModelDescription& 
     throw Error(fmt::format("{}: a temperature of {}; expected one above 0", file.string(), temperature.value));
   if (temperature.weights_sha256 != description.weights_sha256) {
     throw Error(file.string() +
-                ": was fitted to other weights; expected the bundle as it was "
-                "written: run 'tactile train --calibrate' again");
+                ": was fitted to other weights; expected the bundle as it was written: run 'tactile train --calibrate' again");
   }
   return temperature;
 }

@@ -33,8 +33,7 @@ class Engines {
   }
 
  private:
-  /// Copies the last idle engine instead of taking it, so there is always one
-  /// to copy.
+  /// Copies the last idle engine instead of taking it, so there is always one to copy.
   LeNetEngine take() {
     const std::scoped_lock lock(guard_);
     if (idle_.size() == 1) return idle_.front();

@@ -22,18 +22,14 @@ using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::
 /// A trained LeNet with the settings of its training.
 class Classifier {
  public:
-  /// Opens the model bundle `models/<name>/` with the fast engine;
-  /// `open_classifier` offers libtorch too.
+  /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
   /// @param threads  0: one per core; the logits do not depend on it
-  /// @throws Error   if it is missing, incomplete or damaged: another format,
-  /// or weights with another hash, other sizes or values
-  ///                 that are not finite; if the fast engine does not support
-  ///                 its layers
+  /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
+  ///                 that are not finite; if the fast engine does not support its layers
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
 
   /// The same with another engine.
-  /// @param make_network  makes the network from the bundle's description and
-  /// weights
+  /// @param make_network  makes the network from the bundle's description and weights
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
              const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network);
 

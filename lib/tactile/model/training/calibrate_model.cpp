@@ -42,8 +42,7 @@ double loss_at(std::span<const Logits> logits, std::span<const Touch> truth, dou
 }
 
 double fitted_temperature(std::span<const Logits> logits, std::span<const Touch> truth) {
-  // The loss is convex in 1 / temperature, and so has one minimum over its
-  // logarithm too.
+  // The loss is convex in 1 / temperature, and so has one minimum over its logarithm too.
   double low = std::log(1.0 / 20), high = std::log(20.0);
   for (int step = 0; step < 100; ++step) {
     const double third = (high - low) / 3, a = low + third, b = high - third;
@@ -62,21 +61,18 @@ Temperature calibrate_model(const windows::Dataset& dataset, const ModelBundle& 
   const std::vector<std::uint32_t> chosen = runs_to_fit_on(dataset, model, runs);
   const std::vector<std::uint32_t> samples = samples_of_runs(dataset, chosen);
   if (samples.empty()) {
-    throw Error(
-        fmt::format("--calibrate {}: no such run of {} has samples that the "
-                    "model did not learn from; expected ids of "
-                    "other runs, such as 02",
-                    fmt::join(runs, ","), dataset.file().string()));
+    throw Error(fmt::format(
+        "--calibrate {}: no such run of {} has samples that the model did not learn from; expected ids of other runs, such as 02",
+        fmt::join(runs, ","), dataset.file().string()));
   }
   std::vector<std::uint32_t> left = test_runs_of(dataset, model);
   std::erase_if(left, [&](std::uint32_t run) { return std::find(chosen.begin(), chosen.end(), run) != chosen.end(); });
   if (samples_of_runs(dataset, left).empty()) {
-    throw Error(
-        fmt::format("--calibrate {}: no run is left to test {} on; "
-                    "expected fewer runs, or more recorded ones",
-                    fmt::join(runs, ","), bundle.name()));
+    throw Error(fmt::format("--calibrate {}: no run is left to test {} on; expected fewer runs, or more recorded ones",
+                            fmt::join(runs, ","), bundle.name()));
   }
   const EngineKind engine = model.settings.network == LeNetOptions{} ? EngineKind::fast : EngineKind::libtorch;
+  std::filesystem::remove(temperature_file(bundle));  // one of other weights would be refused
   const Classifier classifier = open_classifier(bundle.folder, threads, engine);
   const std::vector<Logits> logits =
       classifier.classify(sample_heatmaps(dataset, model.settings.rendering, samples, threads), std::max(1U, threads));
