@@ -26,6 +26,7 @@
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
+#include "tactile/results/variance_shares.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -42,9 +43,9 @@ struct ReproduceArguments {
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::string train_run = "01";
   std::vector<std::string> held_out;
-  unsigned epochs = 0, seeds = 1;
+  unsigned epochs = 0, trainings = 0;
   std::uint64_t seed = 1;
-  std::string splits = "0";
+  std::string splits;
   std::string engine = "fast";
   bool include_flagged = false, strict = false;
   bool without_report = false;
@@ -84,11 +85,12 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   options.histories.clear();
   for (const double history_ms : args.histories_ms) options.histories.push_back(heatmap_options(history_ms, {}).history);
   options.train_run = args.train_run;
-  options.held_out = args.held_out;
+  options.hold_out_each = args.held_out == std::vector<std::string>{"each"};
+  if (!options.hold_out_each) options.held_out = args.held_out;
   if (args.epochs > 0) options.epochs = args.epochs;
-  options.seeds = args.seeds;
+  if (args.trainings > 0) options.trainings = args.trainings;
   options.seed = args.seed;
-  options.splits = number_of_splits(args.splits);
+  if (!args.splits.empty()) options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
   options.engine = model::engine_named(args.engine);
   options.threads = common.threads;
@@ -166,7 +168,10 @@ std::string text_of(const study::StudySummary& summary) {
           "\n";
   double seconds = 0;
   for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
-  text += wrapped(study.at("bootstrap").at("trainings").get<std::string>()) + "\n";
+  std::string trainings = study.at("bootstrap").at("trainings").get<std::string>();
+  if (const results::JsonView variance(study.at("variance"), "study"); variance)
+    trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(variance.get<results::VarianceShares>()));
+  text += wrapped(trainings) + "\n";
   text +=
       wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
                           summary.done, summary.kept, clock_text(seconds))) +
@@ -233,9 +238,10 @@ void add_reproduce_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { reproduce(*args, common); });
   command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
   command
-      .add_option("--preset", args->preset,
-                  "tiny: 2 simulated runs per object, 3 epochs, no run to choose settings on; quick: 3 runs, 6 epochs, run 02; "
-                  "paper: 10 runs, 10 epochs, runs 02 and 03")
+      .add_option(
+          "--preset", args->preset,
+          "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, no run to choose settings on; quick: 3 runs, 6 epochs, "
+          "5 trainings, 1 run to choose on; paper: 10 runs, 10 epochs, 5 trainings, 2 runs to choose on, 20 splits")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
   command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")
@@ -250,26 +256,30 @@ void add_reproduce_command(CLI::App& app) {
       .delimiter(',')
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
+  command
+      .add_option("--train-run", args->train_run,
+                  "Run of each object that the first training learns from; the others learn from the runs after it")
       .check(is_run())
       .show_default();
   command
       .add_option("--held-out", args->held_out,
-                  "Objects held out in the unseen test, separated by commas; default: the paper's five, where present")
+                  "Objects held out in the unseen test, separated by commas, or each: one at a time; default: the paper's five, "
+                  "where present")
       .delimiter(',')
       .type_name("NAME,...");
   command.add_option("--epochs", args->epochs, "Training epochs; default: the preset's")
       .check(in_range(1U, 100'000U))
       .type_name("N");
-  command.add_option("--seeds", args->seeds, "Trainings of each setting, each with another seed")
+  command
+      .add_option("--trainings", args->trainings,
+                  "Trainings of each setting, each on another run and seed; 5 or more decide claims; default: the preset's")
       .check(in_range(1U, 1000U))
-      .show_default();
+      .type_name("N");
   command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
       .check(is_seed())
       .show_default();
-  command.add_option("--splits", args->splits, "Also train this many random leave-out splits, or all of them")
-      .check(Check{check_splits, "N|all"})
-      .show_default();
+  command.add_option("--splits", args->splits, "Random leave-out splits to train, or all of them; default: the preset's")
+      .check(Check{check_splits, "N|all"});
   add_engine_option(command, args->engine);
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);

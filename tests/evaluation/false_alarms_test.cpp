@@ -134,7 +134,7 @@ TEST(FalseAlarmTable, DoesNotTakeNoAlarmInTwentySecondsForNone) {
 }
 
 TEST(FalseAlarmTable, EndsNoIntervalBelowWhatAFewAlarmsMayMean) {
-  // Every run of an object alike: the draws alone would end at the value itself.
+  // Every run of an object alike: runs alone say nothing of their spread.
   const results::FalseAlarmTable table = false_alarm_table(alike({"fan", "box", "hub"}, 4, 1, 10s));
   EXPECT_DOUBLE_EQ(table.per_min.value, 6);
   ASSERT_TRUE(table.per_min.high && table.objects.at("fan").high);
@@ -142,14 +142,14 @@ TEST(FalseAlarmTable, EndsNoIntervalBelowWhatAFewAlarmsMayMean) {
   EXPECT_NEAR(*table.objects.at("fan").high, 10.241589 * 60 / 40, 1e-4) << "4 in 40 s";
 }
 
-TEST(FalseAlarmTable, LeavesTheIntervalOfManyAlarmsToTheDraws) {
+TEST(FalseAlarmTable, LeavesTheIntervalOfManyAlarmsToTheSpreadOfObjects) {
   auto runs = alike({"fan"}, 3, 2000, 60s);
   const auto quiet = alike({"box", "hub"}, 3, 1000, 60s);
   runs.insert(runs.end(), quiet.begin(), quiet.end());
   const results::Figure per_min = false_alarm_table(runs).per_min;
   EXPECT_DOUBLE_EQ(per_min.value, 12'000.0 / 9);
   ASSERT_TRUE(per_min.high);
-  EXPECT_DOUBLE_EQ(*per_min.high, 2000) << "only fan drawn; the count alone leaves 1357 at most";
+  EXPECT_GT(*per_min.high, 2000) << "three objects of 1000 to 2000; the count alone leaves 1357 at most";
 }
 
 TEST(FalseAlarmTable, HasNoIntervalOfTwoRuns) {

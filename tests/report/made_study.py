@@ -141,7 +141,7 @@ def write_study(folder, mark=""):
     names = [f"{name}/{run:02d}" for name in OBJECTS for run in range(4, 11)]
     put("study.json", {
         "format": "tactile-study-1", "title": f"The paper's study on simulated runs{mark}", "simulated": True,
-        "settings": {"data": "data", "models": "models", "preset": "paper", "seed": 1, "seeds": [1], "train_run": "01",
+        "settings": {"data": "data", "models": "models", "preset": "paper", "seed": 1, "trainings": 1, "train_run": "01",
                      "histories_ms": HISTORIES, "epochs": 10, "splits": 2, "objects": None, "runs": None},
         "software": {"name": "tactile", "version": "0.1.0", "revision": "0123456789ab", "libtorch": "1.13.1"},
         "machine": {"cpu": f"A processor{mark}", "system": "Debian GNU/Linux 12 (bookworm)", "cores": 2, "memory_bytes": 25769803776, "threads": 2},
@@ -150,8 +150,10 @@ def write_study(folder, mark=""):
         "steps": [{"name": f"train-th{h:03d}{mark}", "command": f"tactile train data --th {h}", "seconds": 90.0 + h, "finished_at": "2026-01-02T03:04:05Z"}
                   for h in HISTORIES] + [{"name": "report", "command": None, "seconds": 12.5, "finished_at": "2026-01-02T04:04:05Z"}],
         "dataset": {"file": "data/dataset.h5", "manifest_hash": "cd" * 32, "samples": 61234, "tick_ms": 2.0, "guard_ms": 100.0},
-        "runs": {"train": [f"{name}/01" for name in OBJECTS], "choice": [f"{name}/02" for name in OBJECTS], "reported": names, "all_test": names},
+        "trainings": [{"seed": 1, "train_run": "01", "th_ms": 40, "runs": {
+            "train": [f"{name}/01" for name in OBJECTS], "choice": [f"{name}/02" for name in OBJECTS], "reported": names, "all_test": names}}],
         "histories": histories,
+        "variance": {"training": 0.48, "object": 0.45, "run": 0.07},
         "choice": {"th_ms": 40, "model": model, "chosen_on": "choice", "why": "It is the best for most objects.",
                    "best": {"choice": best, "reported": best, "all_test": best}},
         "paper_way": {"th_ms": 40, "model": model, "why": "Chosen on the test runs."},

@@ -19,11 +19,12 @@ std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs,
 
 results::Accuracy accuracy_by(std::span<const results::RunConfusion> runs,
                               const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
-                              const results::BootstrapOptions& options) {
+                              const Range& range, const results::BootstrapOptions& options) {
   const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
   results::Accuracy accuracy;
-  for (const auto& [name, cells] : objects) accuracy.objects[name] = figure_of_object(cells, mean_over_objects(of_runs), options);
-  accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options);
+  for (const auto& [name, cells] : objects)
+    accuracy.objects[name] = figure_of_object(cells, mean_over_objects(of_runs), options, range);
+  accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options, range);
   return accuracy;
 }
 
@@ -39,9 +40,26 @@ results::Confusion confusion_of(std::span<const Touch> truth, std::span<const To
   return confusion;
 }
 
+Range range_of_shares(std::span<const results::RunConfusion> runs) {
+  double samples = 0, filled = 0;
+  for (const results::RunConfusion& run : runs) {
+    samples += static_cast<double>(run.confusion.samples());
+    filled += run.confusion.samples() > 0 ? 1 : 0;
+  }
+  return {0, 1, samples > 0 ? filled / samples : 0};
+}
+
 results::Accuracy accuracy_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options) {
   return accuracy_by(
-      runs, [runs](std::span<const std::size_t> indexes) { return accuracy_over(runs, indexes); }, options);
+      runs, [runs](std::span<const std::size_t> indexes) { return accuracy_over(runs, indexes); }, range_of_shares(runs),
+      options);
+}
+
+std::optional<results::VarianceShares> variance_of_accuracy(std::span<const results::RunConfusion> runs) {
+  const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  return variance_shares(without_names(objects), mean_over_objects([runs](std::span<const std::size_t> indexes) {
+                           return accuracy_over(runs, indexes);
+                         }));
 }
 
 results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, std::span<const results::RunConfusion> b,
@@ -58,7 +76,7 @@ results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, 
         if (!first || !second) return std::nullopt;
         return *second - *first;
       },
-      options);
+      {-1, 1, range_of_shares(a).step}, options);
 }
 
 results::UnseenComparison unseen_comparison(std::span<const results::RunConfusion> seen,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tactile/core/touch.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/accuracy.hpp"
 #include "tactile/results/confusion.hpp"
 #include "tactile/results/unseen_comparison.hpp"
@@ -16,8 +16,14 @@ namespace tactile::evaluation {
 /// Counts pairs of true and predicted class. @throws Error  if the two are not of one length
 results::Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted);
 
+/// Of shares of samples: [0, 1], in steps of one sample of a run.
+Range range_of_shares(std::span<const results::RunConfusion> runs);
+
 /// Runs without samples are left out.
 results::Accuracy accuracy_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options = {});
+
+/// Where the variance of the mean accuracy over objects comes from; nothing as `variance_shares`.
+std::optional<results::VarianceShares> variance_of_accuracy(std::span<const results::RunConfusion> runs);
 
 /// `b - a` of the same runs in the same order, in each draw too. @throws Error  if they are not the same runs
 results::Accuracy accuracy_difference(std::span<const results::RunConfusion> a, std::span<const results::RunConfusion> b,

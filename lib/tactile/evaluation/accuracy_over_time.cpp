@@ -58,6 +58,17 @@ std::map<std::string, CrossedObject> runs_with(std::span<const RunOverTime> runs
   return results_by_object(runs, [&](const RunOverTime& run) { return part(run.counts).ticks > 0; });
 }
 
+/// [0, 1], in steps of one tick of a run.
+Range range_of_shares(std::span<const RunOverTime> runs, const Part& part) {
+  double ticks = 0, with_ticks = 0;
+  for (const RunOverTime& run : runs) {
+    const TickCount counts = part(run.counts);
+    ticks += static_cast<double>(counts.ticks);
+    with_ticks += counts.ticks > 0 ? 1 : 0;
+  }
+  return {0, 1, ticks > 0 ? with_ticks / ticks : 0};
+}
+
 /// The parts of intervals whose shares are reported.
 struct Parts {
   Part first, later, last, last_of_long, before_last, after;
@@ -75,13 +86,14 @@ Part wrong_of(const Part& part) {
 template <class MakeFigure>
 results::ShareOverTime shares_of(std::span<const RunOverTime> runs, std::span<const std::size_t> counted, const Parts& parts,
                                  MakeFigure figure) {
-  const auto share = [&](const Part& part) { return figure(part, mean_share(runs, part)); };
+  const auto share = [&](const Part& part) { return figure(part, mean_share(runs, part), range_of_shares(runs, part)); };
   const std::uint64_t intervals = sum_of(runs, counted, parts.last).intervals;
   return {share(parts.first),
           share(parts.later),
           share(parts.last),
           share(parts.before_last),
-          figure(parts.before_last, mean_difference(runs, parts.before_last, parts.last_of_long)),
+          figure(parts.before_last, mean_difference(runs, parts.before_last, parts.last_of_long),
+                 {-1, 1, range_of_shares(runs, parts.last_of_long).step}),
           share(wrong_of(parts.after)),
           intervals,
           intervals - sum_of(runs, counted, parts.before_last).intervals};
@@ -108,15 +120,15 @@ results::AccuracyOverTime accuracy_of_touches(std::span<const RunOverTime> runs,
   results::AccuracyOverTime accuracy;
   std::vector<std::size_t> every_run(runs.size());
   std::iota(every_run.begin(), every_run.end(), std::size_t{0});
-  accuracy.all = shares_of(runs, every_run, parts, [&](const Part& of, const Statistic& statistic) {
-    return figure_over_objects(without_names(runs_with(runs, of)), statistic, bootstrap);
+  accuracy.all = shares_of(runs, every_run, parts, [&](const Part& of, const Statistic& statistic, const Range& range) {
+    return figure_over_objects(without_names(runs_with(runs, of)), statistic, bootstrap, range);
   });
   for (const auto& object : runs_with(runs, parts.first)) {
     accuracy.objects[object.first] =
-        shares_of(runs, indexes_of(object.second), parts, [&](const Part& of, const Statistic& statistic) {
+        shares_of(runs, indexes_of(object.second), parts, [&](const Part& of, const Statistic& statistic, const Range& range) {
           const auto with = runs_with(runs, of);
           const auto found = with.find(object.first);
-          return found == with.end() ? results::Figure{} : figure_of_object(found->second, statistic, bootstrap);
+          return found == with.end() ? results::Figure{} : figure_of_object(found->second, statistic, bootstrap, range);
         });
   }
 
@@ -134,7 +146,7 @@ results::AccuracyOverTime accuracy_of_touches(std::span<const RunOverTime> runs,
         bin.ticks += counts.ticks;
         bin.intervals += counts.intervals;
       }
-      bin.accuracy = figure_over_objects(with, mean_share(runs, of_bin), bootstrap);
+      bin.accuracy = figure_over_objects(with, mean_share(runs, of_bin), bootstrap, range_of_shares(runs, of_bin));
       curve_bins.push_back(bin);
     }
     while (!curve_bins.empty() && curve_bins.back().ticks == 0) curve_bins.pop_back();

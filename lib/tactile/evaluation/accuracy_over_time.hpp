@@ -9,7 +9,7 @@
 
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/judged_run.hpp"
 #include "tactile/results/over_time.hpp"
 

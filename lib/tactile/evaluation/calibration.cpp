@@ -56,8 +56,8 @@ results::Calibration calibration_of(std::span<const RunReliability> runs, const 
     return calibration_error(sum_of(runs, drawn));
   };
   results::Calibration calibration;
-  for (const auto& [name, cells] : objects) calibration.objects[name] = figure_of_object(cells, error, options);
-  calibration.error = figure_over_objects(chosen, error, options);
+  for (const auto& [name, cells] : objects) calibration.objects[name] = figure_of_object(cells, error, options, {0, 1});
+  calibration.error = figure_over_objects(chosen, error, options, {0, 1});
   const Reliability all = sum_of(runs, all_of(chosen));
   for (std::size_t i = 0; i < reliability_bins; ++i) {
     const Reliability::Bin& bin = all.bins[i];
@@ -75,7 +75,7 @@ results::Calibration calibration_of(std::span<const RunReliability> runs, const 
     };
     calibration.bins.push_back({static_cast<double>(i) / reliability_bins, static_cast<double>(i + 1) / reliability_bins,
                                 bin.samples, n > 0 ? bin.confidence / n : std::numeric_limits<double>::quiet_NaN(),
-                                figure_over_objects(chosen, accuracy, options)});
+                                figure_over_objects(chosen, accuracy, options, {0, 1})});
   }
   return calibration;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/calibration.hpp"
 #include "tactile/results/judged_run.hpp"
 

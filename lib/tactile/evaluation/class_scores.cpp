@@ -45,13 +45,15 @@ std::array<results::ClassScore, touch_count> scores_of(std::span<const results::
 
 results::ClassScores class_scores_of(std::span<const results::RunConfusion> runs, const results::BootstrapOptions& options) {
   const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  const Range range = range_of_shares(runs);
   results::ClassScores scores;
   for (const auto& [name, cells] : objects) {
     scores.objects[name] =
-        scores_of(runs, [&, &of = cells](const Statistic& statistic) { return figure_of_object(of, statistic, options); });
+        scores_of(runs, [&, &of = cells](const Statistic& statistic) { return figure_of_object(of, statistic, options, range); });
   }
   const CrossedResults chosen = without_names(objects);
-  scores.all = scores_of(runs, [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
+  scores.all =
+      scores_of(runs, [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options, range); });
   return scores;
 }
 

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/class_scores.hpp"
 #include "tactile/results/confusion.hpp"
 

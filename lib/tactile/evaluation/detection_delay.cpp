@@ -54,6 +54,13 @@ std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const
   });
 }
 
+/// Above 0, unless delays are counted from a later onset; in steps of the shortest one, which is a tick or more.
+Range range_of_delays(std::span<const double> delays) {
+  const auto shortest = std::min_element(delays.begin(), delays.end());
+  if (shortest == delays.end() || *shortest <= 0) return {};
+  return {.lowest = 0, .step = *shortest};
+}
+
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
                                  MakeFigure make_figure) {
@@ -131,16 +138,18 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
   const CrossedResults chosen = without_names(runs_that_have(touch, runs));
+  const Range range = range_of_delays(delays_ms(runs, all_of(chosen), touch));
   return summary_of(runs, all_of(chosen), touch,
-                    [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options); });
+                    [&](const Statistic& statistic) { return figure_over_objects(chosen, statistic, options, range); });
 }
 
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options) {
   results::DelayTable table;
+  const Range range = range_of_delays(delays_ms(runs, all_of(without_names(runs_that_have(touch, runs))), touch));
   for (const auto& [name, cells] : runs_that_have(touch, runs)) {
     table.objects[name] = summary_of(runs, {indexes_of(cells)}, touch, [&, &of = cells](const Statistic& statistic) {
-      return figure_of_object(of, statistic, options);
+      return figure_of_object(of, statistic, options, range);
     });
   }
   table.all = delay_summary(runs, touch, options);

@@ -5,7 +5,7 @@
 
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/detection.hpp"
 

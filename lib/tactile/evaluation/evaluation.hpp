@@ -7,7 +7,7 @@
 
 #include "tactile/core/confirmation.hpp"
 #include "tactile/core/progress.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/model/inference/classifier.hpp"
 #include "tactile/results/evaluation.hpp"

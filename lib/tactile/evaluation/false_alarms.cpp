@@ -87,14 +87,18 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
     return sum;
   };
   const Statistic per_min = [sum_of](const RunsByObject& chosen) { return sum_of(chosen).per_min(); };
+  const auto in_steps_of_one_alarm = [](std::size_t units, const results::FalseAlarms& counted) {
+    return Range{.lowest = 0, .step = static_cast<double>(units) / results::in_minutes(counted.none_time)};
+  };
   results::FalseAlarmTable table;
+  for (const RunFalseAlarms& run : runs) table.total += run.counts;
   for (const auto& [name, cells] : objects) {
     results::Figure& of_object = table.objects[name];
-    of_object = figure_of_object(cells, per_min, options);
+    of_object = figure_of_object(cells, per_min, options, in_steps_of_one_alarm(cells.size(), sum_of({indexes_of(cells)})));
     widen_by_few_alarms(of_object, sum_of({indexes_of(cells)}), options.confidence);
   }
-  table.per_min = figure_over_objects(without_names(objects), per_min, options);
-  for (const RunFalseAlarms& run : runs) table.total += run.counts;
+  table.per_min =
+      figure_over_objects(without_names(objects), per_min, options, in_steps_of_one_alarm(objects.size(), table.total));
   widen_by_few_alarms(table.per_min, table.total, options.confidence);
   return table;
 }

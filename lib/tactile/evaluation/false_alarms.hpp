@@ -5,7 +5,7 @@
 
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/false_alarm_table.hpp"
 #include "tactile/results/judged_run.hpp"

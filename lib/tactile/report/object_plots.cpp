@@ -179,6 +179,36 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
   return std::move(script).finished();
 }
 
+pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
+  constexpr int left = 40, right = 40, top = 84, bottom = 134;
+  pictures::PlotScript script(title, page_width, bottom + 62);
+  script.note("How much of the variance of the mean accuracy comes from each. More of the largest narrows the interval most.");
+  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
+  script.axes({.begin = 0, .end = 100, .label = "share of the variance [%]"},
+              {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});
+  double from = 0;
+  std::vector<pictures::PlotSeries> series;
+  const std::array<std::pair<const char*, double>, 3> parts{
+      {{"trainings", shares.training}, {"objects", shares.object}, {"runs", shares.run}}};
+  const std::array<std::string_view, 3> colours{pictures::figure_colours::of(Touch::press),
+                                                pictures::figure_colours::of(Touch::slip), pictures::figure_colours::others};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double share = percent(parts[i].second), middle = from + share / 2;
+    if (share <= 0) continue;
+    series.push_back({script.table(6, {middle, 0.5, from, from + share, 0, 1}),
+                      "1:2:3:4:5:6",
+                      "boxxyerror",
+                      {.colour = colours[i], .fill = 0.75}});
+    if (share >= 9) {
+      script.add("set label {} at first {:.9g}, first 0.5 center font ',12' front",
+                 pictures::plot_text(fmt::format("{} {:.0f} %", parts[i].first, share)), middle);
+    }
+    from += share;
+  }
+  script.plot(series);
+  return std::move(script).finished();
+}
+
 pictures::Plot unseen_plot(const std::string& title, const std::map<std::string, results::SeenAndHeldOut>& objects) {
   constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
   constexpr double apart = 0.14;  // from the row's middle

@@ -12,6 +12,7 @@
 #include "tactile/results/claim.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/unseen_comparison.hpp"
+#include "tactile/results/variance_shares.hpp"
 
 namespace tactile::report {
 
@@ -62,7 +63,8 @@ struct ReportInput {
   std::vector<results::Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
-  std::vector<ReportedTable> choice;  ///< the best history of each object
+  std::optional<results::VarianceShares> variance;  ///< of the mean accuracy
+  std::vector<ReportedTable> choice;                ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
   std::vector<ReportedRun> runs;
   std::vector<UnseenSection> unseen;

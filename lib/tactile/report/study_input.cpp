@@ -40,14 +40,19 @@ void read_claims(ReportInput& input, const results::JsonView& study) {
       std::count_if(input.claims.begin(), input.claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
   if (without_verdict > 0) {
     input.missing.push_back(
-        fmt::format("{} of the {} claims have too few runs or objects for a verdict; another preset of 'tactile reproduce' has "
-                    "more.",
+        fmt::format("{} of the {} claims have too few trainings, runs or objects for a verdict; another preset of 'tactile "
+                    "reproduce' has more.",
                     without_verdict, input.claims.size()));
   }
   if (const std::string trainings = study["bootstrap"]["trainings"].text(); !trainings.empty()) {
     input.remarks.push_back(trainings);
-    input.missing.push_back(
-        "The influence of the seed: no interval includes it. 'tactile reproduce --seeds N' trains with more seeds.");
+    if (study["trainings"].items().size() < 2) {
+      input.missing.push_back(
+          "The influence of the training: no interval includes it. 'tactile reproduce --trainings N' trains more often.");
+    }
+  }
+  if (const results::JsonView variance = study["variance"]) {
+    input.variance = variance.get<results::VarianceShares>();
   }
   add_sentences(input.remarks, study["remarks"]);
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
@@ -82,7 +87,8 @@ std::vector<TableRow> read_trainings(ReportInput& input, const results::JsonView
     const fs::path file = folder / model["history"].text();
     if (is_found(input, file, "The training of " + name)) input.trainings.push_back(training_in(file, name));
     const results::Figure accuracy = model["accuracy"].get<results::Figure>();
-    rows.push_back({name, model["seed"].words(), std::isfinite(accuracy.value) ? percent_text(accuracy) : without_accuracy,
+    rows.push_back({name, model["training"].words(), model["seed"].words(),
+                    std::isfinite(accuracy.value) ? percent_text(accuracy) : without_accuracy,
                     model["weights_sha256"].text().substr(0, 16)});
   };
   for (const results::JsonView& history : study["histories"].items()) {
@@ -96,8 +102,13 @@ std::vector<TableRow> read_trainings(ReportInput& input, const results::JsonView
 void read_choice(ReportInput& input, const results::JsonView& study) {
   if (const results::JsonView choice = study["choice"]) {
     input.history_ms = choice["th_ms"].number();
-    input.remarks.push_back(fmt::format("History of the study: {:g} ms, model {}. {}", input.history_ms, choice["model"].text(),
-                                        choice["why"].text()));
+    input.remarks.push_back(
+        fmt::format("History to use: {:g} ms, model {}. {}", input.history_ms, choice["model"].text(), choice["why"].text()));
+    if (choice["trainings"].items().size() > 1) {
+      input.remarks.push_back(fmt::format(
+          "On its own runs to choose on, each training chose: {} ms. The reported runs are judged with these histories.",
+          choice["trainings"].words()));
+    }
     const std::array<std::string, 3> keys{"choice", "reported", "all_test"};
     std::map<std::string, std::array<std::string, 3>> best;
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -119,6 +130,15 @@ void read_choice(ReportInput& input, const results::JsonView& study) {
   }
 }
 
+/// "th040-single-run-01-s1 and 4 more trainings"
+std::string models_in(const results::JsonView& evaluation) {
+  const std::vector<results::JsonView> models = evaluation["models"].items();
+  if (models.empty()) return evaluation["model"].text();
+  const std::string first = models.front()["name"].text();
+  return models.size() == 1 ? first
+                            : fmt::format("{} and {} more training{}", first, models.size() - 1, models.size() == 2 ? "" : "s");
+}
+
 void read_evaluations(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
   for (const results::JsonView& entry : study["evaluations"].items()) {
     const std::string id = entry["id"].text();
@@ -126,9 +146,11 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
     if (!is_found(input, file, "The evaluation " + id)) continue;
     const nlohmann::json document = read_json(file);
     input.evaluations.push_back({.id = id,
-                                 .model = entry["model"].text(),
+                                 .model = models_in(entry),
                                  .runs = (entry["runs"].text() == "all_test" ? all_test_runs : reported_runs).second,
-                                 .history_ms = entry["th_ms"].number(),
+                                 .history_ms = entry["models"].items().empty()
+                                                   ? entry["th_ms"].number()
+                                                   : entry["models"].items().front()["th_ms"].number(),
                                  .is_folded = id == "all_test",
                                  .scores = results::JsonView(document, file.string()).get<results::Evaluation>()});
   }
@@ -144,7 +166,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
     }
   }
   if (study["full_runs"].items().empty())
-    input.missing.push_back("No run over time (the paper's figure 8); 'tactile eval --run OBJECT/RUN' makes one.");
+    input.missing.push_back("No run over time (the paper's figure 10); 'tactile eval --run OBJECT/RUN' makes one.");
 }
 
 void read_unseen(ReportInput& input, const results::JsonView& study) {
@@ -156,7 +178,7 @@ void read_unseen(ReportInput& input, const results::JsonView& study) {
     if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
   }
   if (input.unseen.empty())
-    input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
+    input.missing.push_back("Unseen objects (the paper's figure 11) were not tested; 'tactile eval --unseen' tests them.");
   std::vector<TableRow> rows;
   for (const results::JsonView& split : study["splits"].items()) {
     const results::SeenAndHeldOut mean = split["reported"]["mean"].get<results::SeenAndHeldOut>();
@@ -190,11 +212,22 @@ std::vector<TableRow> model_settings(ReportInput& input, const results::JsonView
   return rows;
 }
 
+std::vector<TableRow> training_rows(const results::JsonView& study) {
+  std::vector<TableRow> rows;
+  for (const results::JsonView& training : study["trainings"].items()) {
+    const results::JsonView runs = training["runs"];
+    rows.push_back({std::to_string(rows.size()), training["seed"].words(), training["th_ms"].words(),
+                    list_of_runs(runs["train"].texts()), list_of_runs(runs["choice"].texts()),
+                    list_of_runs(runs["reported"].texts())});
+  }
+  return rows;
+}
+
 void read_settings(ReportInput& input, const results::JsonView& study, const fs::path& folder, std::vector<TableRow> models) {
   const auto add = [&](const std::string& caption, TableRow head, std::vector<TableRow> rows) {
     add_table(input.settings, caption, std::move(head), std::move(rows));
   };
-  std::vector<TableRow> settings, machine, runs, steps;
+  std::vector<TableRow> settings, machine, steps;
   add_settings(settings, "", study["settings"]);
   add_settings(settings, "dataset ", study["dataset"]);
   add_settings(settings, "bootstrap ", study["bootstrap"]);
@@ -205,12 +238,10 @@ void read_settings(ReportInput& input, const results::JsonView& study, const fs:
   add_settings(machine, "", study["machine"]);
   add("Software and machine", {"what", "value"}, std::move(machine));
   if (!study["machine"]) input.missing.push_back("The machine that measured is not recorded.");
-  for (const auto& [name, words] : {NamedRuns{"train", "training"}, NamedRuns{"choice", "choice"},
-                                    NamedRuns{"reported", "reported"}, NamedRuns{"all_test", "all test runs"}})
-    runs.push_back({words, list_of_runs(study["runs"][name].texts())});
-  add("Runs", {"set", "runs"}, std::move(runs));
-  add("Models: accuracy is the mean over objects on the reported runs", {"model", "seed", "accuracy", "weights, SHA-256"},
-      std::move(models));
+  add("Runs of each training", {"training", "seed", "t_h [ms]", "learned from", "to choose on", "reported"},
+      training_rows(study));
+  add("Models: accuracy is the mean over objects on the reported runs",
+      {"model", "training", "seed", "accuracy", "weights, SHA-256"}, std::move(models));
   double total = 0;
   for (const results::JsonView& step : study["steps"].items()) {
     const double seconds = step["seconds"].number();

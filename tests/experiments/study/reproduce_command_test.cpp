@@ -65,7 +65,7 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first.at("steps_kept"), 0);
-  EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("One training each"), std::string::npos);
+  EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("2 trainings of each setting"), std::string::npos);
   EXPECT_TRUE(first.at("left_out").is_array());
   const fs::path file = folder / "study/study.json";
   const std::string text = read_text(file);
@@ -75,15 +75,22 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(study.at("choice").at("th_ms"), 40);
   EXPECT_EQ(study.at("choice").at("chosen_on"), "default");
   EXPECT_TRUE(study.at("choice").at("best").at("choice").is_null());
-  EXPECT_EQ(study.at("runs").at("train"), (std::vector<std::string>{"plastic-container/01", "water-bottle/01"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/02", "water-bottle/02"}));
+  const std::vector<std::string> first_runs{"plastic-container/01", "water-bottle/01"};
+  const std::vector<std::string> second_runs{"plastic-container/02", "water-bottle/02"};
+  ASSERT_EQ(study.at("trainings").size(), 2U);
+  EXPECT_EQ(study.at("trainings")[0].at("runs").at("train"), first_runs);
+  EXPECT_EQ(study.at("trainings")[0].at("runs").at("reported"), second_runs);
+  EXPECT_EQ(study.at("trainings")[1].at("runs").at("train"), second_runs);
+  EXPECT_EQ(study.at("trainings")[1].at("runs").at("reported"), first_runs);
+  EXPECT_NE(study.at("trainings")[0].at("seed"), study.at("trainings")[1].at("seed"));
   ASSERT_EQ(study.at("histories").size(), 2U);
   EXPECT_EQ(study.at("histories")[0].at("th_ms"), 20);
   EXPECT_EQ(study.at("claims").size(), 11U);
   for (const auto& claim : study.at("claims"))
     EXPECT_EQ(claim.at("verdict"), "cannot tell") << "two objects of a run each: " << claim.at("id");
-  EXPECT_EQ(study.at("unseen").at("held_out"), std::vector<std::string>{"plastic-container"});
-  EXPECT_EQ(study.at("unseen").at("reported").at("runs"), std::vector<std::string>{"plastic-container/02"});
+  EXPECT_EQ(study.at("unseen").at("held_out"), (std::vector<std::vector<std::string>>{{"plastic-container"}}));
+  EXPECT_EQ(study.at("unseen").at("reported").at("runs"),
+            (std::vector<std::string>{"plastic-container/01", "plastic-container/02"}));
   ASSERT_EQ(study.at("splits").size(), 1U);
   const auto& guards = study.at("evaluations")[0].at("accuracy_by_guard");
   EXPECT_EQ(guards[0].at("guard_ms"), 100);
@@ -129,7 +136,7 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_NE(in_words.out.find("  tactile export --model " + model + " --onnx model.onnx\n"), std::string::npos) << in_words.out;
   const std::string on_one_line = std::regex_replace(in_words.out, std::regex("\\s+"), " ");
   for (const char* words : {"side by side", "history-2-worst: Not decided: not measured.",
-                            "Not decided: too few runs: 1 each, 3 needed.", "One training each"})
+                            "Not decided: too few trainings: 2, 5 needed.", "2 trainings of each setting"})
     EXPECT_NE(on_one_line.find(words), std::string::npos) << words << in_words.out;
 
   // Without gnuplot the study is printed and kept, and the error names gnuplot.
@@ -174,8 +181,8 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   const test::TemporaryFolder folder;
   const nlohmann::json first = run_study(folder.path(), small);
   const nlohmann::json more = run_study(folder.path(), small + "--th 10,20,40");
-  EXPECT_GE(more.at("steps_done"), 3) << "heatmaps, a training and its samples";
-  EXPECT_LE(more.at("steps_done"), 4) << "and an evaluation, if it is the best";
+  EXPECT_GE(more.at("steps_done"), 5) << "heatmaps, two trainings and their samples";
+  EXPECT_LE(more.at("steps_done"), 6) << "and an evaluation, if it is the best";
   EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
   EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
 
@@ -256,12 +263,13 @@ TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
   const nlohmann::json study =
       run_study(folder.path(),
                 "reproduce --json --preset quick --objects plastic-container,sprayer,water-bottle --th 2,20 --held-out "
-                "plastic-container --epochs 1 --seeds 2 --threads 2");
+                "plastic-container --epochs 1 --trainings 2 --threads 2");
   ASSERT_TRUE(study.is_object());
   EXPECT_EQ(study.at("choice").at("chosen_on"), "choice");
-  EXPECT_EQ(study.at("runs").at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
-  EXPECT_EQ(study.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/03", "sprayer/03", "water-bottle/03"}));
-  EXPECT_EQ(study.at("runs").at("all_test").size(), 6U);
+  const auto& runs = study.at("trainings")[0].at("runs");
+  EXPECT_EQ(runs.at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
+  EXPECT_EQ(runs.at("reported"), (std::vector<std::string>{"plastic-container/03", "sprayer/03", "water-bottle/03"}));
+  EXPECT_EQ(runs.at("all_test").size(), 6U);
   EXPECT_EQ(study.at("choice").at("th_ms"), study.at("choice").at("best").at("choice").at("th_ms"));
   EXPECT_EQ(study.at("paper_way").at("th_ms"), study.at("choice").at("best").at("all_test").at("th_ms"));
   ASSERT_EQ(study.at("histories")[0].at("models").size(), 2U);
@@ -269,12 +277,15 @@ TEST(ReproduceCommand, ChoosesOnRunsThatItDoesNotReportOn) {
             study.at("histories")[0].at("models")[1].at("weights_sha256"));
   std::set<std::string> evaluations;
   for (const auto& evaluation : study.at("evaluations")) evaluations.insert(evaluation.at("id").get<std::string>());
-  EXPECT_EQ(evaluations, (std::set<std::string>{"reported", "reported-s2", "all_test"}));
+  EXPECT_EQ(evaluations, (std::set<std::string>{"reported", "all_test"}));
+  // Each training is judged with the history that its own choice runs chose.
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_EQ(study.at("evaluations")[0].at("models")[k].at("th_ms"), study.at("choice").at("trainings")[k]);
   EXPECT_EQ(study.at("claims")[2].at("id"), "marginal-past-20");
   EXPECT_TRUE(study.at("claims")[2].at("measured").at("value").is_null()) << "no history past 20 ms was asked for";
   EXPECT_FALSE(study.at("claims")[7].at("measured").at("low").is_null()) << "three objects";
-  EXPECT_EQ(study.at("claims")[7].at("why"), "too few objects: 3, 5 needed");
-  EXPECT_NE(study.at("bootstrap").at("trainings").get<std::string>().find("2 trainings each"), std::string::npos);
+  EXPECT_EQ(study.at("claims")[7].at("why"), "too few trainings: 2, 5 needed");
+  EXPECT_EQ(study.at("claims")[7].at("measured").at("trainings"), 2);
   EXPECT_EQ(study.at("unseen").at("trainings").size(), 2U);
 }
 

@@ -31,23 +31,14 @@ TEST(SampleConfusions, OfChosenRunsInTheirOrder) {
   const std::vector<NamedConfusion> all{confusion_of_run("fan", "02", 5), confusion_of_run("fan", "03", 6),
                                         confusion_of_run("usb-hub", "02", 7)};
   const std::vector<std::string> chosen_runs{"usb-hub/02", "fan/03"};
-  const auto chosen = confusions_of_runs(all, chosen_runs);
+  const auto chosen = confusions_of_runs(all, chosen_runs, 3);
   ASSERT_EQ(chosen.size(), 2U);
   EXPECT_EQ(chosen[0].object, "usb-hub");
   EXPECT_EQ(chosen[1].confusion.correct(), 6U);
+  EXPECT_EQ(chosen[1].run, "03");
+  EXPECT_EQ(chosen[1].training, 3U);
   const std::vector<std::string> missing{"fan/04"};
-  EXPECT_THROW(confusions_of_runs(all, missing), Error);
-}
-
-TEST(SampleConfusions, OfSeveralModelsAreCountedTogether) {
-  const std::vector<std::vector<results::RunConfusion>> models{{{{"fan"}, confusion_of_run("fan", "02", 5).confusion}},
-                                                               {{{"fan"}, confusion_of_run("fan", "02", 7).confusion}}};
-  const auto sum = sum_over_models(models);
-  ASSERT_EQ(sum.size(), 1U);
-  EXPECT_EQ(sum[0].confusion.correct(), 12U);
-  EXPECT_EQ(sum[0].confusion.samples(), 18U);
-  const std::vector<std::vector<results::RunConfusion>> different{models[0], {{{"usb-hub"}, {}}}};
-  EXPECT_THROW(sum_over_models(different), Error);
+  EXPECT_THROW(confusions_of_runs(all, missing, 0), Error);
 }
 
 TEST(SampleConfusions, DamagedFilesAreAnError) {

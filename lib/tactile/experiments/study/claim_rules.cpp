@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -14,6 +15,8 @@ namespace {
 
 /// What a verdict lacks, in words; empty if nothing.
 std::string too_few(const results::Claim& claim) {
+  if (claim.measured.trainings < fewest_trainings)
+    return fmt::format("too few trainings: {}, {} needed", claim.measured.trainings, fewest_trainings);
   if (claim.scope == results::ClaimScope::over_objects) {
     return claim.measured.n >= fewest_objects ? std::string()
                                               : fmt::format("too few objects: {}, {} needed", claim.measured.n, fewest_objects);
@@ -50,6 +53,7 @@ results::Figure outermost_of(const ObjectFigures& figures, const std::function<b
       all_known = false;
       continue;
     }
+    result.trainings = result.n == 0 ? figure.trainings : std::min(result.trainings, figure.trainings);
     ++result.n;
     if (std::isnan(result.value) || further(figure.value, result.value)) result.value = figure.value;
     if (!(figure.*outer)) all_known = false;
@@ -57,6 +61,29 @@ results::Figure outermost_of(const ObjectFigures& figures, const std::function<b
   }
   if (!all_known) result.*outer = std::nullopt;
   return result;
+}
+
+/// How many more trainings and runs would decide: the width of an interval falls with the square root of their number.
+///
+///   factor = ((bound - value) / (value - limit))^2, of the bound beyond the limit
+std::string enough_of(const results::Claim& claim) {
+  const results::Figure& measured = claim.measured;
+  const double effect = measured.value - claim.limit;
+  const double bound = effect < 0 ? *measured.high : *measured.low;
+  const double factor = std::pow((bound - measured.value) / effect, 2);
+  constexpr double most = 20;
+  if (!(factor <= most)) return fmt::format("the value is so near that {:.0f} times the data would not decide", most);
+  const auto times = [factor](std::size_t count) {
+    return static_cast<std::size_t>(std::ceil(factor * static_cast<double>(count)));
+  };
+  const std::size_t trainings = times(measured.trainings);
+  if (claim.scope == results::ClaimScope::over_objects)
+    return fmt::format("if the value stays, {} trainings and {} objects would decide", trainings, times(measured.n));
+  std::size_t runs = measured.n;
+  for (const auto& [name, figure] : claim.objects) {
+    if (figure.value == measured.value) runs = figure.n;
+  }
+  return fmt::format("if the value stays, {} trainings and {} runs of each object would decide", trainings, times(runs));
 }
 
 }  // namespace
@@ -92,12 +119,13 @@ void judge(results::Claim& claim) {
   }
   const std::string lacking = too_few(claim);
   claim.verdict = claim.asked == results::Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
-  if (claim.scope == results::ClaimScope::over_objects && !lacking.empty()) claim.verdict = results::Verdict::cannot_tell;
+  if (!lacking.empty() && (claim.scope == results::ClaimScope::over_objects || claim.measured.trainings < fewest_trainings))
+    claim.verdict = results::Verdict::cannot_tell;
   claim.can_be_told = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
   if (claim.verdict != results::Verdict::cannot_tell) return;
   const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
-              : is_bounded     ? std::string("the interval lies across the limit")
+              : is_bounded     ? "the interval lies across the limit; " + enough_of(claim)
                                : std::string("no interval: too many draws of the bootstrap hold nothing to measure");
 }
 

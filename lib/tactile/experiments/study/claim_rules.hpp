@@ -25,10 +25,11 @@ struct ObjectFigures {
 results::Figure largest_of(const ObjectFigures& figures);
 results::Figure smallest_of(const ObjectFigures& figures);
 
-inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5;
+inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5, fewest_trainings = 5;
 
-/// Gives a claim its verdict by its measured figure and its limit, and the reason for cannot_tell. One object beyond the limit
-/// decides a claim about every object, even if the others have too few runs.
+/// Gives a claim its verdict by its measured figure and its limit. For cannot_tell, `why` has the reason, and how many trainings,
+/// runs or objects would decide at the same value. One object beyond the limit decides a claim about every object, even if the
+/// others have too few runs.
 void judge(results::Claim& claim);
 
 }  // namespace tactile::study

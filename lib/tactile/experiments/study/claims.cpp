@@ -90,6 +90,11 @@ class Histories {
     }
   }
 
+  /// Of differences of accuracies in points of percent, in steps of one sample of a run.
+  evaluation::Range points() const {
+    return {-100, 100, histories_.empty() ? 0 : 100 * evaluation::range_of_shares(histories_.begin()->second).step};
+  }
+
   bool has(microseconds history) const { return histories_.contains(history); }
   bool has_others(microseconds history) const { return has(history) && histories_.size() > 1; }
   const std::map<std::string, evaluation::CrossedObject>& objects() const { return objects_; }
@@ -144,8 +149,9 @@ results::Claim history_2_worst(const Histories& histories, const results::Bootst
   };
   ObjectFigures figures;
   for (const auto& [object, runs] : histories.objects()) {
-    figures.objects[object] = evaluation::figure_of_object(runs, less_lowest, options);
-    figures.wide[object] = evaluation::figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options));
+    figures.objects[object] = evaluation::figure_of_object(runs, less_lowest, options, histories.points());
+    figures.wide[object] =
+        evaluation::figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options), histories.points());
   }
   take(claim, std::move(figures));
   const double furthest = claim.measured.value;
@@ -174,7 +180,9 @@ results::Claim best_history_40(const Histories& histories, const results::Bootst
     }
     return best[chosen] - next;
   };
-  claim.measured = evaluation::figure_over_objects(evaluation::without_names(histories.objects()), lead, options);
+  const auto most = static_cast<double>(histories.objects().size());
+  claim.measured = evaluation::figure_over_objects(evaluation::without_names(histories.objects()), lead, options,
+                                                   {.lowest = -most, .highest = most, .step = 2 * most});
   claim.kept = counts[chosen];
   claim.of = histories.objects().size();
   std::string others;
@@ -202,7 +210,7 @@ results::Claim marginal_past_20(const Histories& histories, const results::Boots
         for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
         return 100 * (highest - histories.mean_accuracy(marginal, objects));
       },
-      options);
+      options, histories.points());
   if (std::isnan(claim.measured.value)) return claim;
   const microseconds best = *std::max_element(longer.begin(), longer.end(), [&](microseconds a, microseconds b) {
     return histories.mean_accuracy(a, all) < histories.mean_accuracy(b, all);
@@ -246,8 +254,8 @@ results::Claim delay_claim(Touch touch, const ClaimInputs& inputs, const results
                                                     : fmt::format("Below 5 ms for {}; the slowest is {} with {:.2f} ms.",
                                                                   kept_of(claim), furthest_object(claim), claim.measured.value);
   if (all.misses + all.early > 0)
-    claim.note = fmt::format("Of {} intervals {} were missed and {} detected early; they are not in the means.", all.intervals,
-                             all.misses, all.early);
+    claim.note = fmt::format("Of {} intervals (of {} trainings) {} were missed and {} detected early; they are not in the means.",
+                             all.intervals, all.mean_ms.trainings, all.misses, all.early);
   return claim;
 }
 
@@ -290,7 +298,7 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
         const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
         return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
       }),
-      options);
+      options, {0, 100, 100});
   claim.kept = 0;
   claim.of = objects.size();
   for (const auto& object : objects)
@@ -415,7 +423,7 @@ std::string summary_of(const std::vector<results::Claim>& claims, bool simulated
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
                                  simulated ? "simulated" : "real", number_of(results::Verdict::holds), claims.size(),
                                  number_of(results::Verdict::does_not), number_of(results::Verdict::cannot_tell));
-  if (undecidable > 0) text += fmt::format(": for {} of them there are too few runs or objects", undecidable);
+  if (undecidable > 0) text += fmt::format(": for {} of them there are too few trainings, runs or objects", undecidable);
   return text + ".";
 }
 

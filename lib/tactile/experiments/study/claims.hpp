@@ -7,7 +7,7 @@
 
 #include "tactile/core/time.hpp"
 #include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/results/claim.hpp"
 #include "tactile/results/over_time.hpp"
@@ -48,8 +48,8 @@ struct ClaimInputs {
 /// Source: Faris et al., arXiv:2403.10120, section V.
 std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::BootstrapOptions& options = {});
 
-/// "On simulated runs 3 of the paper's 11 claims hold, 2 do not, and 6 cannot be decided: for 4 of them there are too few runs or
-/// objects."
+/// "On simulated runs 3 of the paper's 11 claims hold, 2 do not, and 6 cannot be decided: for 4 of them there are too few
+/// trainings, runs or objects."
 std::string summary_of(const std::vector<results::Claim>& claims, bool simulated);
 
 }  // namespace tactile::study

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int evaluation_form = 2;  ///< with another number, evaluations that are kept are made again
+constexpr int evaluation_form = 3;  ///< with another number, evaluations that are kept are made again
 
 /// Null if one of them is missing.
 json hashes_of(std::initializer_list<fs::path> files) {
@@ -33,48 +34,65 @@ json hashes_of(std::initializer_list<fs::path> files) {
   return hashes;
 }
 
-void evaluate_on(const StudyPlan& plan, const std::string& id, const StudyModel& model, const RunSet& set,
-                 experiments::StepRunner& runner, std::vector<EvaluatedModel>& evaluations) {
-  for (const EvaluatedModel& other : evaluations) {
-    const bool same_runs = other.runs == set.name || (plan.reported.runs == plan.all_test.runs);
-    if (other.model.name() == model.name() && same_runs) {
-      evaluations.push_back({id, model, set.name, other.json_file, other.csv_file});
+results::Evaluation evaluated(const StudyPlan& plan, const std::vector<StudyModel>& models, const NamedRunSet& set,
+                              const ProgressCallback& progress) {
+  const unsigned threads = plan.options.threads;
+  std::deque<model::Classifier> classifiers;
+  std::vector<evaluation::ModelOnRuns> trainings;
+  for (const StudyModel& model : models) {
+    classifiers.push_back(model::open_classifier(model.bundle.folder, threads, plan.options.engine));
+    trainings.push_back({&classifiers.back(), (plan.trainings[model.training].*set.runs).runs});
+  }
+  return evaluation::evaluate(plan.dataset, trainings, {.threads = threads}, progress);
+}
+
+void evaluate_on(const StudyPlan& plan, const std::vector<StudyModel>& models, const NamedRunSet& set,
+                 experiments::StepRunner& runner, std::vector<EvaluatedModels>& evaluations) {
+  for (const EvaluatedModels& other : evaluations) {
+    const bool same = std::equal(models.begin(), models.end(), other.models.begin(), [&](const auto& a, const auto& b) {
+      const PlannedTraining& training = plan.trainings[a.training];
+      return a.name() == b.name() && training.reported.runs == training.all_test.runs;
+    });
+    if (same) {
+      evaluations.push_back({set.name, models, other.json_file, other.csv_file});
       return;
     }
   }
-  const fs::path stem = plan.options.out / "evaluations" / (set.name + "-" + model.name());
+  const fs::path stem = plan.options.out / "evaluations" / set.name;
   const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
-  runner.run({.name = "evaluate-" + set.name + "-" + model.name(),
-              .command = "",
-              .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
-                                     {"weights", model::read_description(model.bundle).weights_sha256},
-                                     {"truth", experiments::truth_hashes(plan.dataset, set.runs)},
-                                     {"form", evaluation_form},
-                                     {"runs", set.names}},
-                                    plan.options.engine),
-              .outputs =
-                  [&] {
-                    return hashes_of({json_file, csv_file});
-                  },
-              .work =
-                  [&](const ProgressCallback& progress) {
-                    const unsigned threads = plan.options.threads;
-                    const model::Classifier classifier =
-                        model::open_classifier(model.bundle.folder, threads, plan.options.engine);
-                    const results::Evaluation evaluation =
-                        evaluation::evaluate(plan.dataset, classifier, set.runs, {.threads = threads}, progress);
-                    write_whole(csv_file, evaluation::table_of(evaluation));
-                    write_json(json_file, evaluation);
-                  }});
-  evaluations.push_back({id, model, set.name, json_file, csv_file});
+  nlohmann::json trainings = nlohmann::json::array();
+  for (const StudyModel& model : models) {
+    const RunSet& runs = plan.trainings[model.training].*set.runs;
+    trainings.push_back({{"name", model.name()},
+                         {"weights", model::read_description(model.bundle).weights_sha256},
+                         {"truth", experiments::truth_hashes(plan.dataset, runs.runs)},
+                         {"runs", runs.names}});
+  }
+  runner.run(
+      {.name = fmt::format("evaluate-{}", set.name),
+       .command = "",
+       .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()}, {"trainings", trainings}, {"form", evaluation_form}},
+                             plan.options.engine),
+       .outputs =
+           [&] {
+             return hashes_of({json_file, csv_file});
+           },
+       .work =
+           [&](const ProgressCallback& progress) {
+             const results::Evaluation evaluation = evaluated(plan, models, set, progress);
+             write_whole(csv_file, evaluation::table_of(evaluation));
+             write_json(json_file, evaluation);
+           }});
+  evaluations.push_back({set.name, models, json_file, csv_file});
 }
 
 /// A run of the water bottle, as in the paper, or else the first one.
 std::uint32_t run_to_show(const StudyPlan& plan) {
-  for (const std::uint32_t run : plan.reported.runs) {
+  const std::vector<std::uint32_t>& reported = plan.trainings.front().reported.runs;
+  for (const std::uint32_t run : reported) {
     if (plan.dataset.runs()[run].object == "water-bottle") return run;
   }
-  return plan.reported.runs.front();
+  return reported.front();
 }
 
 void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_index, const fs::path& csv_file,
@@ -128,19 +146,17 @@ void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiment
 
 }  // namespace
 
-const EvaluatedModel& JudgedModels::evaluation(const std::string& id) const {
-  return *std::find_if(evaluations.begin(), evaluations.end(), [&](const EvaluatedModel& one) { return one.id == id; });
+const EvaluatedModels& JudgedModels::evaluation(const std::string& id) const {
+  return *std::find_if(evaluations.begin(), evaluations.end(), [&](const EvaluatedModels& one) { return one.id == id; });
 }
 
 JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner) {
   JudgedModels judged;
-  const std::vector<StudyModel>& chosen = trained.by_history.at(trained.history);
-  for (unsigned training = 0; training < plan.options.seeds; ++training) {
-    const std::string id = training == 0 ? "reported" : fmt::format("reported-s{}", plan.seed_of(training));
-    evaluate_on(plan, id, chosen[training], plan.reported, runner, judged.evaluations);
-  }
-  evaluate_on(plan, "all_test", trained.by_history.at(trained.paper_history).front(), plan.all_test, runner, judged.evaluations);
-  predict_full_run(plan, trained.chosen(), runner, judged);
+  std::vector<StudyModel> reported;
+  for (std::size_t training = 0; training < plan.trainings.size(); ++training) reported.push_back(trained.reported(training));
+  evaluate_on(plan, reported, run_sets[1], runner, judged.evaluations);
+  evaluate_on(plan, trained.by_history.at(trained.paper_history), run_sets[2], runner, judged.evaluations);
+  predict_full_run(plan, reported.front(), runner, judged);
   return judged;
 }
 

@@ -12,25 +12,24 @@
 
 namespace tactile::study {
 
-/// A model evaluated on every tick of a set of runs.
-struct EvaluatedModel {
-  std::string id;  ///< "reported", "reported-s2" of the second seed, "all_test"
-  StudyModel model;
-  std::string runs;                           ///< name of the set
+/// The trainings of a setting, each evaluated on every tick of its own set of runs.
+struct EvaluatedModels {
+  std::string id;                             ///< "reported", "all_test": also the name of the sets of runs
+  std::vector<StudyModel> models;             ///< one for each training
   std::filesystem::path json_file, csv_file;  ///< as `tactile eval` writes them
 };
 
 /// The models of a study over full runs.
 struct JudgedModels {
-  std::vector<EvaluatedModel> evaluations;
+  std::vector<EvaluatedModels> evaluations;
   std::string full_run;  ///< "water-bottle/03", a run that is shown over time
   std::filesystem::path full_run_file;
 
-  const EvaluatedModel& evaluation(const std::string& id) const;  ///< one that exists
+  const EvaluatedModels& evaluation(const std::string& id) const;  ///< one that exists
 };
 
-/// Fourth stage of a study: evaluates the models of the chosen history on the reported runs, and the paper's on all test runs,
-/// and predicts one run over time as in the paper's figure 8. @throws Error  if a step fails
+/// Fourth stage of a study: evaluates each training with its chosen history on its reported runs, and with the paper's on all its
+/// test runs, and predicts one run over time as in the paper's figure 10. @throws Error  if a step fails
 JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner);
 
 /// The detections of each run: "runs" of an evaluation. @throws Error, naming `where`, if it has none

@@ -23,15 +23,23 @@ void warn_of_runs_without_samples(const StudyOptions& options, const windows::Da
   if (!without.empty() && warn) warn(windows::sentence_on(without, runs.size(), options.data, "tactile reproduce"));
 }
 
-std::vector<std::string> all_remarks(const StudyOptions& options, const windows::Dataset& dataset,
-                                     const experiments::RunDivision& runs) {
-  const windows::SplitOptions single{.kind = windows::SplitKind::single_run, .train_run = options.train_run};
-  const model::SplitRemarks split = model::remarks_on(dataset, single, model::split_of(dataset, single));
+/// Each once: most hold for several trainings.
+std::vector<std::string> all_remarks(const windows::Dataset& dataset, std::span<const PlannedTraining> trainings,
+                                     std::span<const experiments::RunDivision> divisions) {
   std::vector<std::string> remarks;
-  for (const auto& sentences : {split.substitutes, split.left_out, experiments::remarks_on(dataset, runs)})
-    remarks.insert(remarks.end(), sentences.begin(), sentences.end());
+  for (std::size_t k = 0; k < trainings.size(); ++k) {
+    const windows::SplitOptions single{.kind = windows::SplitKind::single_run, .train_run = trainings[k].train_run};
+    const model::SplitRemarks split = model::remarks_on(dataset, single, model::split_of(dataset, single));
+    for (const auto& sentences : {split.substitutes, split.left_out, experiments::remarks_on(dataset, divisions[k])}) {
+      for (const std::string& sentence : sentences) {
+        if (std::find(remarks.begin(), remarks.end(), sentence) == remarks.end()) remarks.push_back(sentence);
+      }
+    }
+  }
   return remarks;
 }
+
+RunSet set_of(const windows::Dataset& dataset, const std::vector<std::uint32_t>& runs) { return {runs, names_of(dataset, runs)}; }
 
 /// Those requested, or those of the paper that are among `objects`; by name.
 std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& requested, const std::vector<std::string>& objects,
@@ -64,41 +72,51 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& req
 
 StudyPlan plan_study(const StudyOptions& options, const windows::Dataset& dataset, const WarningCallback& warn) {
   warn_of_runs_without_samples(options, dataset, warn);
-  const experiments::RunDivision runs =
-      experiments::divide_runs(dataset, options.train_run, preset_settings(options.preset).choice_runs);
-  StudyPlan plan{.options = options,
-                 .dataset = dataset,
-                 .train = runs.train,
-                 .choice = {"choice", runs.choice, names_of(dataset, runs.choice)},
-                 .reported = {"reported", runs.reported, names_of(dataset, runs.reported)},
-                 .all_test = {"all_test", runs.all_test, names_of(dataset, runs.all_test)},
-                 .objects = {},
-                 .held_out = {},
-                 .splits = {},
-                 .remarks = all_remarks(options, dataset, runs)};
+  const std::vector<std::string> choice_runs = preset_settings(options.preset).choice_runs;
+  StudyPlan plan{
+      .options = options, .dataset = dataset, .trainings = {}, .objects = {}, .held_out = {}, .splits = {}, .remarks = {}};
+  std::vector<experiments::RunDivision> divisions;
+  for (unsigned k = 0; k < *options.trainings; ++k) {
+    const experiments::RunDivision& runs =
+        divisions.emplace_back(experiments::rotated_division(dataset, options.train_run, choice_runs, k));
+    plan.trainings.push_back({.seed = options.seed + k,
+                              .train_run = experiments::rotated_run(dataset, options.train_run, k),
+                              .train = set_of(dataset, runs.train),
+                              .choice = set_of(dataset, runs.choice),
+                              .reported = set_of(dataset, runs.reported),
+                              .all_test = set_of(dataset, runs.all_test)});
+  }
+  plan.remarks = all_remarks(dataset, plan.trainings, divisions);
   if (warn) std::for_each(plan.remarks.begin(), plan.remarks.end(), warn);
   std::set<std::string> objects;
-  for (const std::uint32_t run : runs.train) objects.insert(dataset.runs()[run].object);
+  for (const std::uint32_t run : plan.trainings.front().train.runs) objects.insert(dataset.runs()[run].object);
   plan.objects.assign(objects.begin(), objects.end());
-  plan.held_out = objects_to_hold_out(options.held_out, plan.objects, dataset);
-  if (options.splits == 0) return plan;
-  if (plan.held_out.empty())
+  const std::vector<std::string> together = objects_to_hold_out(options.held_out, plan.objects, dataset);
+  if (options.hold_out_each && plan.objects.size() > 1) {
+    for (const std::string& object : plan.objects) plan.held_out.push_back({object});
+  } else if (!together.empty()) {
+    plan.held_out.push_back(together);
+  }
+  if (together.empty() && *options.splits != preset_settings(options.preset).splits)
     throw Error("--splits: no objects to hold out of training; expected some of --held-out in the dataset");
-  plan.splits = drawn_splits(all_splits(plan.objects, plan.held_out.size()), options.splits, options.seed);
+  if (*options.splits > 0 && !together.empty())
+    plan.splits = drawn_splits(all_splits(plan.objects, together.size()), *options.splits, options.seed);
   return plan;
 }
 
-StudyModel model_of(const StudyPlan& plan, microseconds history, std::uint64_t seed, const std::vector<std::string>& held_out) {
+StudyModel model_of(const StudyPlan& plan, microseconds history, std::size_t training, const std::vector<std::string>& held_out) {
   const StudyOptions& options = plan.options;
+  const PlannedTraining& planned = plan.trainings[training];
   StudyModel model;
+  model.training = training;
   model.settings.rendering.history = history;
-  model.settings.training.seed = seed;
+  model.settings.training.seed = planned.seed;
   model.settings.training.epochs = *options.epochs;
   model.settings.training.engine = options.engine;
-  model.settings.split.train_run = options.train_run;
-  if (!held_out.empty()) model.settings.split = {windows::SplitKind::unseen, options.train_run, held_out};
+  model.settings.split.train_run = planned.train_run;
+  if (!held_out.empty()) model.settings.split = {windows::SplitKind::unseen, planned.train_run, held_out};
   model.bundle = {options.models / model::default_name(model.settings)};
-  for (const std::uint32_t run : plan.all_test.runs) {
+  for (const std::uint32_t run : planned.all_test.runs) {
     const std::string& object = plan.dataset.runs()[run].object;
     if (held_out.empty() || std::find(held_out.begin(), held_out.end(), object) != held_out.end()) model.runs.push_back(run);
   }

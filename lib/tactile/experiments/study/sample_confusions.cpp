@@ -23,28 +23,15 @@ std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file) {
 }
 
 std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions,
-                                                      std::span<const std::string> runs) {
+                                                      std::span<const std::string> runs, std::size_t training) {
   std::vector<results::RunConfusion> chosen;
   for (const std::string& run : runs) {
     const auto found =
         std::find_if(confusions.begin(), confusions.end(), [&](const NamedConfusion& one) { return one.run == run; });
     if (found == confusions.end()) throw Error(run + ": no confusion of its samples; expected the model to be judged on it");
-    chosen.push_back({{found->object, run.substr(run.find('/') + 1), 0}, found->confusion});
+    chosen.push_back({{found->object, run.substr(run.find('/') + 1), training}, found->confusion});
   }
   return chosen;
-}
-
-std::vector<results::RunConfusion> sum_over_models(std::span<const std::vector<results::RunConfusion>> models) {
-  if (models.empty()) return {};
-  std::vector<results::RunConfusion> sum = models.front();
-  for (const std::vector<results::RunConfusion>& model : models.subspan(1)) {
-    const bool same_runs =
-        std::equal(model.begin(), model.end(), sum.begin(), sum.end(),
-                   [](const results::RunConfusion& a, const results::RunConfusion& b) { return a.object == b.object; });
-    if (!same_runs) throw Error("confusions of models on different runs; expected the same runs for each");
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i].confusion += model[i].confusion;
-  }
-  return sum;
 }
 
 }  // namespace tactile::study

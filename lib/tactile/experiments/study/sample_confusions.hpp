@@ -24,10 +24,6 @@ std::vector<NamedConfusion> read_confusions(const std::filesystem::path& file);
 
 /// Those of these runs, in their order. @throws Error  if one of them is missing
 std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfusion> confusions,
-                                                      std::span<const std::string> runs);
-
-/// The sum over models, run by run: one more model counts as more samples of each run.
-/// @throws Error  if they are not of the same runs
-std::vector<results::RunConfusion> sum_over_models(std::span<const std::vector<results::RunConfusion>> models);
+                                                      std::span<const std::string> runs, std::size_t training);
 
 }  // namespace tactile::study

@@ -11,15 +11,18 @@
 namespace tactile::study {
 
 PresetSettings preset_settings(std::string_view preset) {
-  if (preset == "tiny") return {{}, 3};
-  if (preset == "quick") return {{"02"}, 6};
-  if (preset == "paper") return {{"02", "03"}, 10};
+  if (preset == "tiny") return {{}, 3, 2, 0};
+  if (preset == "quick") return {{"02"}, 6, 5, 0};
+  if (preset == "paper") return {{"02", "03"}, 10, 5, 20};
   throw Error(fmt::format("'{}' is no preset; expected tiny, quick or paper", preset));
 }
 
 StudyOptions completed(StudyOptions options) {
-  if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
-  options.epochs = options.epochs.value_or(preset_settings(options.preset).epochs);
+  const PresetSettings preset = preset_settings(options.preset);
+  options.epochs = options.epochs.value_or(preset.epochs);
+  options.trainings = options.trainings.value_or(preset.trainings);
+  options.splits = options.splits.value_or(preset.splits);
+  if (*options.trainings == 0) throw Error("no training of a setting; expected one at least");
   if (options.threads == 0) options.threads = std::max(1U, std::thread::hardware_concurrency());
   std::sort(options.histories.begin(), options.histories.end());
   options.histories.erase(std::unique(options.histories.begin(), options.histories.end()), options.histories.end());

@@ -29,11 +29,12 @@ struct StudyOptions {
 
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};  ///< t_h, each a whole number of ticks
   std::string train_run = "01";
-  std::vector<std::string> held_out;    ///< empty: those of `default_held_out` that the dataset has
-  std::optional<unsigned> epochs = {};  ///< the preset's if not given
-  unsigned seeds = 1;                   ///< trainings of each kind, > 0
+  std::vector<std::string> held_out;       ///< empty: those of `default_held_out` that the dataset has
+  bool hold_out_each = false;              ///< instead: each object alone
+  std::optional<unsigned> epochs = {};     ///< the preset's if not given
+  std::optional<unsigned> trainings = {};  ///< of each setting, each on another run and seed, > 0; the preset's if not given
   std::uint64_t seed = 1;  ///< of simulation, samples, drawn splits and the first training; the next ones add 1, 2, …
-  std::size_t splits = 0;  ///< drawn at random from all ways to hold out as many objects
+  std::optional<std::size_t> splits = {};  ///< drawn from all ways to hold out as many objects; the preset's if not given
 
   model::EngineKind engine = model::EngineKind::fast;  ///< runs the models
   std::filesystem::path program = "/proc/self/exe";    ///< trains
@@ -42,15 +43,17 @@ struct StudyOptions {
 
 /// What a preset decides beside the simulation.
 struct PresetSettings {
-  std::vector<std::string> choice_runs;  ///< ids of the runs to choose the history on
+  std::vector<std::string> choice_runs;  ///< ids of the runs that the first training chooses its history on
   unsigned epochs;
+  unsigned trainings;
+  std::size_t splits;
 };
 
 /// @throws Error  if there is no such preset
 PresetSettings preset_settings(std::string_view preset);
 
-/// The same options with epochs and threads filled in, and histories ascending, each once.
-/// @throws Error  if there is no such preset, no history or no seed, or a history is out of its range
+/// The same options with the preset's values and threads filled in, and histories ascending, each once.
+/// @throws Error  if there is no such preset, no history or no training, or a history is out of its range
 StudyOptions completed(StudyOptions options);
 
 /// Receives a sentence about something that a user may not expect. May be empty.

@@ -25,7 +25,9 @@ using nlohmann::json;
 std::string path_in(const StudyPlan& plan, const fs::path& path) { return experiments::from_folder(path, plan.options.out); }
 
 json training_json(const StudyPlan& plan, const StudyModel& model) {
-  return {{"seed", model.settings.training.seed},
+  return {{"training", model.training},
+          {"seed", model.settings.training.seed},
+          {"th_ms", in_ms(model.settings.rendering.history)},
           {"name", model.name()},
           {"folder", path_in(plan, model.bundle.folder)},
           {"history", path_in(plan, model.bundle.history())},
@@ -39,7 +41,7 @@ json histories_json(const StudyPlan& plan, const TrainedModels& trained) {
     json entry = {{"th_ms", in_ms(history)}, {"models", json::array()}, {"accuracy", {{"choice", nullptr}}}};
     for (const StudyModel& model : models) {
       json one = training_json(plan, model);
-      one["accuracy"] = evaluation::accuracy_of(confusions_of(plan, {model}, plan.reported.names)).mean;
+      one["accuracy"] = evaluation::accuracy_of(confusions_of(plan, model, plan.trainings[model.training].reported.names)).mean;
       entry["models"].push_back(one);
     }
     for (const auto& [set, comparison] : trained.comparisons) entry["accuracy"][set] = comparison.accuracies.at(history);
@@ -62,21 +64,21 @@ std::string rule_of(const HistoryComparison& comparison) {
 }
 
 json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
-  const bool chosen_on_runs = !plan.choice.runs.empty();
   json choice = {{"th_ms", in_ms(trained.history)},
-                 {"model", trained.chosen().name()},
-                 {"chosen_on", chosen_on_runs ? "choice" : "default"},
+                 {"model", trained.to_use().name()},
+                 {"chosen_on", plan.has_choice() ? "choice" : "default"},
+                 {"trainings", json::array()},
                  {"best", {{"choice", nullptr}}}};
-  if (chosen_on_runs) {
+  if (plan.has_choice()) {
     const HistoryComparison& comparison = trained.comparisons.at("choice");
-    choice["why"] = fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on ({}).{}",
+    choice["why"] = fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on.{}",
                                 experiments::ms_text(trained.history), comparison.choice.counts.at(trained.history),
-                                comparison.choice.of_objects.size(),
-                                fmt::join(preset_settings(plan.options.preset).choice_runs, ", "), rule_of(comparison));
+                                comparison.choice.of_objects.size(), rule_of(comparison));
   } else {
     choice["why"] = fmt::format("No run is left to choose a history on beside those reported on, so t_h stays {} ms.",
                                 experiments::ms_text(trained.history));
   }
+  for (const microseconds history : trained.chosen) choice["trainings"].push_back(in_ms(history));
   for (const auto& [set, comparison] : trained.comparisons) choice["best"][set] = comparison.choice;
   return choice;
 }
@@ -91,16 +93,15 @@ json paper_way_json(const TrainedModels& trained) {
                               comparison.choice.of_objects.size(), rule_of(comparison))}};
 }
 
-json evaluation_json(const StudyPlan& plan, const EvaluatedModel& evaluated) {
+json evaluation_json(const StudyPlan& plan, const EvaluatedModels& evaluated) {
   const json full = read_json(evaluated.json_file);
   const results::JsonView view(full, evaluated.json_file.string(), results::MissingMember::is_error);
   json entry = {{"id", evaluated.id},
-                {"th_ms", in_ms(evaluated.model.settings.rendering.history)},
-                {"seed", evaluated.model.settings.training.seed},
-                {"model", evaluated.model.name()},
-                {"runs", evaluated.runs},
+                {"models", json::array()},
+                {"runs", evaluated.id},
                 {"json", path_in(plan, evaluated.json_file)},
                 {"csv", path_in(plan, evaluated.csv_file)}};
+  for (const StudyModel& model : evaluated.models) entry["models"].push_back(training_json(plan, model));
   for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
     entry[key] = full.at(key);
   entry["slip_at_once"]["objects"] =
@@ -110,15 +111,13 @@ json evaluation_json(const StudyPlan& plan, const EvaluatedModel& evaluated) {
 
 json settings_json(const StudyPlan& plan, bool simulated) {
   const StudyOptions& options = plan.options;
-  std::vector<std::uint64_t> seeds;
-  for (unsigned training = 0; training < options.seeds; ++training) seeds.push_back(plan.seed_of(training));
   json histories = json::array();
   for (const microseconds history : options.histories) histories.push_back(in_ms(history));
   return {{"data", path_in(plan, options.data)},
           {"models", path_in(plan, options.models)},
           {"preset", options.preset},
           {"seed", options.seed},
-          {"seeds", seeds},
+          {"trainings", plan.trainings.size()},
           {"train_run", options.train_run},
           {"held_out", plan.held_out},
           {"histories_ms", histories},
@@ -130,13 +129,39 @@ json settings_json(const StudyPlan& plan, bool simulated) {
           {"runs", simulated && options.runs ? json(*options.runs) : json()}};
 }
 
+/// What each training learned from and is judged on.
+json trainings_json(const StudyPlan& plan, const TrainedModels& trained) {
+  json trainings = json::array();
+  for (std::size_t k = 0; k < plan.trainings.size(); ++k) {
+    const PlannedTraining& training = plan.trainings[k];
+    json one = {{"seed", training.seed}, {"train_run", training.train_run}, {"th_ms", in_ms(trained.chosen[k])}};
+    one["runs"]["train"] = training.train.names;
+    for (const NamedRunSet& set : run_sets) one["runs"][set.name] = (training.*set.runs).names;
+    trainings.push_back(one);
+  }
+  return trainings;
+}
+
 /// What confidence intervals include, and what they do not.
-std::string sentence_on_trainings(unsigned seeds) {
-  if (seeds == 1) return "One training each: intervals are over runs and objects, and do not include the effect of another seed.";
+std::string sentence_on_trainings(std::size_t trainings) {
+  if (trainings == 1) return "One training of each setting: intervals are over runs and objects, not over trainings.";
   return fmt::format(
-      "{} trainings each: their verdicts are counted together, delays are those of the first. Intervals are over runs and "
-      "objects, and do not include the effect of other seeds. The table of models has the accuracy of each training.",
-      seeds);
+      "{} trainings of each setting, each on another run and with another seed. Each is judged on runs that it neither learned "
+      "from "
+      "nor was chosen on. Intervals are over trainings, objects and runs.",
+      trainings);
+}
+
+/// Where the variance of the reported accuracy comes from; null where it cannot be divided.
+json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
+  std::vector<results::RunConfusion> reported;
+  for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
+    const auto of_training = confusions_of(plan, trained.reported(training), plan.trainings[training].reported.names);
+    reported.insert(reported.end(), of_training.begin(), of_training.end());
+  }
+  const auto shares = evaluation::variance_of_accuracy(reported);
+  if (!shares || plan.trainings.size() < 2) return {};
+  return *shares;
 }
 
 /// All but objects held out and claims.
@@ -155,7 +180,7 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
                  {{"draws", bootstrap.draws},
                   {"confidence", bootstrap.confidence},
                   {"seed", bootstrap.seed},
-                  {"trainings", sentence_on_trainings(plan.options.seeds)}}},
+                  {"trainings", sentence_on_trainings(plan.trainings.size())}}},
                 {"steps", experiments::steps_json(steps)},
                 {"dataset",
                  {{"file", path_in(plan, prepared.dataset)},
@@ -163,86 +188,83 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
                   {"samples", dataset.samples().size()},
                   {"tick_ms", in_ms(dataset.sampling().tick)},
                   {"guard_ms", in_ms(dataset.sampling().guard)}}},
-                {"runs", {{"train", names_of(dataset, plan.train)}}},
+                {"trainings", trainings_json(plan, trained)},
                 {"histories", histories_json(plan, trained)},
                 {"choice", choice_json(plan, trained)},
                 {"paper_way", paper_way_json(trained)},
+                {"variance", variance_json(plan, trained)},
                 {"evaluations", json::array()},
                 {"full_runs", json::array({json{{"run", judged.full_run},
-                                                {"model", trained.chosen().name()},
-                                                {"th_ms", in_ms(trained.history)},
+                                                {"model", trained.reported(0).name()},
+                                                {"th_ms", in_ms(trained.chosen.front())},
                                                 {"csv", path_in(plan, judged.full_run_file)}}})},
                 {"unseen", nullptr},
                 {"splits", json::array()},
                 {"splits_mean", nullptr},
                 {"remarks", plan.remarks}};
-  for (const EvaluatedModel& evaluated : judged.evaluations) study["evaluations"].push_back(evaluation_json(plan, evaluated));
-  for (const RunSet* set : plan.run_sets()) study["runs"][set->name] = set->names;
+  for (const EvaluatedModels& evaluated : judged.evaluations) study["evaluations"].push_back(evaluation_json(plan, evaluated));
   study["left_out"] = left_out_of(dataset, is_there(plan.options.data) ? find_runs(plan.options.data) : std::vector<RunFolder>{});
   return study;
 }
 
-/// Accuracy on held-out objects: of models trained without them, and of as many models of the same seeds trained with them.
-/// @param held_out  models trained without the same objects, one at least
-/// @return  without runs, if the set has none of these objects
-results::UnseenComparison compared_on(const StudyPlan& plan, const TrainedModels& trained,
-                                      const std::vector<StudyModel>& held_out, const RunSet& set) {
-  std::vector<std::string> runs;
-  const std::vector<std::uint32_t>& judged_on = held_out.front().runs;
-  for (std::size_t i = 0; i < set.runs.size(); ++i) {
-    if (std::find(judged_on.begin(), judged_on.end(), set.runs[i]) != judged_on.end()) runs.push_back(set.names[i]);
+/// Verdicts on the same runs of held-out objects: of models trained without them, and of the same trainings with them.
+struct SeenAndUnseen {
+  std::vector<results::RunConfusion> seen, held_out;
+  std::vector<std::string> runs;  ///< each once, by name
+
+  bool empty() const { return runs.empty(); }
+};
+
+SeenAndUnseen judged_on(const StudyPlan& plan, const TrainedModels& trained, const std::vector<StudyModel>& held_out,
+                        const NamedRunSet& set) {
+  SeenAndUnseen judged;
+  const auto add = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
+  for (const StudyModel& model : held_out) {
+    const RunSet& of_training = plan.trainings[model.training].*set.runs;
+    std::vector<std::string> runs;
+    for (std::size_t i = 0; i < of_training.runs.size(); ++i) {
+      if (std::find(model.runs.begin(), model.runs.end(), of_training.runs[i]) != model.runs.end())
+        runs.push_back(of_training.names[i]);
+    }
+    add(judged.seen, confusions_of(plan, trained.by_history.at(model.settings.rendering.history)[model.training], runs));
+    add(judged.held_out, confusions_of(plan, model, runs));
+    add(judged.runs, runs);
   }
-  if (runs.empty()) return {};
-  std::vector<StudyModel> seen = trained.by_history.at(trained.history);
-  seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(std::min(seen.size(), held_out.size())), seen.end());
-  results::UnseenComparison comparison =
-      evaluation::unseen_comparison(confusions_of(plan, seen, runs), confusions_of(plan, held_out, runs));
-  comparison.runs = std::move(runs);
-  return comparison;
+  std::sort(judged.runs.begin(), judged.runs.end());
+  judged.runs.erase(std::unique(judged.runs.begin(), judged.runs.end()), judged.runs.end());
+  return judged;
 }
 
-/// The loss of accuracy over all drawn splits: an object's runs count once for each split that holds it out.
-/// @return  nothing if the set has no run of a held-out object
-std::optional<results::Figure> mean_difference_of_splits(const StudyPlan& plan, const TrainedModels& trained, const RunSet& set) {
-  std::map<std::string, results::RunConfusion> seen_in, held_out_in;  // by run
-  for (const StudyModel& model : trained.splits) {
-    const results::UnseenComparison comparison = compared_on(plan, trained, {model}, set);
-    if (comparison.runs.empty()) continue;
-    const auto seen = confusions_of(plan, {trained.chosen()}, comparison.runs);
-    const auto held_out = confusions_of(plan, {model}, comparison.runs);
-    for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
-      const std::string& run = comparison.runs[i];
-      seen_in[run].object = held_out_in[run].object = seen[i].object;
-      seen_in[run].confusion += seen[i].confusion;
-      held_out_in[run].confusion += held_out[i].confusion;
-    }
-  }
-  if (seen_in.empty()) return std::nullopt;
-  std::vector<results::RunConfusion> seen, held_out;
-  for (const auto& [run, confusion] : seen_in) {
-    seen.push_back(confusion);
-    held_out.push_back(held_out_in.at(run));
-  }
-  return evaluation::accuracy_difference(seen, held_out).mean;
+/// Of all sets of objects that the plan holds out.
+std::vector<StudyModel> all_held_out(const TrainedModels& trained) {
+  std::vector<StudyModel> all;
+  for (const auto& models : trained.held_out) all.insert(all.end(), models.begin(), models.end());
+  return all;
+}
+
+/// @return  null if the set has no run of a held-out object
+json comparison_json(const std::string& split, const SeenAndUnseen& judged, const NamedRunSet& set,
+                     std::vector<UnseenRow>& rows) {
+  if (judged.empty()) return {};
+  results::UnseenComparison comparison = evaluation::unseen_comparison(judged.seen, judged.held_out);
+  comparison.runs = judged.runs;
+  rows.push_back({split, set.name, comparison});
+  return comparison;
 }
 
 /// Adds "unseen", "splits" and "splits_mean" to study.json, and the rows of unseen.csv.
 void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, StudyResults& results) {
   json& study = results.study;
-  const auto add_comparison = [&](json& entry, const std::string& split, const std::vector<StudyModel>& held_out) {
-    for (const RunSet* set : {&plan.reported, &plan.all_test}) {
-      const results::UnseenComparison comparison = compared_on(plan, trained, held_out, *set);
-      entry[set->name] = comparison.runs.empty() ? json() : json(comparison);
-      if (!comparison.runs.empty()) results.unseen.push_back({split, set->name, comparison});
-    }
-  };
-  if (!trained.held_out.empty()) {
-    json& unseen =
-        study["unseen"] = {{"th_ms", in_ms(trained.history)},
-                           {"held_out", plan.held_out},
-                           {"models", {{"seen", trained.chosen().name()}, {"held_out", trained.held_out.front().name()}}}};
-    for (const StudyModel& model : trained.held_out) unseen["trainings"].push_back(training_json(plan, model));
-    add_comparison(unseen, "paper", trained.held_out);
+  const std::span<const NamedRunSet> judged_sets = std::span(run_sets).subspan(1);
+  if (const std::vector<StudyModel> models = all_held_out(trained); !models.empty()) {
+    const StudyModel& first = models.front();
+    json& unseen = study["unseen"] = {
+        {"held_out", plan.held_out},
+        {"models",
+         {{"seen", trained.by_history.at(first.settings.rendering.history)[first.training].name()}, {"held_out", first.name()}}}};
+    for (const StudyModel& model : models) unseen["trainings"].push_back(training_json(plan, model));
+    for (const NamedRunSet& set : judged_sets)
+      unseen[set.name] = comparison_json("paper", judged_on(plan, trained, models, set), set, results.unseen);
   }
   for (std::size_t i = 0; i < plan.splits.size(); ++i) {
     const StudyModel& model = trained.splits[i];
@@ -250,19 +272,19 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
                   {"held_out", plan.splits[i].held_out},
                   {"model", model.name()},
                   {"training", training_json(plan, model)}};
-    add_comparison(split, plan.splits[i].name, {model});
+    for (const NamedRunSet& set : judged_sets)
+      split[set.name] = comparison_json(plan.splits[i].name, judged_on(plan, trained, {model}, set), set, results.unseen);
     study["splits"].push_back(split);
   }
-  for (const RunSet* set : {&plan.reported, &plan.all_test}) {
-    if (plan.splits.empty()) break;
-    const std::optional<results::Figure> mean = mean_difference_of_splits(plan, trained, *set);
-    study["splits_mean"][set->name] = mean ? json(*mean) : json();
+  for (const NamedRunSet& set : judged_sets) {
+    const SeenAndUnseen all = judged_on(plan, trained, trained.splits, set);
+    if (!all.empty()) study["splits_mean"][set.name] = evaluation::accuracy_difference(all.seen, all.held_out).mean;
   }
 }
 
 std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                                      const RunSet& set) {
-  const EvaluatedModel& evaluated = judged.evaluation(set.name);
+                                      const NamedRunSet& set) {
+  const EvaluatedModels& evaluated = judged.evaluation(set.name);
   const std::string where = evaluated.json_file.string();
   const json evaluation = read_json(evaluated.json_file);
   const results::JsonView over_time = results::JsonView(evaluation, where, results::MissingMember::is_error)["over_time"];
@@ -273,14 +295,12 @@ std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels
   }
   inputs.detections = detections_in(evaluation, where);
   inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
-  inputs.history_ms = in_ms(evaluated.model.settings.rendering.history);
+  inputs.history_ms = in_ms(trained.history);
   inputs.over_time = over_time["both"].get<results::ShareOverTime>();
   inputs.after_ms = over_time["after_ms"].number();
-  if (!trained.held_out.empty()) {
-    const std::vector<std::string> runs = compared_on(plan, trained, trained.held_out, set).runs;
-    inputs.seen = confusions_of(plan, trained.by_history.at(trained.history), runs);
-    inputs.held_out = confusions_of(plan, trained.held_out, runs);
-  }
+  SeenAndUnseen objects = judged_on(plan, trained, all_held_out(trained), set);
+  inputs.seen = std::move(objects.seen);
+  inputs.held_out = std::move(objects.held_out);
   return claims_of(inputs);
 }
 
@@ -291,16 +311,17 @@ StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, con
   StudyResults results;
   results.study = study_json(plan, trained, judged, prepared, steps);
   add_unseen_objects(plan, trained, results);
-  results.claims = claims_on(plan, trained, judged, plan.reported);
-  const std::vector<results::Claim> on_all_test_runs = claims_on(plan, trained, judged, plan.all_test);
+  results.claims = claims_on(plan, trained, judged, run_sets[1]);
+  const std::vector<results::Claim> on_all_test_runs = claims_on(plan, trained, judged, run_sets[2]);
   for (std::size_t i = 0; i < results.claims.size(); ++i)
     results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
-  for (const RunSet* set : plan.run_sets()) {
-    if (set->runs.empty()) continue;
-    for (const auto& [history, accuracy] : trained.comparisons.at(set->name).accuracies)
-      results.accuracy.push_back({in_ms(history), set->name, &accuracy});
+  for (const NamedRunSet& set : run_sets) {
+    const auto found = trained.comparisons.find(set.name);
+    if (found == trained.comparisons.end()) continue;
+    for (const auto& [history, accuracy] : found->second.accuracies)
+      results.accuracy.push_back({in_ms(history), set.name, &accuracy});
   }
   return results;
 }

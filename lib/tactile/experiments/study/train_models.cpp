@@ -1,6 +1,7 @@
 #include "tactile/experiments/study/train_models.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/experiments/experiment_json.hpp"
@@ -52,28 +53,61 @@ microseconds nearest_to_default(const std::vector<microseconds>& histories) {
   });
 }
 
-/// Adds the models without held-out objects, of the history chosen, to `trained`.
-/// @return  those to train, each once: a drawn split may hold out the same objects as the plan
-std::vector<StudyModel> add_models_without_objects(const StudyPlan& plan, TrainedModels& trained) {
-  for (unsigned training = 0; training < plan.options.seeds && !plan.held_out.empty(); ++training)
-    trained.held_out.push_back(model_of(plan, trained.history, plan.seed_of(training), plan.held_out));
-  std::vector<StudyModel> due = trained.held_out;
-  for (const HeldOutSplit& split : plan.splits) {
-    trained.splits.push_back(model_of(plan, trained.history, plan.seed_of(0), split.held_out));
-    const auto has_its_name = [&](const StudyModel& model) { return model.name() == trained.splits.back().name(); };
-    if (std::none_of(due.begin(), due.end(), has_its_name)) due.push_back(trained.splits.back());
-  }
-  return due;
-}
-
-HistoryComparison compare_histories(const StudyPlan& plan, const RunSet& set, const TrainedModels& trained) {
+HistoryComparison compare_histories(const StudyPlan& plan, const NamedRunSet& set, const TrainedModels& trained) {
   HistoryComparison comparison;
   for (const auto& [history, models] : trained.by_history) {
-    comparison.confusions[history] = confusions_of(plan, models, set.names);
-    comparison.accuracies[history] = evaluation::accuracy_of(comparison.confusions[history]);
+    std::vector<results::RunConfusion>& all = comparison.confusions[history];
+    for (const StudyModel& model : models) {
+      const auto of_model = confusions_of(plan, model, (plan.trainings[model.training].*set.runs).names);
+      all.insert(all.end(), of_model.begin(), of_model.end());
+    }
+    comparison.accuracies[history] = evaluation::accuracy_of(all);
   }
   comparison.choice = choose_history(comparison.accuracies);
   return comparison;
+}
+
+/// The history that one training chooses on its own runs, without those of some objects; nothing without runs of others.
+std::optional<microseconds> chosen_by(std::size_t training, const HistoryComparison& on_choice,
+                                      const std::vector<std::string>& held_out = {}) {
+  AccuracyByHistory accuracies;
+  for (const auto& [history, confusions] : on_choice.confusions) {
+    std::vector<results::RunConfusion> own;
+    std::copy_if(confusions.begin(), confusions.end(), std::back_inserter(own), [&](const results::RunConfusion& run) {
+      return run.training == training && std::find(held_out.begin(), held_out.end(), run.object) == held_out.end();
+    });
+    if (own.empty()) return std::nullopt;
+    accuracies[history] = evaluation::accuracy_of(own, {.draws = 1});
+  }
+  return choose_history(accuracies).history;
+}
+
+/// Adds the models without held-out objects to `trained`.
+/// @param on_choice  null if no history is chosen
+/// @return  those to train, each once: a drawn split may hold out the same objects as the plan
+std::vector<StudyModel> add_models_without_objects(const StudyPlan& plan, const HistoryComparison* on_choice,
+                                                   TrainedModels& trained) {
+  const auto model_without = [&](std::size_t training, const std::vector<std::string>& held_out) {
+    const auto chosen = on_choice != nullptr ? chosen_by(training, *on_choice, held_out) : std::nullopt;
+    return model_of(plan, chosen.value_or(trained.history), training, held_out);
+  };
+  std::vector<StudyModel> due;
+  const auto add = [&](const StudyModel& model) {
+    const auto has_its_name = [&](const StudyModel& other) { return other.name() == model.name(); };
+    if (std::none_of(due.begin(), due.end(), has_its_name)) due.push_back(model);
+  };
+  for (const std::vector<std::string>& held_out : plan.held_out) {
+    auto& models = trained.held_out.emplace_back();
+    for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
+      models.push_back(model_without(training, held_out));
+      add(models.back());
+    }
+  }
+  for (std::size_t i = 0; i < plan.splits.size(); ++i) {
+    trained.splits.push_back(model_without(i % plan.trainings.size(), plan.splits[i].held_out));
+    add(trained.splits.back());
+  }
+  return due;
 }
 
 }  // namespace
@@ -82,37 +116,38 @@ std::filesystem::path samples_file(const StudyPlan& plan, const StudyModel& mode
   return plan.options.out / "samples" / (model.name() + ".json");
 }
 
-std::vector<results::RunConfusion> confusions_of(const StudyPlan& plan, const std::vector<StudyModel>& models,
+std::vector<results::RunConfusion> confusions_of(const StudyPlan& plan, const StudyModel& model,
                                                  const std::vector<std::string>& runs) {
-  std::vector<std::vector<results::RunConfusion>> each;
-  for (const StudyModel& model : models) each.push_back(confusions_of_runs(read_confusions(samples_file(plan, model)), runs));
-  return sum_over_models(each);
+  return confusions_of_runs(read_confusions(samples_file(plan, model)), runs, model.training);
 }
 
 TrainedModels train_models(const StudyPlan& plan, experiments::StepRunner& runner) {
   TrainedModels trained;
   std::vector<StudyModel> due;
   for (const microseconds history : plan.options.histories) {
-    for (unsigned training = 0; training < plan.options.seeds; ++training) {
-      due.push_back(model_of(plan, history, plan.seed_of(training)));
+    for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
+      due.push_back(model_of(plan, history, training));
       trained.by_history[history].push_back(due.back());
     }
   }
-  const bool chosen_on_runs = !plan.choice.runs.empty();
-  if (!chosen_on_runs) {
+  if (!plan.has_choice()) {
     // The history is known already: all trainings run side by side.
     trained.history = nearest_to_default(plan.options.histories);
-    const std::vector<StudyModel> without_objects = add_models_without_objects(plan, trained);
+    trained.chosen.assign(plan.trainings.size(), trained.history);
+    const std::vector<StudyModel> without_objects = add_models_without_objects(plan, nullptr, trained);
     due.insert(due.end(), without_objects.begin(), without_objects.end());
   }
   train_and_judge(plan, due, runner);
-  for (const RunSet* set : plan.run_sets()) {
-    if (!set->runs.empty()) trained.comparisons[set->name] = compare_histories(plan, *set, trained);
+  for (const NamedRunSet& set : run_sets) {
+    if (!(plan.trainings.front().*set.runs).runs.empty()) trained.comparisons[set.name] = compare_histories(plan, set, trained);
   }
   trained.paper_history = trained.comparisons.at("all_test").choice.history;
-  if (chosen_on_runs) {
-    trained.history = trained.comparisons.at("choice").choice.history;
-    train_and_judge(plan, add_models_without_objects(plan, trained), runner);
+  if (plan.has_choice()) {
+    const HistoryComparison& on_choice = trained.comparisons.at("choice");
+    trained.history = on_choice.choice.history;
+    for (std::size_t training = 0; training < plan.trainings.size(); ++training)
+      trained.chosen.push_back(chosen_by(training, on_choice).value_or(trained.history));
+    train_and_judge(plan, add_models_without_objects(plan, &on_choice, trained), runner);
   }
   return trained;
 }

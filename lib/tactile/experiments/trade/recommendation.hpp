@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 
 namespace tactile::trade {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/run_truth.hpp"

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/results/figure.hpp"
+#include "tactile/results/variance_shares.hpp"
+
+namespace tactile::evaluation {
+
+/// A result of one training on one run of an object.
+struct CrossedCell {
+  std::size_t training = 0;  ///< shared by all objects
+  std::size_t run = 0;       ///< within its object
+  std::size_t index = 0;     ///< its place in the caller's list of results
+};
+using CrossedObject = std::vector<CrossedCell>;  ///< cells may be missing: a training is not judged on the runs it learned from
+using CrossedResults = std::vector<CrossedObject>;
+
+/// The results of each object that has some, by name; those for which `taken` is false are left out. Without the id of a run,
+/// each result is of a run of its own.
+template <class Result, class Taken>
+std::map<std::string, CrossedObject> results_by_object(std::span<const Result> results, Taken taken) {
+  std::map<std::string, CrossedObject> objects;
+  std::map<std::string, std::map<std::string, std::size_t>> runs;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!taken(results[i])) continue;
+    auto& numbers = runs[results[i].object];
+    const std::string name = results[i].run.empty() ? "#" + std::to_string(i) : results[i].run;
+    const std::size_t run = numbers.emplace(name, numbers.size()).first->second;
+    objects[results[i].object].push_back({results[i].training, run, i});
+  }
+  return objects;
+}
+
+/// The same without the names.
+CrossedResults without_names(const std::map<std::string, CrossedObject>& objects);
+
+/// The places of the results, each once.
+std::vector<std::size_t> indexes_of(const CrossedObject& cells);
+RunsByObject all_of(const CrossedResults& objects);
+
+/// The values that a figure may have. The interval is made on a scale without limits, and so stays within them: the logarithm of
+/// (x - lowest) / (highest - x) with two limits, of the distance to the limit with one, x itself with none.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  /// The least amount by which the figure of one run differs from that of another, such as a tick or one of its samples; 0: not
+  /// known. It is needed only where all runs give the same.
+  double step = 0;
+};
+
+/// The figure of one object over trainings, runs, and what they have in common:
+///
+///   s(low), s(high) = s(value) -+ sqrt(t(n - 1)^2 V_runs + t(K - 1)^2 max(0, V_trainings - V_both)),   s: the scale of `range`
+///
+/// t(d) is the quantile of Student's distribution with d degrees of freedom. V are variances on the scale s, by the jackknife:
+/// from leaving out each run, each training, and each pair of them. V_both, the noise of single results, is in both others. Where
+/// drawing with replacement spreads the figure over 10 % wider than the jackknife says, as it may for a median, the draws count,
+/// and nothing is subtracted. With one training, V_trainings is 0, and the interval holds for this training only.
+///
+/// The interval contains the value. It has no bounds where fewer than three runs have results, and where more than half of the
+/// draws give nothing. Where all runs and trainings give the same, n equal runs limit the number of others that may be expected
+/// to c = poisson_upper_bound(0, confidence): the bounds are value -+ c range.step / n, within the range. There are none without
+/// a step. Figures with the same cells are made from the same draws; a difference is a `statistic` that subtracts.
+///
+/// @param statistic  of the cells' indexes, in one list per object, repeated as often as drawn; of no list that is empty
+/// Source: B. Efron and C. Stein, The jackknife estimate of variance, Annals of Statistics 9 (1981); A. B. Owen, The pigeonhole
+/// bootstrap, Annals of Applied Statistics 1 (2007), for V of crossed trainings and runs; S. Banerjee, Approximate confidence
+/// interval for linear functions of means of k populations when the population variances are not equal, Sankhya 22 (1960), for
+/// the sum of t^2 V. How often such an interval contains the true value is in docs/numerics.md.
+results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
+                                 const results::BootstrapOptions& options = {}, const Range& range = {});
+
+/// The same over objects: they take the place of the runs above. An object is left out or drawn with all of its runs, so the
+/// effect of its runs is in that of the objects. Objects without cells are passed over.
+results::Figure figure_over_objects(const CrossedResults& objects, const Statistic& statistic,
+                                    const results::BootstrapOptions& options = {}, const Range& range = {});
+
+/// Where the figure's variance comes from. Nothing where fewer than three objects have cells, and where all of them give the
+/// same.
+std::optional<results::VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
+                                                       const results::BootstrapOptions& options = {});
+
+/// The value that Student's t exceeds in absolute value with the probability 1 - confidence.
+/// @param freedom  its degrees of freedom, >= 1
+/// @param confidence  in (0, 1)
+/// Source: M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions (1964), 26.7.3 and 26.7.4.
+double student_quantile(std::size_t freedom, double confidence);
+
+}  // namespace tactile::evaluation

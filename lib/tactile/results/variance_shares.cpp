@@ -1,0 +1,20 @@
+#include "tactile/results/variance_shares.hpp"
+
+#include <fmt/core.h>
+
+namespace tactile::results {
+
+std::string words_of(const VarianceShares& shares) {
+  return fmt::format("{:.0f} % comes from trainings, {:.0f} % from objects and {:.0f} % from runs of an object",
+                     100 * shares.training, 100 * shares.object, 100 * shares.run);
+}
+
+void to_json(nlohmann::json& json, const VarianceShares& shares) {
+  json = {{"training", shares.training}, {"object", shares.object}, {"run", shares.run}};
+}
+
+void from_json(const JsonView& json, VarianceShares& shares) {
+  shares = {json["training"].number(), json["object"].number(), json["run"].number()};
+}
+
+}  // namespace tactile::results

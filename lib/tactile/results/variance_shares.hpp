@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tactile/results/json_view.hpp"
+
+namespace tactile::results {
+
+/// Where the variance of a figure comes from; the sum is 1.
+struct VarianceShares {
+  double training = 0;  ///< what another training changes for all objects and runs alike; 0 with one training
+  double object = 0;    ///< what other objects change beyond their runs
+  double run = 0;       ///< other runs of the same objects, and the noise of single results; 0 where objects have one run each
+};
+
+/// "30 % comes from trainings, 50 % from objects and 20 % from runs of an object"
+std::string words_of(const VarianceShares& shares);
+
+/// {"training", "object", "run"}
+void to_json(nlohmann::json& json, const VarianceShares& shares);
+void from_json(const JsonView& json, VarianceShares& shares);
+
+}  // namespace tactile::results

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Prints the figures that crossed_figure_test.cpp expects, computed in another way: by NumPy, SciPy and statsmodels.
+
+    crossed_figure_reference.py        needs numpy, scipy and statsmodels; statsmodels only for the mixed model
+
+The variances of a complete design come from the mean squares of its analysis of variance, not from leaving anything out. Those of the
+design with missing cells come from a jackknife that builds each smaller table by hand.
+"""
+
+import numpy as np
+from scipy import stats
+
+CONFIDENCE = 1 - 0.7 * 0.05  # of Student's t in an interval of 95 %
+
+COMPLETE = np.array([  # [object][training][run]
+    [[0.91, 0.94], [0.93, 0.97], [0.90, 0.92]],
+    [[0.82, 0.85], [0.88, 0.86], [0.79, 0.80]],
+    [[0.97, 0.99], [0.98, 0.96], [0.95, 0.99]],
+    [[0.73, 0.78], [0.80, 0.84], [0.70, 0.75]],
+])
+
+
+def bounds(value, half, logit):
+    if not logit:
+        return value - half, value + half
+    centre = np.log(value / (1 - value))
+    return tuple(1 / (1 + np.exp(-(centre + sign * half))) for sign in (-1, 1))
+
+
+def mean_squares(table):
+    """Of a table [unit][training]: the variances of its mean by unit, by training and by both."""
+    units, trainings = table.shape
+    of_unit, of_training, mean = table.mean(1), table.mean(0), table.mean()
+    rest = table - of_unit[:, None] - of_training[None, :] + mean
+    both = (rest**2).sum() / ((units - 1) * (trainings - 1))
+    return of_unit.var(ddof=1) / units, of_training.var(ddof=1) / trainings, both / (units * trainings)
+
+
+def half_width(by_unit, by_training, both, units, trainings):
+    t = lambda freedom: stats.t.ppf((1 + CONFIDENCE) / 2, freedom)
+    return np.sqrt(t(units - 1) ** 2 * by_unit + t(trainings - 1) ** 2 * max(0, by_training - both))
+
+
+def by_jackknife(table, scale):
+    """The same variances from a table with gaps (NaN), on a scale."""
+    value = lambda rows, columns: scale(np.nanmean(table[np.ix_(rows, columns)]))
+    rows, columns = range(table.shape[0]), range(table.shape[1])
+    but = lambda all_of, one: [i for i in all_of if i != one]
+    by_row = np.array([value(but(rows, i), columns) for i in rows])
+    by_column = np.array([value(rows, but(columns, j)) for j in columns])
+    pairs = np.array([[value(but(rows, i), but(columns, j)) for j in columns] for i in rows])
+    rest = pairs - pairs.mean(1)[:, None] - pairs.mean(0)[None, :] + pairs.mean()
+    variance = lambda x: (len(x) - 1) * x.var()
+    n, k = table.shape
+    return variance(by_row), variance(by_column), (rest**2).sum() * (n - 1) * (k - 1) / (n * k)
+
+
+def main():
+    print("quantiles of t:", [round(stats.t.ppf((1 + c) / 2, d), 10) for d, c in ((1, 0.95), (2, 0.95), (3, 0.99), (9, 0.95), (30, 0.995), (2, CONFIDENCE))])
+
+    table = COMPLETE.mean(2)
+    by_object, by_training, both = mean_squares(table)
+    print("complete, no limits:", bounds(table.mean(), half_width(by_object, by_training, both, 4, 3), False))
+
+    one = COMPLETE[0].T  # [run][training] has two runs only; with those of the next object it has four
+    one = np.vstack([one, COMPLETE[1].T])
+    print("one object of four runs:", bounds(one.mean(), half_width(*mean_squares(one), 4, 3), False))
+
+    logit = lambda x: np.log(x / (1 - x))
+    gaps = one.copy()
+    for training in range(3):
+        gaps[training, training] = np.nan  # training k learned from run k
+    print("with gaps, logit:", bounds(np.nanmean(gaps), half_width(*by_jackknife(gaps, logit), 4, 3), True))
+
+    # Shares of the variance: runs are nested in objects.
+    runs = COMPLETE.mean(1)
+    of_runs = sum(x.var(ddof=1) / len(x) for x in runs) / len(runs) ** 2
+    training, objects = max(0, by_training - both), max(0, by_object - of_runs)
+    print("shares:", np.array([training, objects, of_runs]) / (training + objects + of_runs))
+
+    try:
+        import pandas
+        import statsmodels.formula.api as formula
+    except ImportError:
+        return
+    frame = pandas.DataFrame(
+        [(o, k, COMPLETE[o, k].mean()) for o in range(4) for k in range(3)], columns=["object", "training", "y"])
+    frame["all"] = 1
+    fit = formula.mixedlm("y ~ 1", frame, groups="all", vc_formula={"object": "0 + C(object)", "training": "0 + C(training)"}).fit()
+    print("standard error of a mixed model (REML):", fit.bse["Intercept"], "and of the mean squares:", np.sqrt(by_object + by_training - both))
+
+
+main()
