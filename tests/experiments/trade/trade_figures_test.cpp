@@ -121,8 +121,8 @@ TEST(ResultOf, DrawsTrainings) {
   EXPECT_DOUBLE_EQ(accuracy.value, 0.8);
   EXPECT_EQ(accuracy.trainings, 2U);
   ASSERT_TRUE(accuracy.has_interval());
-  EXPECT_LE(*accuracy.low, 0.7 + 1e-9);
-  EXPECT_GE(*accuracy.high, 0.9 - 1e-9);
+  EXPECT_LE(*accuracy.low, 0.7);
+  EXPECT_GE(*accuracy.high, 0.9);
 }
 
 TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
@@ -172,7 +172,7 @@ TEST(DifferenceOf, IsPairedOverRuns) {
   const TradeDifference difference = difference_of({a, times_of_a}, {b, times_of_b});
   EXPECT_NEAR(difference.accuracy.value, 0.02, 1e-12);
   ASSERT_TRUE(difference.accuracy.low);
-  EXPECT_NEAR(*difference.accuracy.low, 0.02, 1e-12);
+  EXPECT_GT(*difference.accuracy.low, 0) << "the objects differ by ten times as much";
   EXPECT_DOUBLE_EQ(difference.delay_us.value, 2005);
   EXPECT_DOUBLE_EQ(difference.us_p99.value, 5);
   b.pop_back();

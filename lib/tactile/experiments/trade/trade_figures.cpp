@@ -1,6 +1,7 @@
 #include "tactile/experiments/trade/trade_figures.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -108,6 +109,31 @@ void widen_by_few_alarms_in(Runs runs, CountsOf counts_of, results::Figure& per_
   evaluation::widen_by_few_alarms(per_min, sum, confidence, most);
 }
 
+/// The values that figures of these runs may have, in steps of one sample, one interval, one alarm, and the shortest delay.
+struct Ranges {
+  evaluation::Range accuracy{.lowest = 0, .highest = 1}, missed = accuracy, delay{.lowest = 0}, per_min = delay;
+};
+
+Ranges ranges_of(Runs runs) {
+  Ranges ranges;
+  double samples = 0, intervals = 0, minutes = 0, shortest = std::numeric_limits<double>::infinity();
+  for (const TradedRun& run : runs) {
+    samples += static_cast<double>(run.confusion.samples());
+    intervals += static_cast<double>(run.delays.size());
+    minutes += results::in_minutes(outside_labels(run.alarms).none_time);
+    for (const TradedDelay& delay : run.delays) shortest = delay.us > 0 ? std::min(shortest, delay.us) : shortest;
+  }
+  const auto per_run = [&](double units) { return units > 0 ? static_cast<double>(runs.size()) / units : 0; };
+  ranges.accuracy.step = per_run(samples);
+  ranges.missed.step = per_run(intervals);
+  ranges.per_min.step = per_run(minutes);
+  if (std::isfinite(shortest)) ranges.delay.step = shortest;
+  return ranges;
+}
+
+/// The same of differences.
+evaluation::Range both_ways(const evaluation::Range& range) { return {-range.highest, range.highest, range.step}; }
+
 evaluation::CrossedResults all_by_object(Runs runs) {
   return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
 }
@@ -211,25 +237,30 @@ void add_counts(Runs runs, TradeResult& result) {
 TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results::BootstrapOptions& options) {
   const evaluation::CrossedResults all = all_by_object(runs);
   const Times times(timed);
-  const auto figure = [&](const OfRuns& statistic) { return evaluation::figure_over_objects(all, statistic, options); };
-  const auto of_times = [&](double q) { return evaluation::figure_over_objects(times.runs, times.us(q), options); };
+  const Ranges ranges = ranges_of(runs);
+  const auto figure = [&](const OfRuns& statistic, const evaluation::Range& range) {
+    return evaluation::figure_over_objects(all, statistic, options, range);
+  };
+  const auto of_times = [&](double q) {
+    return evaluation::figure_over_objects(times.runs, times.us(q), options, {.lowest = 0});
+  };
   TradeResult result;
   TradeFigures& figures = result.figures;
-  figures.accuracy = figure(accuracy_in(runs));
+  figures.accuracy = figure(accuracy_in(runs), ranges.accuracy);
   figures.us_p50 = of_times(0.5);
   figures.us_p99 = of_times(0.99);
   figures.us_p999 = of_times(0.999);
-  figures.delay_median_us = figure(delay_in(runs, 0.5));
-  figures.delay_p90_us = figure(delay_in(runs, 0.9));
+  figures.delay_median_us = figure(delay_in(runs, 0.5), ranges.delay);
+  figures.delay_p90_us = figure(delay_in(runs, 0.9), ranges.delay);
   figures.median_is_bound = is_bound(runs, figures.delay_median_us);
   figures.p90_is_bound = is_bound(runs, figures.delay_p90_us);
-  result.delay_mean_us = figure(mean_delay_in(runs));
+  result.delay_mean_us = figure(mean_delay_in(runs), ranges.delay);
   for (results::Figure* delay : {&figures.delay_median_us, &figures.delay_p90_us, &result.delay_mean_us})
     add_to(*delay, times.computing_us());
-  figures.missed = figure(missed_in(runs));
-  figures.episodes_per_min = figure(per_min_in(runs, outside_labels));
+  figures.missed = figure(missed_in(runs), ranges.missed);
+  figures.episodes_per_min = figure(per_min_in(runs, outside_labels), ranges.per_min);
   widen_by_few_alarms_in(runs, outside_labels, figures.episodes_per_min, options.confidence);
-  result.false_alarms_per_min = figure(per_min_in(runs, none_time_only));
+  result.false_alarms_per_min = figure(per_min_in(runs, none_time_only), ranges.per_min);
   widen_by_few_alarms_in(runs, none_time_only, result.false_alarms_per_min, options.confidence);
   add_counts(runs, result);
   for (const TimedRun& run : timed) result.ticks += run.tick_us.size();
@@ -251,7 +282,8 @@ TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, co
   if (!std::equal(a.runs.begin(), a.runs.end(), b.runs.begin(), b.runs.end(), is_same) ||
       !std::equal(a.timed.begin(), a.timed.end(), b.timed.begin(), b.timed.end(), is_same))
     throw Error("difference of settings: the two are not of the same runs; expected the same runs in the same order");
-  const auto over = [&](const evaluation::CrossedResults& all, const OfRuns& of_a, const OfRuns& of_b) {
+  const auto over = [&](const evaluation::CrossedResults& all, const OfRuns& of_a, const OfRuns& of_b,
+                        const evaluation::Range& range) {
     return evaluation::figure_over_objects(
         all,
         [&](const evaluation::RunsByObject& chosen) -> std::optional<double> {
@@ -259,17 +291,18 @@ TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, co
           if (!first || !second) return std::nullopt;
           return *second - *first;
         },
-        options);
+        options, range);
   };
   const evaluation::CrossedResults all = all_by_object(a.runs);
+  const Ranges ranges = ranges_of(a.runs);
   const Times of_a(a.timed), of_b(b.timed);
-  TradeDifference difference{
-      .accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs)),
-      .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5)),
-      .missed = over(all, missed_in(a.runs), missed_in(b.runs)),
-      .episodes_per_min = over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels)),
-      .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5)),
-      .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99))};
+  TradeDifference difference{.accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
+                             .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5), both_ways(ranges.delay)),
+                             .missed = over(all, missed_in(a.runs), missed_in(b.runs), both_ways(ranges.missed)),
+                             .episodes_per_min = over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels),
+                                                      both_ways(ranges.per_min)),
+                             .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5), {}),
+                             .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99), {})};
   add_to(difference.delay_us, of_b.computing_us() - of_a.computing_us());
   return difference;
 }
