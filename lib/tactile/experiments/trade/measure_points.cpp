@@ -197,7 +197,12 @@ void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t
 }
 
 void measure_all_trainings(const Stage& stage, MeasuredPoints& measured) {
-  const unsigned all = stage.plan.options.trainings;
+  const TradeOptions& options = stage.plan.options;
+  const unsigned all = options.trainings;
+  // For the recommendation: two settings are timed, and one runs in `detect`, which takes some seconds to start.
+  const double reserve_s = options.constraints.any() ? 2 * timing_s(stage, options.timing.ticks, measured.times) +
+                                                           1.5 * std::chrono::duration<double>(options.trial).count()
+                                                     : 0;
   for (unsigned trainings = std::min(2U, all); trainings > 1;) {
     std::vector<TradeNetwork> networks;
     for (const TradePoint& point : measured.points) {
@@ -205,11 +210,11 @@ void measure_all_trainings(const Stage& stage, MeasuredPoints& measured) {
         networks.push_back(network_of(stage.plan, point.setting, training));
     }
     const std::size_t before = stage.trainer.trained();
-    stage.trainer.train(networks, longest_s(stage.runner, "said-"));
+    stage.trainer.train(networks, longest_s(stage.runner, "said-") + reserve_s);
     for (TradePoint& point : measured.points) {
       if (may_be_on_a_front(point)) point.networks = stage.trainer.trained_for(point.setting);
     }
-    predict(stage, measured, 0);
+    predict(stage, measured, reserve_s);
     // Other settings that share these predictions need no more time.
     for (TradePoint& point : measured.points) point.networks = stage.trainer.trained_for(point.setting);
     keep_predicted(stage, measured);
