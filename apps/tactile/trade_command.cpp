@@ -38,7 +38,8 @@ struct TradeArguments {
   std::string data = "data", models = "models", out = "trade";
   std::string train_run = "01";
   std::vector<std::string> choice_runs{"02"};
-  unsigned epochs = 10, seeds = 3;
+  unsigned epochs = 10;
+  std::optional<unsigned> trainings;
   std::uint64_t seed = 1;
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
@@ -46,9 +47,11 @@ struct TradeArguments {
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, gates{"off", "on"};
-  bool full = false, no_growth = false, no_figures = false, strict = false;
+  std::uint64_t timed_ticks = 20'000;
+  bool full = false, no_growth = false, no_figures = false, no_trial = false, strict = false;
   unsigned corners = 6;
-  std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms;
+  std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms, at_most_missed;
+  std::string at_most_delay;
   std::string apply;
 };
 
@@ -103,6 +106,26 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   return usual;
 }
 
+constexpr std::string_view p90 = "p90:";
+
+/// "30" or "p90:30"; nothing of an empty text.
+std::optional<trade::DelayLimit> delay_limit_in(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const bool of_90 = text.starts_with(p90);
+  const std::optional<double> ms = number_in(std::string_view(text).substr(of_90 ? p90.size() : 0));
+  if (!ms || !(*ms > 0 && *ms <= 1e6)) return std::nullopt;
+  return trade::DelayLimit{*ms, of_90};
+}
+
+Check is_delay_limit() {
+  return Check{[](std::string& text) {
+                 return delay_limit_in(text)
+                            ? std::string()
+                            : "'" + text + "' is no delay; expected milliseconds above 0 such as 30, or p90:30";
+               },
+               ""};
+}
+
 trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments& common) {
   trade::TradeOptions options;
   options.data = args.data;
@@ -111,7 +134,7 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   options.train_run = args.train_run;
   options.choice_runs = args.choice_runs;
   options.epochs = args.epochs;
-  options.seeds = args.seeds;
+  options.trainings = args.trainings.value_or(0);
   options.seed = args.seed;
   options.levels = levels_of(args);
   options.usual = usual_of(options.levels);
@@ -119,7 +142,10 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   options.corners = args.corners;
   options.budget_minutes = args.budget_minutes;
   options.growth = !args.no_growth;
-  options.constraints = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms};
+  options.timing.ticks = args.timed_ticks;
+  if (args.no_trial) options.trial = std::chrono::milliseconds{0};
+  options.constraints = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms, delay_limit_in(args.at_most_delay),
+                         args.at_most_missed};
   options.program = fs::read_symlink("/proc/self/exe");
   options.threads = common.threads;
   return options;
@@ -129,29 +155,39 @@ double number_or_nan(const nlohmann::json& json) { return json.is_null() ? NAN :
 
 std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
 
+/// "87", with a star on the front itself; "-" if it is unknown.
+std::string probability_text(const nlohmann::json& front, const char* which) {
+  return text_of(100 * number_or_nan(front.at("probability").at(which)), 0) + (front.at(which).get<bool>() ? "*" : " ");
+}
+
 std::string settings_text(const nlohmann::json& trade) {
-  constexpr std::size_t most_rows = 60, width_of_setting = 16;
+  constexpr std::size_t most_rows = 60, width_of_setting = 12;
   std::vector<std::vector<std::string>> rows;
   std::size_t more = 0;
   for (const auto& point : trade.at("points")) {
-    const bool accuracy_front = point.at("front").at("accuracy"), delay_front = point.at("front").at("delay");
+    const auto& front = point.at("front");
+    const bool accuracy_front = front.at("accuracy"), delay_front = front.at("delay");
     if (rows.size() >= most_rows && !accuracy_front && !delay_front) {
       ++more;
       continue;
     }
-    const auto &reported = point.at("reported"), &delay = reported.at("delay_us");
-    const std::string front = std::string(accuracy_front ? "A" : "") + (delay_front ? "D" : "");
+    const auto &reported = point.at("reported"), &delay = reported.at("delay_us"), &us = reported.at("us");
+    const auto value = [](const nlohmann::json& figure, double factor, int decimals) {
+      return text_of(factor * number_or_nan(figure.at("value")), decimals);
+    };
     const std::vector<std::string> words = lines_of(wrapped(point.at("text"), 0, width_of_setting));
-    rows.push_back({words.front(), front, figure_text(reported.at("accuracy"), 100, 1),
-                    text_of(1e-3 * number_or_nan(delay.at("mean").at("value")), 1),
-                    text_of(1e-3 * number_or_nan(delay.at("p95").at("value")), 1),
-                    text_of(100 * number_or_nan(delay.at("missed").at("value")), 0),
-                    text_of(number_or_nan(reported.at("false_alarms_per_min").at("value")), 1),
-                    text_of(number_or_nan(reported.at("us").at("p50").at("value")), 0),
-                    text_of(number_or_nan(reported.at("us").at("p99").at("value")), 0)});
-    for (std::size_t i = 1; i < words.size(); ++i) rows.push_back({words[i], "", "", "", "", "", "", "", ""});
+    rows.push_back({words.front(), probability_text(front, "accuracy"), probability_text(front, "delay"),
+                    figure_text(reported.at("accuracy"), 100, 1), value(delay.at("median"), 1e-3, 1),
+                    value(delay.at("p90"), 1e-3, 0), value(delay.at("missed"), 100, 0),
+                    value(reported.at("episodes_per_min"), 1, 1), value(us.at("p50"), 1, 0), value(us.at("p99"), 1, 0),
+                    value(us.at("p999"), 1, 0)});
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      rows.emplace_back(rows.back().size());
+      rows.back().front() = words[i];
+    }
   }
-  std::string text = text_table({"setting", "", "accuracy [%]", "delay", "p95", "missed", "alarms", "p50", "p99"}, rows);
+  std::string text =
+      text_table({"setting", "A [%]", "D [%]", "accuracy [%]", "delay", "p90", "missed", "alarms", "p50", "p99", "p99.9"}, rows);
   if (more > 0) text += fmt::format("and {} more settings, on no front\n", more);
   return text + "\n";
 }
@@ -180,11 +216,13 @@ std::string text_of(const trade::TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
   std::string text =
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
-      wrapped(fmt::format(
-          "On the {} reported runs: accuracy with its 95 % interval, mean and 95 % quantile of the delay [ms], share missed [%], "
-          "false alarms per minute, time per tick [us]. A: on the front of accuracy and time, D: on the front of delay, misses "
-          "and false alarms, both on the {} runs to choose on.",
-          trade.at("runs").at("reported").size(), trade.at("runs").at("choice").size())) +
+      wrapped(trade.at("judged_by").get<std::string>()) + "\n\n" +
+      wrapped(
+          "Of each setting: accuracy with its 95 % interval, the delay that half and 90 % of the presses and slips do not exceed "
+          "(missed ones count with the time in which they could be detected) [ms], share missed or early [%], false alarms per "
+          "minute outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
+          "objects and runs drawn again, and a star if it is; D: the same of delay, misses and false alarms. Fronts are those of "
+          "the runs to choose on, all else is of the runs to report on.") +
       "\n\n" + settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
     std::string list;
@@ -199,6 +237,7 @@ std::string text_of(const trade::TradeSummary& summary) {
         "\n";
   if (const auto& unfinished = trade.at("unfinished"); !unfinished.is_null())
     text += "\n" + wrapped(unfinished.get<std::string>()) + "\n";
+  text += "\n" + wrapped(trade.at("usual_is").get<std::string>()) + "\n";
   text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
   text += fmt::format("{} steps done, {} kept. Written to {}\n", summary.done, summary.kept, summary.file.string());
   return text;
@@ -258,7 +297,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   const trade::TradeOptions options = options_of(args, common);
   if (!args.apply.empty() && !options.constraints.any()) {
     throw Error(
-        "--apply: no constraint given; expected also --at-most-us, --at-least-accuracy or --at-most-false-alarms-per-min");
+        "--apply: no constraint given; expected also --at-most-us, --at-least-accuracy, --at-most-false-alarms-per-min, "
+        "--at-most-delay-ms or --at-most-missed");
   }
   const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   if (!made) warn_of_another_dataset(args);
@@ -314,16 +354,26 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--at-least-accuracy", args->at_least_accuracy, "Constraint: lowest accuracy")
       .check(in_range(0.0, 1.0))
       .type_name("SHARE");
-  command.add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms, "Constraint: most false alarms per minute")
+  command
+      .add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms,
+                  "Constraint: most false alarms per minute outside labels")
       .check(in_range(0.0, 1e9))
       .type_name("N");
+  command
+      .add_option("--at-most-delay-ms", args->at_most_delay,
+                  "Constraint: longest median delay of presses and slips, missed ones included; p90:MS: of 90 % of them [ms]")
+      .check(is_delay_limit())
+      .type_name("[p90:]MS");
+  command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
+      .check(in_range(0.0, 1.0))
+      .type_name("SHARE");
   command.add_option("--apply", args->apply, "Write the recommended setting as a config file for 'detect'")
       .type_name("FILE.json");
   command.add_flag("--full", args->full,
                    "Try every combination, not only single changes and promising combinations; takes many hours");
   command
       .add_option("--budget-minutes", args->budget_minutes,
-                  "Time limit; no training starts that would end later. The next call resumes")
+                  "Time limit of everything; what would take longer is left out. The next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
@@ -346,11 +396,18 @@ void add_trade_command(CLI::App& app) {
   add_strict_option(command, args->strict);
   add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; results are reported on all others");
   command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
-  command.add_option("--seeds", args->seeds, "Trainings of each network on the Pareto front, each with another seed")
+  command
+      .add_option("--trainings,--seeds", args->trainings,
+                  "Trainings of each setting that may be on a front, each on another run and with another seed; default: 2 for "
+                  "runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
+      .type_name("N");
+  command.add_option("--timed-ticks", args->timed_ticks, "Ticks of each setting that are timed at least")
+      .check(in_range(std::uint64_t{1}, std::uint64_t{1'000'000'000}))
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();
   command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
+  command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--out", args->out, "Output folder").show_default();

@@ -125,7 +125,7 @@ ReportedSetting setting(const std::string& text, double us, double accuracy, dou
   made.design = text == "as usual" ? "usual" : "one";
   made.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
   made.us_p99.value = us;
-  made.false_alarms_per_min.value = alarms;
+  made.episodes_per_min.value = alarms;
   made.delay_us = {.value = delay_us, .low = delay_us - 1000, .high = delay_us + 2000, .n = 9};
   made.on_accuracy_front = made.on_delay_front = true;
   return made;

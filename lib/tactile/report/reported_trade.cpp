@@ -12,22 +12,26 @@ namespace tactile::report {
 namespace {
 
 ReportedSetting setting_in(const results::JsonView& json) {
-  const results::JsonView reported = json["reported"], difference = json["difference"];
+  const results::JsonView reported = json["reported"], difference = json["difference"], delay = reported["delay_us"],
+                          probability = json["front"]["probability"];
   return {.text = json["text"].text(),
           .design = json["design"].text(),
-          .seeds = json["seeds"].count(),
+          .trainings = json["trainings"].count(),
           .accuracy = reported["accuracy"].get<results::Figure>(),
           .us_p50 = reported["us"]["p50"].get<results::Figure>(),
           .us_p99 = reported["us"]["p99"].get<results::Figure>(),
-          .delay_us = reported["delay_us"]["mean"].get<results::Figure>(),
-          .delay_p95_us = reported["delay_us"]["p95"].get<results::Figure>(),
-          .missed = reported["delay_us"]["missed"].get<results::Figure>(),
-          .false_alarms_per_min = reported["false_alarms_per_min"].get<results::Figure>(),
+          .us_p999 = reported["us"]["p999"].get<results::Figure>(),
+          .delay_us = delay["median"].get<results::Figure>(),
+          .delay_p90_us = delay["p90"].get<results::Figure>(),
+          .missed = delay["missed"].get<results::Figure>(),
+          .episodes_per_min = reported["episodes_per_min"].get<results::Figure>(),
           .accuracy_difference = difference ? difference["accuracy"].get<results::Figure>() : results::Figure{},
           .delay_difference_us = difference ? difference["delay_us"].get<results::Figure>() : results::Figure{},
-          .false_alarms_difference = difference ? difference["false_alarms_per_min"].get<results::Figure>() : results::Figure{},
+          .episodes_difference = difference ? difference["episodes_per_min"].get<results::Figure>() : results::Figure{},
           .on_accuracy_front = json["front"]["accuracy"].truth(),
-          .on_delay_front = json["front"]["delay"].truth()};
+          .on_delay_front = json["front"]["delay"].truth(),
+          .accuracy_front_probability = probability["accuracy"].number(),
+          .delay_front_probability = probability["delay"].number()};
 }
 
 }  // namespace
@@ -41,10 +45,10 @@ ReportedTrade read_trade(const std::filesystem::path& folder) {
     throw Error(file.string() + ": another format; expected tactile-trade-1, as 'tactile trade' writes it");
   ReportedTrade trade{.title = json["title"].text(),
                       .times_are = json["times_are"].text(),
+                      .judged_by = json["judged_by"].text(),
+                      .usual_is = json["usual_is"].text(),
                       .machine = json["machine"]["cpu"].text(),
                       .simulated = json["simulated"].truth(),
-                      .choice_runs = json["runs"]["choice"].texts(),
-                      .reported_runs = json["runs"]["reported"].texts(),
                       .settings = {},
                       .left_out = {},
                       .growth = json["growth"].get<results::CostGrowth>(),

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,20 +15,21 @@ namespace tactile::report {
 struct ReportedSetting {
   std::string text;    ///< in what it differs from the usual one
   std::string design;  ///< "usual", "one", "corner", "all"
-  std::uint64_t seeds = 0;
+  std::uint64_t trainings = 0;
   results::Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
-  results::Figure us_p50, us_p99;                  ///< time per tick
-  results::Figure delay_us, delay_p95_us, missed;  ///< of detections; share of presses and slips missed or early
-  results::Figure false_alarms_per_min;
-  results::Figure accuracy_difference, delay_difference_us, false_alarms_difference;  ///< to the usual setting, paired over runs
-  bool on_accuracy_front = false, on_delay_front = false;                             ///< on the runs to choose on
+  results::Figure us_p50, us_p99, us_p999;         ///< time per tick
+  results::Figure delay_us, delay_p90_us, missed;  ///< median and 90 % quantile, misses at their limit; share missed or early
+  results::Figure episodes_per_min;                ///< false alarms: episodes that begin outside labels
+  results::Figure accuracy_difference, delay_difference_us, episodes_difference;  ///< to the usual setting, paired over runs
+  bool on_accuracy_front = false, on_delay_front = false;                         ///< on the runs to choose on
+  double accuracy_front_probability = std::numeric_limits<double>::quiet_NaN();   ///< in [0, 1]; NaN if it is unknown
+  double delay_front_probability = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What a folder of `tactile trade` holds.
 struct ReportedTrade {
-  std::string title, times_are, machine;
+  std::string title, times_are, judged_by, usual_is, machine;
   bool simulated = false;
-  std::vector<std::string> choice_runs, reported_runs;
   std::vector<ReportedSetting> settings;  ///< the usual one first
   std::vector<std::string> left_out;      ///< in sentences: pairs that do not divide, and what was not measured
   results::CostGrowth growth;

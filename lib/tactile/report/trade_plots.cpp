@@ -52,7 +52,7 @@ pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
   std::vector<Dot> dots;
   for (const ReportedSetting& setting : trade.settings) {
     Dot dot = dot_of(setting);
-    dot.x = setting.false_alarms_per_min.value;
+    dot.x = setting.episodes_per_min.value;
     dot.y = results::scaled(setting.delay_us, 1e-3);
     dot.on_front = setting.on_delay_front;
     if (std::isfinite(setting.missed.value)) dot.text += fmt::format(" ({:.1f} % missed)", 100 * setting.missed.value);
@@ -61,8 +61,8 @@ pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
   return dots_plot(titled(trade, "Detection delay against false alarms"),
                    {.front = "not beaten in false alarms, delay and misses together by any other setting",
                     .bars = "the delay",
-                    .x_label = "false alarms per minute",
-                    .y_label = "mean delay [ms]",
+                    .x_label = "false alarms per minute, outside labels",
+                    .y_label = "median delay, misses included [ms]",
                     .x_from_zero = true,
                     .least_y_span = 2},
                    dots);

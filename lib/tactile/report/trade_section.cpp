@@ -11,12 +11,15 @@ namespace {
 constexpr std::size_t most_settings = 80;  // in the table, besides those on a front
 
 void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
-  HtmlTable table{.caption =
-                      "Each setting by its difference from the usual one; below each figure its 95 % interval. Differences "
-                      "are to the usual setting, paired over runs",
-                  .head = {"setting", "seeds", "accuracy [%]", "difference [points]", "delay [ms]", "difference [ms]", "p95 [ms]",
-                           "missed [%]", "false alarms/min", "difference", "p50 [us]", "p99 [us]", "front"},
-                  .rows = {}};
+  HtmlTable table{
+      .caption =
+          "Each setting by its difference from the usual one; below each figure its 95 % interval. Differences "
+          "are to the usual setting, paired over trainings and runs. Probability: of being on the front, with trainings, "
+          "objects and runs drawn again",
+      .head = {"setting", "trainings", "accuracy [%]", "difference [points]", "median delay [ms]", "difference [ms]", "p90 [ms]",
+               "missed [%]", "false alarms/min", "difference", "p50 [us]", "p99 [us]", "p99.9 [us]", "front",
+               "probability [%]: accuracy", "delay"},
+      .rows = {}};
   std::size_t left_out = 0;
   for (const ReportedSetting& setting : settings) {
     const bool on_both = setting.on_accuracy_front && setting.on_delay_front;
@@ -25,21 +28,24 @@ void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
       continue;
     }
     table.rows.push_back({{.text = setting.text},
-                          number_cell(static_cast<double>(setting.seeds), 0),
+                          number_cell(static_cast<double>(setting.trainings), 0),
                           percent_cell(setting.accuracy),
                           percent_cell(setting.accuracy_difference),
                           figure_cell(setting.delay_us, 1e-3),
                           figure_cell(setting.delay_difference_us, 1e-3),
-                          figure_cell(setting.delay_p95_us, 1e-3),
+                          figure_cell(setting.delay_p90_us, 1e-3),
                           percent_cell(setting.missed),
-                          figure_cell(setting.false_alarms_per_min),
-                          figure_cell(setting.false_alarms_difference),
+                          figure_cell(setting.episodes_per_min),
+                          figure_cell(setting.episodes_difference),
                           figure_cell(setting.us_p50),
                           figure_cell(setting.us_p99),
+                          figure_cell(setting.us_p999),
                           {.text = on_both                     ? "accuracy, delay"
                                    : setting.on_accuracy_front ? "accuracy"
                                    : setting.on_delay_front    ? "delay"
-                                                               : ""}});
+                                                               : ""},
+                          number_cell(100 * setting.accuracy_front_probability, 0),
+                          number_cell(100 * setting.delay_front_probability, 0)});
   }
   page.html.table(table);
   if (left_out > 0) page.html.paragraph(fmt::format("{} more settings, on no front, are in trade.csv.", left_out));
@@ -54,8 +60,8 @@ void add_trade(ReportPage& page, const ReportInput& input) {
   if (trade.simulated && !input.simulated)
     page.html.warning("This part was measured on simulated runs. It says nothing about a real sensor.");
   if (!trade.sentence.empty()) page.html.paragraph(trade.sentence);
-  page.html.paragraph(fmt::format("{} Measured on {}. Settings were chosen on {} runs and are reported on {} others.",
-                                  trade.times_are, trade.machine, trade.choice_runs.size(), trade.reported_runs.size()));
+  if (!trade.usual_is.empty()) page.html.paragraph(trade.usual_is);
+  page.html.paragraph(fmt::format("{} Measured on {}. {}", trade.times_are, trade.machine, trade.judged_by));
   const auto on = [&](bool ReportedSetting::*front) {
     return std::count_if(trade.settings.begin(), trade.settings.end(),
                          [front](const ReportedSetting& setting) { return setting.*front; });
@@ -66,12 +72,12 @@ void add_trade(ReportPage& page, const ReportInput& input) {
                   on(&ReportedSetting::on_accuracy_front)),
       "Accuracy against the 99th percentile of the time per tick. The front was found on the choice runs; on the reported "
       "runs it can differ by chance.");
-  page.figure(
-      "trade-delay", trade_delay_plot(trade),
-      fmt::format("Mean detection delay against false alarms of {} settings, {} of them on the front.", trade.settings.size(),
-                  on(&ReportedSetting::on_delay_front)),
-      "Mean delay of presses and slips, with the time of computing, against false alarms per minute; the list has the share "
-      "of missed intervals.");
+  page.figure("trade-delay", trade_delay_plot(trade),
+              fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.",
+                          trade.settings.size(), on(&ReportedSetting::on_delay_front)),
+              "Median delay of presses and slips, with the time of computing, against false alarms per minute outside labels. "
+              "Missed ones "
+              "count with the time in which they could be detected; the list has their share.");
   add_table(page, trade.settings);
   for (const std::string& sentence : trade.left_out) page.missing.push_back("Speed against accuracy: " + sentence);
   if (trade.growth.by_rate.empty()) return;

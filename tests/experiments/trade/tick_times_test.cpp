@@ -2,9 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <thread>
+
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/experiments/trade/tick_quantiles.hpp"
+#include "windows/made_runs.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -19,8 +26,8 @@ TEST(TickTime, IsTheCountingAloneWhereTheGateCloses) {
 TEST(WriteTimes, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
   const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 7}, {4, 5, 6, 0}}, {}}, {{}, {{0.125F, 0, 1, 12}}}};
-  write_times(folder / "times.json", ways);
-  const auto read = read_times(folder / "times.json");
+  write_times(folder / "times.ticks", ways);
+  const auto read = read_times(folder / "times.ticks");
   ASSERT_EQ(read.size(), 2U);
   ASSERT_EQ(read[0].size(), 2U);
   ASSERT_EQ(read[0][0].size(), 2U);
@@ -28,10 +35,83 @@ TEST(WriteTimes, ReadsBackTheSame) {
   EXPECT_EQ(read[0][0][1].events, 0U);
   EXPECT_TRUE(read[0][1].empty());
   EXPECT_EQ(read[1][1][0].counting, 0.125F);
-  for (const char* bad : {"", "{}", R"({"ways": [[[[1, 2, 3]]]]})", R"({"ways": [[[["a", 2, 3, 4]]]]})"}) {
-    write_whole(folder / "bad.json", bad);
-    EXPECT_THROW(read_times(folder / "bad.json"), Error) << bad;
+  EXPECT_EQ(read[1][1][0].events, 12U);
+  const std::string whole = read_text(folder / "times.ticks");
+  for (const std::string& bad :
+       {std::string(), std::string("{}"), std::string("{\"ticks\": [[-1]]}\n"),
+        std::string("{\"ticks\": [[18446744073709551615]]}\n"), whole.substr(0, whole.size() - 1), whole + "x"}) {
+    write_whole(folder / "bad.ticks", bad);
+    EXPECT_THROW(read_times(folder / "bad.ticks"), Error) << bad;
   }
+}
+
+TEST(TimeTicks, KeepsEveryStallOfEveryTurn) {
+  const test::TemporaryFolder folder;
+  test::make_run(folder.path(), {.length_us = 600'000});
+  std::uint64_t calls = 0, stalls = 0;
+  const auto open = [&](const TimedSetting&) -> TimedNetwork {
+    return [&](std::span<const std::uint8_t>) {
+      if (++calls % 20 == 0) {
+        ++stalls;
+        std::this_thread::sleep_for(5ms);
+      }
+      return model::Logits{};
+    };
+  };
+  const std::vector<TimedSetting> settings(1);
+  const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
+  const auto times = time_ticks(settings, recordings, {.ticks = 600, .pieces = 4, .turns = 3}, {}, open);
+  TimedRun run;
+  for (const TickTime& tick : times.at(0).at(0)) run.tick_us.push_back(static_cast<float>(tick.total({})));
+  // 12 turns of 50 ticks, each after one that warms up; of the 30 stalls, the 23rd (call 460) is in a tick that warms up.
+  EXPECT_EQ(run.tick_us.size(), 600U);
+  EXPECT_EQ(calls, 612U);
+  EXPECT_EQ(stalls, 30U);
+  EXPECT_GE(std::count_if(run.tick_us.begin(), run.tick_us.end(), [](float us) { return us >= 5000; }), 29);
+  const TickQuantiles quantiles({&run, 1}, &TimedRun::tick_us);
+  const std::vector<std::uint32_t> once{1};
+  EXPECT_LT(quantiles.of(once, 0.5).value_or(0), 5000);
+  EXPECT_GE(quantiles.of(once, 0.99).value_or(0), 5000) << "4.8 % of the ticks";
+}
+
+TEST(TimeTicks, TakesMoreTurnsWhereARecordingHasFewTicks) {
+  const test::TemporaryFolder folder;
+  test::make_run(folder.path(), {.length_us = 450'000, .mean_gap_us = 1000});
+  TimedSetting setting;
+  setting.rendering.history = setting.rendering.tick = 100ms;
+  const auto open = [](const TimedSetting&) -> TimedNetwork {
+    return [](std::span<const std::uint8_t>) { return model::Logits{}; };
+  };
+  const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
+  const auto times = time_ticks({&setting, 1}, recordings, {.ticks = 60, .pieces = 2, .turns = 3}, {}, open);
+  EXPECT_GE(times.at(0).at(0).size(), 60U) << "three or four ticks, again and again";
+  // No history fits: no tick.
+  setting.rendering.history = setting.rendering.tick = 1000ms;
+  EXPECT_TRUE(time_ticks({&setting, 1}, recordings, {.ticks = 60, .pieces = 2}, {}, open).at(0).at(0).empty());
+}
+
+TEST(TickQuantiles, CountEachRunAsOftenAsItIsDrawn) {
+  std::vector<TimedRun> runs(2);
+  runs[0].tick_us = {3, 1, 2};
+  runs[1].tick_us = {10};
+  const TickQuantiles quantiles(runs, &TimedRun::tick_us);
+  using Weights = std::vector<std::uint32_t>;
+  EXPECT_EQ(quantiles.of(Weights{1, 1}, 0.5), 2);
+  EXPECT_EQ(quantiles.of(Weights{1, 1}, 0.99), 10);
+  EXPECT_EQ(quantiles.of(Weights{1, 0}, 0.99), 3);
+  EXPECT_EQ(quantiles.of(Weights{1, 4}, 0.5), 10);
+  EXPECT_EQ(quantiles.of(evaluation::RunsByObject{{0, 0}, {1}}, 0.5), 2);
+  EXPECT_EQ(quantiles.of(Weights{0, 0}, 0.5), std::nullopt);
+  // As sorting all of them gives it.
+  Random random(7);
+  std::vector<double> all;
+  for (int i = 0; i < 999; ++i) {
+    runs[i % 2].tick_us.push_back(static_cast<float>(random.below(500)));
+  }
+  for (const TimedRun& run : runs) all.insert(all.end(), run.tick_us.begin(), run.tick_us.end());
+  const TickQuantiles many(runs, &TimedRun::tick_us);
+  for (const double q : {0.0, 0.01, 0.3, 0.5, 0.51, 0.9, 0.99, 0.999, 1.0})
+    EXPECT_EQ(many.of(Weights{1, 1}, q), q == 0 ? *std::min_element(all.begin(), all.end()) : nearest_rank_quantile(all, q)) << q;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 /// Three objects of three simulated runs, an epoch, and few values of few settings.
 const std::string small =
     "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --engine fast --pass sparse "
-    "--confirm 1/1,2/3 --epochs 1 --seeds 2 --corners 2 --threads 2 ";
+    "--confirm 1/1,2/3 --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ";
 
 void simulate_runs(const fs::path& folder, const std::string& objects) {
   for (const std::string& command :
@@ -63,14 +63,23 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
 
   test::expect_inputs_of_first_version(folder / "trade", "trade");
 
-  // The usual setting has all seeds, and so has whatever shares its network.
-  EXPECT_EQ(trade.at("points")[0].at("seeds"), 2);
-  EXPECT_EQ(point_of(trade, "tick 4 ms")->at("seeds"), 2);
+  // The usual setting has all trainings, and so has whatever shares its predictions. The second training has other runs.
+  EXPECT_EQ(trade.at("points")[0].at("trainings"), 2);
+  EXPECT_EQ(point_of(trade, "tick 4 ms")->at("trainings"), 2);
+  EXPECT_TRUE(trade.at("points")[0].at("models")[1].get<std::string>().starts_with("th040-single-run-02-s2"))
+      << trade.at("points")[0].at("models");
+  const auto& second_runs = trade.at("runs").at("trainings")[1];
+  EXPECT_EQ(second_runs.at("train")[0], "plastic-container/02");
+  EXPECT_EQ(second_runs.at("choice")[0], "plastic-container/03");
+  EXPECT_EQ(second_runs.at("reported")[0], "plastic-container/01");
+  EXPECT_EQ(trade.at("points")[0].at("reported").at("accuracy").at("trainings"), 2);
   EXPECT_FALSE(point_of(trade, "tick 4 ms")->at("difference").is_null());
   const bool on_a_front = std::any_of(trade.at("points").begin(), trade.at("points").end(),
                                       [](const auto& point) { return point.at("front").at("accuracy").template get<bool>(); });
   EXPECT_TRUE(on_a_front);
   for (const auto& point : trade.at("points")) {
+    const double probability = point.at("front").at("probability").at("accuracy");
+    EXPECT_TRUE(probability >= 0 && probability <= 1) << probability;
     for (const char* runs : {"choice", "reported"}) {
       const auto& figures = point.at(runs);
       const double accuracy = figures.at("accuracy").at("value"), p50 = figures.at("us").at("p50").at("value");
@@ -78,6 +87,9 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
       EXPECT_LE(accuracy, 1) << point.at("id");
       EXPECT_GT(p50, 0) << point.at("id");
       EXPECT_GE(figures.at("us").at("p99").at("value").get<double>(), p50);
+      EXPECT_GE(figures.at("us").at("p999").at("value"), figures.at("us").at("p99").at("value"));
+      EXPECT_GE(figures.at("us").at("ticks"), 600);
+      EXPECT_GE(figures.at("delay_us").at("p90").at("value"), figures.at("delay_us").at("median").at("value"));
       EXPECT_EQ(figures.at("accuracy").at("n"), 3);
     }
   }
@@ -114,13 +126,19 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   ASSERT_EQ(windows.exit_code, 0) << windows.err;
   const std::string long_ticks =
       "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass "
-      "sparse --confirm 1/1 --gate off --epochs 1 --seeds 1 --threads 2 --at-most-us 1000000 --no-growth --no-figures ";
+      "sparse --confirm 1/1 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us 1000000 "
+      "--at-most-missed 1 --no-growth "
+      "--no-figures ";
   const nlohmann::json trade = traded(folder.path(), "--apply best.json", long_ticks);
   ASSERT_TRUE(trade.is_object());
   const nlohmann::json& recommendation = trade.at("recommendation");
   EXPECT_TRUE(recommendation.at("met"));
   EXPECT_EQ(recommendation.at("again").at("runs"), trade.at("runs").at("reported"));
   EXPECT_NE(recommendation.at("sentence").get<std::string>().find("Measured again"), std::string::npos);
+  const nlohmann::json& trial = recommendation.at("trial");
+  EXPECT_TRUE(trial.at("source").get<std::string>().starts_with("tcp://127.0.0.1:")) << trial;
+  EXPECT_GT(trial.at("ticks").at("told"), 10);
+  EXPECT_NE(recommendation.at("sentence").get<std::string>().find("In 'tactile detect' over loopback"), std::string::npos);
   EXPECT_EQ(read_json(folder / "best.json").at("tick-us"),
             static_cast<int>(1000 * recommendation.at("setting").at("tick_ms").get<double>()));
   EXPECT_EQ(traded(folder.path(), "", long_ticks).at("steps_done"), 0);
@@ -134,16 +152,16 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   simulate_runs(folder.path(), "plastic-container,water-bottle");
   const std::string few =
       "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --engine fast --precision fp32 --pass sparse --confirm 1/1 "
-      "--gate off --epochs 1 --seeds 1 --no-growth --no-figures --threads 2 ";
+      "--gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("a larger --budget-minutes"), std::string::npos) << none.err;
   EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
   const auto output = test::run_tactile(few + "--th 20,40", folder.path());
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  for (const char* words :
-       {"part 1 of 2: one change at a time, 2 settings", "training 1 of 2: the usual network", "training 2 of 2: t_h 20 ms",
-        "judging 1 of 2, at every tick of 4 runs: the usual network", "judging 2 of 2", "timing ticks of 2 settings"})
+  for (const char* words : {"part 1 of 2: one change at a time, 2 settings", "training 1 of 2: the usual network",
+                            "training 2 of 2: t_h 20 ms", "judging 1 of 2, at every tick of its runs: the usual network",
+                            "judging 2 of 2", "timing 600 ticks of each of 2 settings"})
     EXPECT_NE(output.err.find(words), std::string::npos) << words << '\n' << output.err;
   EXPECT_EQ(output.err.find("single-run"), std::string::npos) << "no names of files\n" << output.err;
   const nlohmann::json whole = traded(folder.path(), "--th 20,40", few);
@@ -177,6 +195,11 @@ TEST(TradeCommand, NeedsRunsToChooseOn) {
   const auto unconstrained = test::run_tactile("trade --apply best.json", folder.path());
   EXPECT_EQ(unconstrained.exit_code, 1);
   EXPECT_NE(unconstrained.err.find("--at-most-us"), std::string::npos) << unconstrained.err;
+  for (const char* delay : {"p99:30", "p90:", "0", "-3", "p90:x", "30 ms"}) {
+    const auto refused = test::run_tactile("trade --at-most-delay-ms '" + std::string(delay) + "'", folder.path());
+    EXPECT_NE(refused.exit_code, 0) << delay;
+    EXPECT_NE(refused.err.find("p90:30"), std::string::npos) << refused.err;
+  }
 }
 
 }  // namespace

@@ -37,39 +37,72 @@ TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   const results::FullRun predicted =
       predicted_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
   const TradedRun outcome = outcome_of(run, predicted, predicted.verdicts);
-  EXPECT_EQ(outcome.intervals, 1U);
-  EXPECT_EQ(outcome.delays_us, std::vector<double>{40'000 - 21'000});
+  EXPECT_EQ(outcome.delays, (std::vector<TradedDelay>{{40'000 - 21'000, true}}));
   EXPECT_EQ(outcome.misses + outcome.early, 0U);
   const results::FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
-  EXPECT_EQ(outcome_of(run, silent, silent.verdicts).misses, 1U);
+  const TradedRun missed = outcome_of(run, silent, silent.verdicts);
+  EXPECT_EQ(missed.misses, 1U);
+  EXPECT_EQ(missed.delays, (std::vector<TradedDelay>{{61'000 - 21'000, false}})) << "its limit is the end";
 }
 
-TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, std::vector<double> delays,
-                  std::vector<double> tick_us) {
+TEST(OutcomeOf, AMissCountsWithHalfASecondAtMost) {
+  JudgedRun run = run_with_a_press();
+  run.truth.labels.front().interval.end = camera_time(2'000'000);
+  const results::FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(60, Touch::none));
+  EXPECT_EQ(outcome_of(run, silent, silent.verdicts).delays, (std::vector<TradedDelay>{{500'000, false}}));
+}
+
+TEST(OutsideLabels, AreAllEpisodesAndAllTimeOutsideThem) {
+  results::FalseAlarms counts;
+  counts.alarms = 1, counts.after_intervals = 2, counts.releases = 3, counts.unlabelled = 4;
+  counts.none_time = 60s, counts.after_intervals_time = 10s, counts.releases_time = 20s, counts.unlabelled_time = 30s;
+  EXPECT_EQ(outside_labels(counts).alarms, 10U);
+  EXPECT_DOUBLE_EQ(outside_labels(counts).per_min().value_or(0), 5);
+}
+
+/// Each detected delay, and one miss at 9 ms.
+TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, const std::vector<double>& delays,
+                  std::size_t training = 0) {
   TradedRun made;
   made.object = object;
+  made.run = "03";
+  made.training = training;
   made.confusion.counts[1][1] = right;
   made.confusion.counts[1][0] = wrong;
-  made.intervals = delays.size() + 1;
+  for (const double us : delays) made.delays.push_back({us, true});
+  made.delays.push_back({9000, false});
   made.misses = 1;
-  made.delays_us = std::move(delays);
-  made.tick_us = made.open_tick_us = std::move(tick_us);
   made.alarms.alarms = 2;
   made.alarms.none_time = std::chrono::seconds(60);
   return made;
 }
 
+TimedRun timed(const std::string& object, std::vector<float> tick_us) {
+  TimedRun made;
+  made.object = object;
+  made.run = "03";
+  made.tick_us = made.open_tick_us = std::move(tick_us);
+  return made;
+}
+
 TEST(ResultOf, IsWhatOneWorksOutByHand) {
-  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000, 3000}, {10, 20, 30}), outcome("b", 4, 0, {5000}, {40, 50}),
-                                    outcome("c", 2, 2, {7000}, {60})};
-  const TradeResult result = result_of(runs);
+  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000, 3000}), outcome("b", 4, 0, {5000}), outcome("c", 2, 2, {7000})};
+  const std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40, 50}), timed("c", {60})};
+  const TradeResult result = result_of(runs, times);
   EXPECT_DOUBLE_EQ(result.figures.accuracy.value, (0.75 + 1 + 0.5) / 3);
-  EXPECT_DOUBLE_EQ(result.figures.us_p50.value, 35);
-  EXPECT_DOUBLE_EQ(result.figures.us_p99.value, 50 + 0.95 * 10);
-  EXPECT_DOUBLE_EQ(result.figures.delay_us.value, 4000 + 35) << "computing included";
-  EXPECT_DOUBLE_EQ(result.delay_p95_us.value, 5000 + 0.85 * 2000 + 35);
-  EXPECT_DOUBLE_EQ(result.missed.value, 3.0 / 7);
-  EXPECT_DOUBLE_EQ(result.figures.false_alarms_per_min.value, 2);
+  EXPECT_DOUBLE_EQ(result.figures.us_p50.value, 30);
+  EXPECT_DOUBLE_EQ(result.figures.us_p99.value, 60);
+  EXPECT_DOUBLE_EQ(result.figures.us_p999.value, 60);
+  EXPECT_EQ(result.ticks, 6U);
+  // 1, 3, 5, 7, 9, 9, 9 ms, the last three missed; computing included.
+  EXPECT_DOUBLE_EQ(result.figures.delay_median_us.value, 7000 + 30);
+  EXPECT_FALSE(result.figures.median_is_bound);
+  EXPECT_DOUBLE_EQ(result.figures.delay_p90_us.value, 9000 + 30);
+  EXPECT_TRUE(result.figures.p90_is_bound);
+  EXPECT_DOUBLE_EQ(result.delay_mean_us.value, 4000 + 30) << "of the detected ones";
+  EXPECT_DOUBLE_EQ(result.figures.missed.value, 3.0 / 7);
+  EXPECT_DOUBLE_EQ(result.figures.episodes_per_min.value, 2);
+  EXPECT_DOUBLE_EQ(result.false_alarms_per_min.value, 2);
   EXPECT_EQ(result.intervals, 7U);
   EXPECT_EQ(result.misses, 3U);
   ASSERT_TRUE(result.figures.accuracy.low && result.figures.accuracy.high);
@@ -77,61 +110,73 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
   EXPECT_GE(*result.figures.accuracy.high, result.figures.accuracy.value);
 }
 
+TEST(ResultOf, DrawsTrainings) {
+  // Objects are equal, trainings are not: only drawn trainings give an interval.
+  std::vector<TradedRun> runs;
+  for (const char* object : {"a", "b", "c"}) {
+    runs.push_back(outcome(object, 90, 10, {1000}, 0));
+    runs.push_back(outcome(object, 70, 30, {1000}, 1));
+  }
+  const results::Figure accuracy = result_of(runs, {}).figures.accuracy;
+  EXPECT_DOUBLE_EQ(accuracy.value, 0.8);
+  EXPECT_EQ(accuracy.trainings, 2U);
+  ASSERT_TRUE(accuracy.has_interval());
+  EXPECT_LE(*accuracy.low, 0.7);
+  EXPECT_GE(*accuracy.high, 0.9);
+}
+
 TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
-  std::vector<TradedRun> runs{outcome("a", 3, 1, {1000}, {1, 1, 1, 150})};
-  runs[0].open_tick_us = {150};
-  EXPECT_DOUBLE_EQ(result_of(runs).figures.us_p50.value, 1);
-  EXPECT_DOUBLE_EQ(result_of(runs).figures.delay_us.value, 1150);
-  runs[0].open_tick_us.clear();
-  EXPECT_DOUBLE_EQ(result_of(runs).figures.delay_us.value, 1001);
+  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000})};
+  std::vector<TimedRun> times{timed("a", {1, 1, 1, 150})};
+  times[0].open_tick_us = {150};
+  EXPECT_DOUBLE_EQ(result_of(runs, times).figures.us_p50.value, 1);
+  EXPECT_DOUBLE_EQ(result_of(runs, times).delay_mean_us.value, 1150);
+  times[0].open_tick_us.clear();
+  EXPECT_DOUBLE_EQ(result_of(runs, times).delay_mean_us.value, 1001);
 }
 
 TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
   std::vector<TradedRun> runs;
   for (const char* object : {"a", "b", "c"}) {
-    runs.push_back(outcome(object, 3, 1, {1000}, {10}));
+    runs.push_back(outcome(object, 3, 1, {1000}));
     runs.back().alarms.alarms = 0;
     runs.back().alarms.none_time = std::chrono::seconds(20);
   }
-  const results::Figure in_a_minute = result_of(runs).figures.false_alarms_per_min;
+  const results::Figure in_a_minute = result_of(runs, {}).figures.episodes_per_min;
   EXPECT_EQ(in_a_minute.value, 0);
   ASSERT_TRUE(in_a_minute.low && in_a_minute.high);
   EXPECT_EQ(*in_a_minute.low, 0);
   EXPECT_NEAR(*in_a_minute.high, 3.6889, 1e-4) << "none met in a minute";
-  // Another seed on the same runs is no other minute.
-  for (TradedRun& run : runs) run += TradedRun(run);
-  EXPECT_NEAR(*result_of(runs).figures.false_alarms_per_min.high, 3.6889, 1e-4);
+  // Another training on the same runs sees no other minute.
+  std::vector<TradedRun> twice = runs;
+  for (TradedRun run : runs) {
+    run.training = 1;
+    twice.push_back(run);
+  }
+  EXPECT_NEAR(*result_of(twice, {}).figures.episodes_per_min.high, 3.6889, 1e-4);
   // Many that differ between runs: the draws say more.
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms.alarms = 1000 * i;
-  EXPECT_GT(*result_of(runs).figures.false_alarms_per_min.high, 1900);
+  EXPECT_GT(*result_of(runs, {}).figures.episodes_per_min.high, 1900);
 }
 
 TEST(DifferenceOf, IsPairedOverRuns) {
   // Ten times as much between objects as between settings: only a paired interval tells them apart.
   std::vector<TradedRun> a, b;
+  std::vector<TimedRun> times_of_a, times_of_b;
   for (const auto& [object, right] : {std::pair("a", 50U), std::pair("b", 70U), std::pair("c", 90U), std::pair("d", 60U)}) {
-    a.push_back(outcome(object, right, 100 - right, {1000}, {10}));
-    b.push_back(outcome(object, right + 2, 98 - right, {3000}, {15}));
+    a.push_back(outcome(object, right, 100 - right, {1000, 1000}));
+    b.push_back(outcome(object, right + 2, 98 - right, {3000, 3000}));
+    times_of_a.push_back(timed(object, {10}));
+    times_of_b.push_back(timed(object, {15}));
   }
-  const TradeDifference difference = difference_of(a, b);
+  const TradeDifference difference = difference_of({a, times_of_a}, {b, times_of_b});
   EXPECT_NEAR(difference.accuracy.value, 0.02, 1e-12);
   ASSERT_TRUE(difference.accuracy.low);
-  EXPECT_NEAR(*difference.accuracy.low, 0.02, 1e-12);
+  EXPECT_GT(*difference.accuracy.low, 0) << "the objects differ by ten times as much";
   EXPECT_DOUBLE_EQ(difference.delay_us.value, 2005);
   EXPECT_DOUBLE_EQ(difference.us_p99.value, 5);
   b.pop_back();
-  EXPECT_ANY_THROW(difference_of(a, b));
-}
-
-TEST(TradedRun, SeedsAreCountedTogether) {
-  TradedRun sum = outcome("a", 3, 1, {1000}, {10});
-  sum += outcome("a", 1, 3, {2000, 4000}, {99});
-  EXPECT_EQ(sum.confusion.samples(), 8U);
-  EXPECT_EQ(sum.delays_us.size(), 3U);
-  EXPECT_EQ(sum.intervals, 5U);
-  EXPECT_EQ(sum.alarms.alarms, 4U);
-  EXPECT_EQ(sum.seeds, 2U);
-  EXPECT_EQ(sum.tick_us, std::vector<double>{10}) << "time is that of the first";
+  EXPECT_ANY_THROW(difference_of({a, times_of_a}, {b, times_of_b}));
 }
 
 }  // namespace

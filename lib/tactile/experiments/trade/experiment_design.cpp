@@ -127,7 +127,7 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
   for_all_combinations(factors, [&](const std::vector<std::size_t>& chosen) {
     TradeSetting setting = usual;
     TradeOutcome expected = base;
-    double alarms = base.false_alarms_per_min + some_alarms;
+    double alarms = base.episodes_per_min + some_alarms;
     std::size_t changed = 0;
     for (std::size_t i = 0; i < factors.size(); ++i) {
       if (chosen[i] == 0) continue;
@@ -137,7 +137,7 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
       expected.delay_us += other.delay_us - base.delay_us;
       expected.missed += other.missed - base.missed;
       expected.us *= other.us / base.us;
-      alarms *= (other.false_alarms_per_min + some_alarms) / (base.false_alarms_per_min + some_alarms);
+      alarms *= (other.episodes_per_min + some_alarms) / (base.episodes_per_min + some_alarms);
       ++changed;
     }
     if (why_impossible(setting)) return;

@@ -50,11 +50,11 @@ std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const Trad
 
 /// Figures of one setting on the runs to choose on; NaN if unknown.
 struct TradeOutcome {
-  double accuracy = 0;  ///< in [0, 1]
-  double us = 0;        ///< time per tick
-  double delay_us = 0;  ///< mean detection delay
-  double false_alarms_per_min = 0;
-  double missed = 0;  ///< share of presses and slips missed or early, in [0, 1]
+  double accuracy = 0;          ///< in [0, 1]
+  double us = 0;                ///< time per tick
+  double delay_us = 0;          ///< median detection delay, misses at their limit
+  double episodes_per_min = 0;  ///< false alarms: episodes that begin outside labels
+  double missed = 0;            ///< share of presses and slips missed or early, in [0, 1]
 };
 
 /// Combinations of two or more changes that look promising: those expected on the front of accuracy against time, or on the front

@@ -5,81 +5,91 @@
 
 #include "tactile/core/parallel.hpp"
 #include "tactile/experiments/trade/full_runs.hpp"
-#include "tactile/experiments/trade/pareto_front.hpp"
 
 namespace tactile::trade {
 namespace {
 
-/// Of every tested run, the first `seeds` networks together.
-std::vector<TradedRun> outcomes_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point,
-                                   std::size_t seeds) {
+/// The outcomes of a point's first trainings, apart on the runs to choose on and those to report on.
+struct PointOutcomes {
+  std::vector<TradedRun> choice, reported;
+};
+
+PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point, std::size_t trainings) {
   const TradeSetting& setting = point.setting;
-  std::vector<TradedRun> outcomes(plan.tested.indexes.size());
-  for (std::size_t seed = 0; seed < seeds; ++seed) {
-    const TradeNetwork& network = point.networks[seed];
+  PointOutcomes outcomes;
+  for (std::size_t training = 0; training < trainings; ++training) {
+    const TradeNetwork& network = point.networks[training];
     const auto gate = gate_of(setting, network);
     const std::vector<results::FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
-    for (std::size_t run = 0; run < outcomes.size(); ++run) {
-      const results::FullRun at_its_tick = at_tick(predicted[run], setting.rendering.tick);
-      const TradedRun outcome =
-          outcome_of(plan.tested.judged[run], at_its_tick, verdicts_of(at_its_tick, gate, setting.confirmation));
-      if (seed == 0) {
-        outcomes[run] = outcome;
-      } else {
-        outcomes[run] += outcome;
-      }
+    const TradeTraining& of_training = plan.trainings[training];
+    const std::vector<std::uint32_t> tested = of_training.tested();
+    for (std::size_t i = 0; i < tested.size(); ++i) {
+      const results::FullRun full = at_tick(predicted[i], setting.rendering.tick);
+      TradedRun outcome = outcome_of(plan.judged.at(tested[i]), full, verdicts_of(full, gate, setting.confirmation));
+      outcome.training = training;
+      (i < of_training.runs.choice.size() ? outcomes.choice : outcomes.reported).push_back(std::move(outcome));
     }
   }
-  const auto gate = gate_of(setting, point.networks.front());
-  for (std::size_t run = 0; run < outcomes.size(); ++run) add_times(outcomes[run], measured.times.of(point).at(run), gate);
   return outcomes;
 }
 
-void find_fronts(std::span<TradePoint> points) {
-  std::vector<TradePlace> by_accuracy, by_delay;
-  for (TradePoint& point : points) {
-    point.on_accuracy_front = point.on_delay_front = false;
-    const TradeFigures& figures = point.choice.figures;
-    by_accuracy.push_back({figures.us_p99.value, -figures.accuracy.value, 0});
-    by_delay.push_back({figures.false_alarms_per_min.value, figures.delay_us.value, point.choice.missed.value});
+/// The ticks of all tested runs, with the network of the first training.
+std::vector<TimedRun> timed_runs_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point) {
+  const auto gate = gate_of(point.setting, point.networks.front());
+  const TimesOfRuns& times = measured.times.of(point);
+  std::vector<TimedRun> timed;
+  for (const auto& [index, run] : plan.judged) timed.push_back(timed_run(run, times.at(timed.size()), gate));
+  return timed;
+}
+
+void find_fronts(std::span<TradePoint> points, std::span<const FrontCandidate> candidates, unsigned threads) {
+  std::vector<TradeFigures> figures;
+  for (const TradePoint& point : points) figures.push_back(point.choice.figures);
+  const OnFronts on = fronts_of(figures);
+  const std::vector<FrontProbability> probabilities = front_probabilities(candidates, threads);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].on_accuracy_front = on.accuracy[i];
+    points[i].on_delay_front = on.delay[i];
+    points[i].front_probability = probabilities[i];
   }
-  for (const std::size_t i : pareto_front(by_accuracy)) points[i].on_accuracy_front = true;
-  for (const std::size_t i : pareto_front(by_delay)) points[i].on_delay_front = true;
 }
 
 }  // namespace
 
 void judge(const TradePlan& plan, MeasuredPoints& measured) {
   const std::span<TradePoint> points(measured.points);
-  const auto outcomes = [&](const TradePoint& point, std::size_t seeds) { return outcomes_of(plan, measured, point, seeds); };
   const TradePoint& usual = points.front();
-  std::vector<std::vector<TradedRun>> usual_by_seeds{{}};
-  for (std::size_t seeds = 1; seeds <= usual.networks.size(); ++seeds) usual_by_seeds.push_back(outcomes(usual, seeds));
+  const std::vector<TimedRun> usual_timed = timed_runs_of(plan, measured, usual);
+  std::vector<PointOutcomes> usual_by_trainings{{}};
+  for (std::size_t trainings = 1; trainings <= usual.networks.size(); ++trainings)
+    usual_by_trainings.push_back(outcomes_of(plan, measured, usual, trainings));
+  std::vector<FrontCandidate> candidates(points.size());
   parallel_for(points.size(), plan.options.threads, [&](std::size_t i) {
     TradePoint& point = points[i];
-    const std::vector<TradedRun> runs = outcomes(point, point.networks.size());
-    point.choice = result_of(std::span(runs).first(plan.choice_count));
-    point.reported = result_of(std::span(runs).subspan(plan.choice_count));
+    PointOutcomes runs = outcomes_of(plan, measured, point, point.networks.size());
+    const std::vector<TimedRun> timed = timed_runs_of(plan, measured, point);
+    point.choice = result_of(runs.choice, timed);
+    point.reported = result_of(runs.reported, timed);
     point.choice.figures.tick_us = point.reported.figures.tick_us = static_cast<double>(point.setting.rendering.tick.count());
+    candidates[i] = {std::move(runs.choice), timed};
     point.difference.reset();
     if (i == 0) return;
-    // With as many seeds of each, so that the runs are paired.
-    const std::size_t seeds = std::min(point.networks.size(), usual.networks.size());
-    const std::vector<TradedRun> paired = seeds < point.networks.size() ? outcomes(point, seeds) : runs;
-    point.difference =
-        difference_of(std::span(usual_by_seeds[seeds]).subspan(plan.choice_count), std::span(paired).subspan(plan.choice_count));
+    // With as many trainings of each, so that they are paired.
+    const std::size_t trainings = std::min(point.networks.size(), usual.networks.size());
+    if (trainings < point.networks.size()) runs = outcomes_of(plan, measured, point, trainings);
+    point.difference = difference_of({usual_by_trainings[trainings].reported, usual_timed}, {runs.reported, timed});
   });
-  find_fronts(points);
+  find_fronts(points, candidates, plan.options.threads);
 }
 
 std::map<std::string, TradeOutcome> known_outcomes(std::span<const TradePoint> points) {
   std::map<std::string, TradeOutcome> known;
   for (const TradePoint& point : points) {
     const TradeFigures& figures = point.choice.figures;
-    const TradeOutcome outcome{figures.accuracy.value, figures.us_p99.value, figures.delay_us.value,
-                               figures.false_alarms_per_min.value, point.choice.missed.value};
+    const TradeOutcome outcome{figures.accuracy.value, figures.us_p99.value, figures.delay_median_us.value,
+                               figures.episodes_per_min.value, figures.missed.value};
     const bool is_known = std::isfinite(outcome.accuracy) && std::isfinite(outcome.us) && std::isfinite(outcome.delay_us) &&
-                          std::isfinite(outcome.false_alarms_per_min);
+                          std::isfinite(outcome.episodes_per_min);
     if (is_known) known[id_of(point.setting)] = outcome;
   }
   return known;

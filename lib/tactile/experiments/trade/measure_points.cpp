@@ -5,18 +5,13 @@
 #include <algorithm>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
-#include "tactile/core/machine.hpp"
-#include "tactile/core/version.hpp"
-#include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/full_runs.hpp"
 #include "tactile/experiments/trade/judge_points.hpp"
-#include "tactile/experiments/training_step.hpp"
+#include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/training/open_classifier.hpp"
-#include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -26,14 +21,6 @@ using Clock = std::chrono::steady_clock;
 using nlohmann::json;
 
 constexpr microseconds shortest_prediction_tick{100};  // some 40 000 heatmaps a run
-
-template <class Stays>
-void remove_unless(MeasuredPoints& measured, const TradeSetting& usual, Stays stays, const std::string& why) {
-  for (const TradePoint& point : measured.points) {
-    if (!stays(point)) measured.not_measured.push_back({text_of(point.setting, usual), why});
-  }
-  std::erase_if(measured.points, [&](const TradePoint& point) { return !stays(point); });
-}
 
 /// @throws Error  if the dataset cannot render a setting
 void check_setting(const TradePlan& plan, const TradeSetting& setting) {
@@ -62,16 +49,17 @@ void remove_what_cannot_be_rendered(const TradePlan& plan, MeasuredPoints& measu
   }
 }
 
-/// Gives each point its trained networks, and removes those that have none, or a gate that their network lacks.
-void take_networks(const TradePlan& plan, const NetworkTrainer& trainer, MeasuredPoints& measured) {
-  const TradeSetting& usual = plan.options.usual;
-  for (TradePoint& point : measured.points) point.networks = trainer.trained_for(point.setting);
-  if (!measured.points.empty() && measured.points.front().networks.empty())
-    throw Error("the network of the usual setting is not trained yet; expected time for it. " + trainer.unfinished());
+/// Gives each point the network of its first training, and removes those that have none, or a gate that their network lacks.
+void take_networks(const Stage& stage, MeasuredPoints& measured) {
+  const TradeSetting& usual = stage.plan.options.usual;
+  for (TradePoint& point : measured.points) {
+    const std::vector<TradeNetwork> trained = stage.trainer.trained_for(point.setting);
+    if (!trained.empty()) point.networks = {trained.front()};
+  }
   remove_unless(
       measured, usual, [](const TradePoint& point) { return !point.networks.empty(); },
-      fmt::format("the budget of {:g} minutes was used up before its network was trained",
-                  plan.options.budget_minutes.value_or(0)));
+      budget_words(stage.plan, "its network was trained"));
+  expect_usual(stage, measured, "the network of the usual setting is not trained yet");
   remove_unless(
       measured, usual,
       [](const TradePoint& point) {
@@ -88,20 +76,20 @@ experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& net
   const std::string name = prediction_name(network, setting);
   const fs::path file = file_of(plan, name);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
+  const std::vector<std::uint32_t> tested = plan.trainings[network.training].tested();
   return experiments::file_step(
       name,
       {{"manifest", plan.dataset.manifest_hash()},
        {"weights", model::read_description(network.bundle).weights_sha256},
-       {"runs", names_of(plan.dataset, plan.tested.indexes)},
+       {"runs", names_of(plan.dataset, tested)},
        {"tick_us", tick.count()},
        {"engine", name_of(setting.engine)},
        {"precision", name_of(setting.precision)}},
       file,
-      [&plan, file, tick, network, setting](const ProgressCallback& progress) {
+      [&plan, file, tick, network, setting, tested](const ProgressCallback& progress) {
         const model::Classifier classifier =
             model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-        write_full_runs(file,
-                        classify_full_runs(plan.dataset, plan.tested.indexes, classifier, tick, plan.options.threads, progress));
+        write_full_runs(file, classify_full_runs(plan.dataset, tested, classifier, tick, plan.options.threads, progress));
       },
       text_of(plan, network, tick, setting.engine, setting.precision));
 }
@@ -114,20 +102,21 @@ std::string time_left(Clock::time_point begun, std::size_t done, std::size_t lef
   return left_s < 90 ? fmt::format(", about {:.0f} s left", left_s) : fmt::format(", about {:.0f} min left", left_s / 60);
 }
 
-/// Adds the predictions of all networks of the points that are missing.
-void predict(const TradePlan& plan, experiments::StepRunner& runner, MeasuredPoints& measured) {
+/// Adds the predictions of all networks of the points that are missing, as far as the budget allows.
+/// @param reserve_s  time that what comes after needs
+void predict(const Stage& stage, MeasuredPoints& measured, double reserve_s) {
   std::vector<experiments::Step> due;
   std::set<std::string> seen;
   const auto run = [&](const experiments::Step& step) {
-    runner.run(step);
-    measured.predictions[step.name] = read_full_runs(file_of(plan, step.name));
+    stage.runner.run(step);
+    measured.predictions[step.name] = read_full_runs(file_of(stage.plan, step.name));
   };
   for (const TradePoint& point : measured.points) {
     for (const TradeNetwork& network : point.networks) {
       const std::string name = prediction_name(network, point.setting);
       if (measured.predictions.contains(name) || !seen.insert(name).second) continue;
-      const experiments::Step step = step_to_predict(plan, network, point.setting);
-      if (runner.is_done(step)) {
+      const experiments::Step step = step_to_predict(stage.plan, network, point.setting);
+      if (stage.runner.is_done(step)) {
         run(step);
       } else {
         due.push_back(step);
@@ -136,130 +125,52 @@ void predict(const TradePlan& plan, experiments::StepRunner& runner, MeasuredPoi
   }
   const Clock::time_point begun = Clock::now();
   for (std::size_t i = 0; i < due.size(); ++i) {
-    due[i].description = fmt::format("judging {} of {}, at every tick of {} runs: {}{}", i + 1, due.size(),
-                                     plan.tested.indexes.size(), due[i].description, time_left(begun, i, due.size() - i));
-    run(due[i]);
+    if (!stage.budget.allows(longest_s(stage.runner, "said-") + reserve_s)) return;
+    due[i].description = fmt::format("judging {} of {}, at every tick of its runs: {}{}", i + 1, due.size(), due[i].description,
+                                     time_left(begun, i, due.size() - i));
+    if (!stage.budget.finishes([&] { run(due[i]); })) return;
   }
 }
 
-json json_of(const TimedSetting& setting) {
-  return {{"rendering", setting.rendering},
-          {"engine", name_of(setting.engine)},
-          {"precision", name_of(setting.precision)},
-          {"sparse", setting.sparse},
-          {"weights", model::read_description({setting.model}).weights_sha256}};
+/// Leaves each point the networks whose predictions are there, and removes those without.
+void keep_predicted(const Stage& stage, MeasuredPoints& measured) {
+  for (TradePoint& point : measured.points) {
+    const auto is_missing = [&](const TradeNetwork& network) {
+      return !measured.predictions.contains(prediction_name(network, point.setting));
+    };
+    point.networks.erase(std::find_if(point.networks.begin(), point.networks.end(), is_missing), point.networks.end());
+  }
+  remove_unless(
+      measured, stage.plan.options.usual, [](const TradePoint& point) { return !point.networks.empty(); },
+      budget_words(stage.plan, "its verdicts were predicted"));
+  expect_usual(stage, measured, "the verdicts of the usual setting are not predicted yet");
 }
 
-PointTimes time_points(const TradePlan& plan, std::span<const TradePoint> points, const std::string& step_name,
-                       experiments::StepRunner& runner) {
-  PointTimes timed;
-  json timed_json = json::array();
-  for (const TradePoint& point : points) {
-    const TimedSetting setting = timed_setting_of(point);
-    if (std::find(timed.settings.begin(), timed.settings.end(), setting) != timed.settings.end()) continue;
-    timed.settings.push_back(setting);
-    timed_json.push_back(json_of(setting));
-  }
-  const TickTimesOptions& timing = plan.options.timing;
-  const fs::path file = plan.options.out / "times" / (step_name + ".json");
-  runner.run(experiments::file_step(
-      step_name,
-      {{"manifest", plan.dataset.manifest_hash()},
-       {"runs", names_of(plan.dataset, plan.tested.indexes)},
-       {"ways", timed_json},
-       {"machine", cpu_name()},
-       {"revision", revision()},
-       {"pieces", timing.pieces},
-       {"ticks", timing.ticks},
-       {"turns", timing.turns}},
-      file,
-      [&](const ProgressCallback& progress) {
-        write_times(file, time_ticks(timed.settings, plan.tested.recordings, timing, progress));
-      },
-      fmt::format("timing ticks of {} settings, in turns, at {} times of each of {} runs", timed.settings.size(),
-                  timing.pieces * timing.ticks, plan.tested.indexes.size())));
-  timed.times = read_times(file);
-  if (timed.times.size() != timed.settings.size())
-    throw Error(file.string() + ": times of other settings; expected those measured");
-  return timed;
+/// Whether a setting gets more trainings. The usual one does: all others are compared with it.
+bool may_be_on_a_front(const TradePoint& point) {
+  constexpr double least = 0.025;
+  const FrontProbability& probability = point.front_probability;
+  return point.design == "usual" || point.on_accuracy_front || point.on_delay_front ||
+         probability.accuracy.value_or(0) >= least || probability.delay.value_or(0) >= least;
 }
 
 }  // namespace
 
-experiments::Step NetworkTrainer::step_for(const TradeNetwork& network) const {
-  const TradeOptions& options = plan_.options;
-  return experiments::training_step(plan_.dataset, network.settings, network.bundle,
-                                    {options.data, options.models, experiments::from_folder(options.models, options.out)});
+std::string budget_words(const TradePlan& plan, const std::string& before) {
+  return fmt::format("the budget of {:g} minutes was used up before {}", plan.options.budget_minutes.value_or(0), before);
 }
 
-double NetworkTrainer::longest_training_s() const {
-  double longest = 0;
-  for (const experiments::StepRecord& record : runner_.records()) {
-    if (record.name.starts_with("train-")) longest = std::max(longest, record.seconds);
-  }
-  return longest;
+void expect_usual(const Stage& stage, const MeasuredPoints& measured, const std::string& problem) {
+  if (!measured.points.empty() && measured.points.front().setting == stage.plan.options.usual) return;
+  throw Error(fmt::format("{}; expected time for it. {}", problem, stage.trainer.unfinished()));
 }
 
-bool NetworkTrainer::budget_allows_training() const {
-  if (!plan_.options.budget_minutes) return true;
-  const double passed = std::chrono::duration<double>(Clock::now() - begun_).count();
-  return passed + longest_training_s() < 60 * *plan_.options.budget_minutes;
-}
-
-void NetworkTrainer::train(const std::vector<TradeNetwork>& networks) {
-  std::vector<experiments::Step> kept;
-  std::vector<const TradeNetwork*> due;
-  std::set<std::string> seen = trained_;
-  for (const TradeNetwork& network : networks) {
-    if (!seen.insert(network.name()).second) continue;
-    if (model::state_of(network.bundle, plan_.dataset, network.settings) == model::BundleState::unchanged) {
-      kept.push_back(step_for(network));
-      trained_.insert(network.name());
-    } else {
-      due.push_back(&network);
-    }
+void remove_unless(MeasuredPoints& measured, const TradeSetting& usual, const std::function<bool(const TradePoint&)>& stays,
+                   const std::string& why) {
+  for (const TradePoint& point : measured.points) {
+    if (!stays(point)) measured.not_measured.push_back({text_of(point.setting, usual), why});
   }
-  runner_.run_side_by_side(kept);
-  const std::size_t at_once = plan_.options.budget_minutes ? plan_.options.threads : std::max<std::size_t>(due.size(), 1);
-  for (std::size_t begin = 0; begin < due.size(); begin += at_once) {
-    if (!budget_allows_training()) {
-      budget_ended_ = true;
-      return;
-    }
-    std::vector<experiments::Step> batch;
-    for (std::size_t i = begin; i < std::min(begin + at_once, due.size()); ++i) {
-      batch.push_back(step_for(*due[i]));
-      batch.back().description = fmt::format("training {} of {}: {}", i + 1, due.size(), text_of(plan_, *due[i]));
-      trained_.insert(due[i]->name());
-    }
-    begun_trainings_ += batch.size();
-    runner_.run_side_by_side(batch);
-  }
-}
-
-std::vector<TradeNetwork> NetworkTrainer::trained_for(const TradeSetting& setting) const {
-  std::vector<TradeNetwork> networks;
-  for (unsigned training = 0; training < plan_.options.seeds; ++training) {
-    networks.push_back(network_of(plan_, setting, training));
-    if (trained_.contains(networks.back().name())) continue;
-    networks.pop_back();
-    break;
-  }
-  return networks;
-}
-
-std::string NetworkTrainer::unfinished() const {
-  if (!budget_ended_) return {};
-  const double minutes = plan_.options.budget_minutes.value_or(0), training = longest_training_s() / 60;
-  if (begun_trainings_ > 0 && training < minutes) {
-    return fmt::format(
-        "The budget of {:g} minutes ended the work. Run the same command again: it keeps all that is done, and resumes.",
-        minutes);
-  }
-  return fmt::format(
-      "The budget of {:g} minutes ended the work, and is too short for a training{}. Run the same command with a larger "
-      "--budget-minutes: it keeps all that is done, and resumes.",
-      minutes, training > 0 ? fmt::format(" of {:.2g} minutes", training) : std::string());
+  std::erase_if(measured.points, [&](const TradePoint& point) { return !stays(point); });
 }
 
 std::string prediction_name(const TradeNetwork& network, const TradeSetting& setting) {
@@ -271,65 +182,46 @@ const TimesOfRuns& PointTimes::of(const TradePoint& point) const {
   return times[static_cast<std::size_t>(std::find(settings.begin(), settings.end(), timed_setting_of(point)) - settings.begin())];
 }
 
-void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, experiments::StepRunner& runner,
-             MeasuredPoints& measured) {
-  remove_what_cannot_be_rendered(plan, measured);
+void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t ticks, MeasuredPoints& measured) {
+  remove_what_cannot_be_rendered(stage.plan, measured);
   std::vector<TradeNetwork> networks;
-  for (const TradePoint& point : measured.points) networks.push_back(network_of(plan, point.setting, 0));
-  trainer.train(networks);
-  take_networks(plan, trainer, measured);
-  predict(plan, runner, measured);
-  measured.times = time_points(plan, measured.points, step_of_times, runner);
-  judge(plan, measured);
+  for (const TradePoint& point : measured.points) networks.push_back(network_of(stage.plan, point.setting, 0));
+  // The usual setting at least must be predicted and timed; the rest is left out as far as there is no time for it.
+  const double reserve_s = timing_s(stage, ticks, measured.times);
+  stage.trainer.train(networks, reserve_s + longest_s(stage.runner, "said-"));
+  take_networks(stage, measured);
+  predict(stage, measured, reserve_s);
+  keep_predicted(stage, measured);
+  time_points(stage, step_of_times, ticks, measured);
+  judge(stage.plan, measured);
 }
 
-void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, experiments::StepRunner& runner,
-                       MeasuredPoints& measured) {
-  for (;;) {
+void measure_all_trainings(const Stage& stage, MeasuredPoints& measured) {
+  const TradeOptions& options = stage.plan.options;
+  const unsigned all = options.trainings;
+  // For the recommendation: two settings are timed, and one runs in `detect`, which takes some seconds to start.
+  const double reserve_s = options.constraints.any() ? 2 * timing_s(stage, options.timing.ticks, measured.times) +
+                                                           1.5 * std::chrono::duration<double>(options.trial).count()
+                                                     : 0;
+  for (unsigned trainings = std::min(2U, all); trainings > 1;) {
     std::vector<TradeNetwork> networks;
     for (const TradePoint& point : measured.points) {
-      if (!point.on_accuracy_front && !point.on_delay_front && &point != &measured.points.front()) continue;
-      for (unsigned training = 1; training < plan.options.seeds; ++training)
-        networks.push_back(network_of(plan, point.setting, training));
+      for (unsigned training = 1; training < trainings && may_be_on_a_front(point); ++training)
+        networks.push_back(network_of(stage.plan, point.setting, training));
     }
-    const std::size_t before = trainer.trained();
-    trainer.train(networks);
-    if (trainer.trained() == before) return;
-    for (TradePoint& point : measured.points) point.networks = trainer.trained_for(point.setting);
-    predict(plan, runner, measured);
-    judge(plan, measured);
+    const std::size_t before = stage.trainer.trained();
+    stage.trainer.train(networks, longest_s(stage.runner, "said-") + reserve_s);
+    for (TradePoint& point : measured.points) {
+      if (may_be_on_a_front(point)) point.networks = stage.trainer.trained_for(point.setting);
+    }
+    predict(stage, measured, reserve_s);
+    // Other settings that share these predictions need no more time.
+    for (TradePoint& point : measured.points) point.networks = stage.trainer.trained_for(point.setting);
+    keep_predicted(stage, measured);
+    judge(stage.plan, measured);
+    if (stage.budget.ended() || (trainings == all && stage.trainer.trained() == before)) return;
+    trainings = std::min(2 * trainings, all);
   }
-}
-
-json time_cost_growth(const TradePlan& plan, experiments::StepRunner& runner) {
-  constexpr std::size_t enough_recordings = 3;
-  std::vector<fs::path> recordings;
-  for (std::size_t i = 0; i < std::min(plan.train.size(), enough_recordings); ++i)
-    recordings.push_back(plan.dataset.run_folder(plan.train[i]) / "events.aedat4");
-  const GrowthOptions& growth = plan.options.growth_options;
-  json histories = json::array(), sensors = json::array();
-  for (const microseconds history : growth.histories) histories.push_back(history.count());
-  for (const events::SensorSize& sensor : growth.sensors) sensors.push_back({sensor.width, sensor.height});
-  const fs::path file = plan.options.out / "growth.json";
-  runner.run(experiments::file_step(
-      "growth",
-      {{"manifest", plan.dataset.manifest_hash()},
-       {"machine", cpu_name()},
-       {"revision", revision()},
-       {"rates", growth.rates},
-       {"histories_us", histories},
-       {"sensors", sensors},
-       {"usual_rate", growth.usual_rate},
-       {"pieces", growth.pieces},
-       {"ticks", growth.ticks},
-       {"turns", growth.turns}},
-      file,
-      [&](const ProgressCallback& progress) {
-        write_json(file, measure_growth(moving_events(recordings), plan.dataset.sensor(), growth, progress));
-      },
-      fmt::format("timing ticks at {} event rates, {} histories and {} sensor sizes", growth.rates.size(),
-                  growth.histories.size(), growth.sensors.size())));
-  return read_json(file);
 }
 
 }  // namespace tactile::trade

@@ -1,48 +1,18 @@
 #pragma once
 
-#include <chrono>
+#include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/trade/budget.hpp"
+#include "tactile/experiments/trade/network_trainer.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
 #include "tactile/results/full_run.hpp"
 
 namespace tactile::trade {
-
-/// Trains networks, and knows which are trained. Starts no training that would exceed the budget, by the longest one so far.
-class NetworkTrainer {
- public:
-  /// The time of the budget starts. @param runner  must outlive this, as `plan`
-  NetworkTrainer(const TradePlan& plan, experiments::StepRunner& runner) : plan_(plan), runner_(runner) {}
-
-  /// In their order, each once.
-  void train(const std::vector<TradeNetwork>& networks);
-
-  std::size_t trained() const { return trained_.size(); }
-
-  /// The networks of a setting that are trained, one for each seed, up to the first that is not.
-  std::vector<TradeNetwork> trained_for(const TradeSetting& setting) const;
-
-  /// If the budget ended the work: a sentence on what to do; else empty.
-  std::string unfinished() const;
-
- private:
-  experiments::Step step_for(const TradeNetwork& network) const;
-  double longest_training_s() const;
-  bool budget_allows_training() const;
-
-  const TradePlan& plan_;
-  experiments::StepRunner& runner_;
-  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  std::set<std::string> trained_;  ///< names
-  std::size_t begun_trainings_ = 0;
-  bool budget_ended_ = false;
-};
 
 /// The time that ticks of the tested runs take. Points that cost the same share one `TimedSetting`.
 struct PointTimes {
@@ -57,26 +27,40 @@ struct MeasuredPoints {
   std::vector<TradePoint> points;  ///< the usual setting first
   std::vector<NotMeasured> not_measured = {};
   std::map<std::string, std::vector<results::FullRun>> predictions =
-      {};  ///< at every tick of the tested runs, by `prediction_name`
+      {};  ///< at every tick of the runs that a network is tested on, by `prediction_name`
   PointTimes times = {};
 };
 
 /// Identifies a network's predictions for a setting: its tick, engine and precision count.
 std::string prediction_name(const TradeNetwork& network, const TradeSetting& setting);
 
-/// Second stage: trains one network for each point, predicts all tested runs, times ticks, and judges. Points that cannot be
-/// measured are moved to `not_measured`.
-/// @param step_of_times  name of the step that times all points
+/// What the stages work with. All of it must outlive them.
+struct Stage {
+  const TradePlan& plan;
+  NetworkTrainer& trainer;
+  experiments::StepRunner& runner;
+  Budget& budget;
+};
+
+/// Second stage: trains one network for each point, predicts the runs that it is tested on, times ticks, and judges. Points that
+/// cannot be measured, or not within the budget, are moved to `not_measured`.
+/// @param step_of_times  name of the step that times all points   @param ticks  of each point that are timed
 /// @throws Error  if the usual setting cannot be measured, or a step fails
-void measure(const TradePlan& plan, const std::string& step_of_times, NetworkTrainer& trainer, experiments::StepRunner& runner,
-             MeasuredPoints& measured);
+void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t ticks, MeasuredPoints& measured);
 
-/// Third stage: does the same with all seeds for the points on a front and the usual setting. Judges again, which may change the
-/// fronts, and repeats until no network is left to train. Times stay.
-void measure_all_seeds(const TradePlan& plan, NetworkTrainer& trainer, experiments::StepRunner& runner, MeasuredPoints& measured);
+/// Third stage: trains the usual setting and those that may be on a front twice, judges again, and doubles the trainings of those
+/// that still may, until all are there. A setting may be on a front if it is in 2.5 % of the draws or more: there its interval
+/// reaches the front. With too few objects to draw from, those on a front are trained. Times stay.
+void measure_all_trainings(const Stage& stage, MeasuredPoints& measured);
 
-/// Times ticks over event rates, histories and resolutions in one step.
-/// @return  `CostGrowth` as JSON. @throws Error  if the step fails
-nlohmann::json time_cost_growth(const TradePlan& plan, experiments::StepRunner& runner);
+/// "the budget of 2 minutes was used up before its network was trained"
+std::string budget_words(const TradePlan& plan, const std::string& before);
+
+/// @throws Error  that begins with `problem`, if the usual setting is not among the points: all others are compared with it
+void expect_usual(const Stage& stage, const MeasuredPoints& measured, const std::string& problem);
+
+/// Moves all other points to `not_measured`.
+void remove_unless(MeasuredPoints& measured, const TradeSetting& usual, const std::function<bool(const TradePoint&)>& stays,
+                   const std::string& why);
 
 }  // namespace tactile::trade

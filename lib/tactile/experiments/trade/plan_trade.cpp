@@ -19,6 +19,19 @@ namespace {
 /// The longest tick that both are multiples of.
 microseconds common_tick(microseconds a, microseconds b) { return microseconds{std::gcd(a.count(), b.count())}; }
 
+constexpr unsigned trainings_of_tiny_data = 2, usual_trainings = 5;
+
+/// Whether all runs were simulated with the preset of the smallest ones.
+bool is_tiny(const windows::Dataset& dataset) {
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    const std::filesystem::path file = RunFolder{dataset.run_folder(run), "", ""}.info();
+    if (!dataset.simulated() || !std::filesystem::exists(file)) return false;
+    const nlohmann::json json = read_json(file);
+    if (json.value(nlohmann::json::json_pointer("/simulation/preset"), "") != "tiny") return false;
+  }
+  return true;
+}
+
 JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
   const windows::DatasetRun& names = dataset.runs()[run];
   JudgedRun judged{.run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset.sampling().guard};
@@ -31,8 +44,8 @@ JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
 
 }  // namespace
 
-TradeOptions completed(TradeOptions options) {
-  if (options.seeds == 0) throw Error("no seed to train with; expected one at least");
+TradeOptions completed(TradeOptions options, const windows::Dataset& dataset) {
+  if (options.trainings == 0) options.trainings = is_tiny(dataset) ? trainings_of_tiny_data : usual_trainings;
   if (const auto why = why_impossible(options.usual)) throw Error("the usual setting is impossible: " + *why);
   for (const auto* times : {&options.levels.histories, &options.levels.ticks}) {
     for (const microseconds time : *times) {
@@ -44,20 +57,21 @@ TradeOptions completed(TradeOptions options) {
 }
 
 TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset) {
-  const experiments::RunDivision runs = experiments::divide_runs(dataset, options.train_run, options.choice_runs);
-  if (runs.choice.empty()) {
-    throw Error(
-        fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
-                    "at least, or other --choice-runs",
-                    dataset.file().string(), fmt::join(options.choice_runs, ", ")));
-  }
-  TradePlan plan{.options = options, .dataset = dataset, .train = runs.train, .tested = {}, .choice_count = runs.choice.size()};
-  plan.tested.indexes = runs.choice;
-  plan.tested.indexes.insert(plan.tested.indexes.end(), runs.reported.begin(), runs.reported.end());
-  for (const std::uint32_t run : plan.tested.indexes) {
-    windows::check_unchanged(dataset, run);
-    plan.tested.judged.push_back(judged_run(dataset, run));
-    plan.tested.recordings.push_back(dataset.run_folder(run) / "events.aedat4");
+  TradePlan plan{.options = options, .dataset = dataset};
+  for (unsigned training = 0; training < options.trainings; ++training) {
+    plan.trainings.push_back({experiments::rotated_run(dataset, options.train_run, training),
+                              experiments::rotated_division(dataset, options.train_run, options.choice_runs, training)});
+    if (plan.trainings.back().runs.choice.empty()) {
+      throw Error(
+          fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
+                      "at least, or other --choice-runs",
+                      dataset.file().string(), fmt::join(options.choice_runs, ", ")));
+    }
+    for (const std::uint32_t run : plan.trainings.back().tested()) {
+      if (plan.judged.contains(run)) continue;
+      windows::check_unchanged(dataset, run);
+      plan.judged.emplace(run, judged_run(dataset, run));
+    }
   }
   return plan;
 }
@@ -80,13 +94,13 @@ void add_points(std::vector<TradePoint>& points, std::span<const TradeSetting> s
 }
 
 TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsigned training) {
-  TradeNetwork network;
+  TradeNetwork network{.training = training, .settings = {}, .bundle = {}};
   network.settings.rendering = setting.rendering;
   // A network sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
   network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
-  network.settings.split.train_run = plan.options.train_run;
+  network.settings.split.train_run = plan.trainings[training].train_run;
   network.bundle = {plan.options.models / model::default_name(network.settings)};
   return network;
 }
@@ -104,7 +118,8 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network, microsec
   setting.precision = precision;
   usual.rendering.tick = prediction_tick(network_of(plan, usual, 0), usual.rendering.tick);
   const std::string text = setting == usual ? "the usual network" : text_of(setting, usual);
-  return plan.options.seeds > 1 ? fmt::format("{}, seed {}", text, network.settings.training.seed) : text;
+  if (plan.options.trainings == 1) return text;
+  return fmt::format("{}, run {}, seed {}", text, network.settings.split.train_run, network.settings.training.seed);
 }
 
 std::string text_of(const TradePlan& plan, const TradeNetwork& network) {
@@ -112,11 +127,16 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network) {
   return text_of(plan, network, prediction_tick(network_of(plan, usual, 0), usual.rendering.tick), usual.engine, usual.precision);
 }
 
-TestedRuns TestedRuns::from(std::size_t first) const {
-  const auto begin = static_cast<std::ptrdiff_t>(first);
-  return {.indexes = {indexes.begin() + begin, indexes.end()},
-          .judged = {judged.begin() + begin, judged.end()},
-          .recordings = {recordings.begin() + begin, recordings.end()}};
+std::vector<std::uint32_t> TradeTraining::tested() const {
+  std::vector<std::uint32_t> indexes = runs.choice;
+  indexes.insert(indexes.end(), runs.reported.begin(), runs.reported.end());
+  return indexes;
+}
+
+std::vector<std::uint32_t> TradePlan::tested() const {
+  std::vector<std::uint32_t> indexes;
+  for (const auto& one : judged) indexes.push_back(one.first);
+  return indexes;
 }
 
 TimedSetting timed_setting_of(const TradePoint& point) {

@@ -2,13 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/cost_growth.hpp"
 #include "tactile/experiments/trade/experiment_design.hpp"
+#include "tactile/experiments/trade/front_probability.hpp"
 #include "tactile/experiments/trade/recommendation.hpp"
 #include "tactile/experiments/trade/tick_times.hpp"
 #include "tactile/experiments/trade/trade_figures.hpp"
@@ -24,27 +27,29 @@ struct TradeOptions {
   std::string train_run = "01";                   ///< of each object
   std::vector<std::string> choice_runs = {"02"};  ///< to choose settings on; results are reported on all others
   unsigned epochs = 10;                           ///< of each training, > 0
-  unsigned seeds = 3;                             ///< trainings of each network on a front and of the usual one, > 0
+  unsigned trainings = 0;                         ///< of each setting that may be on a front; 0: 2 for tiny data, else 5
   std::uint64_t seed = 1;                         ///< of the first training; the next ones add 1, 2, …
   TradeSetting usual{};                           ///< the setting that one value at a time is changed in
   TradeLevels levels{};
   bool full = false;                       ///< measure every combination
   std::size_t corners = 6;                 ///< promising combinations of each front
-  std::optional<double> budget_minutes{};  ///< no training starts that would end later
+  std::optional<double> budget_minutes{};  ///< of all that is done; what is not kept by then is left out
   bool growth = true;                      ///< also measure how cost grows
   TickTimesOptions timing{};
+  std::chrono::milliseconds trial{20'000};  ///< how long the recommended setting runs in `detect`; 0: not
   GrowthOptions growth_options{};
   TradeConstraints constraints{};
   std::filesystem::path program = "/proc/self/exe";  ///< trains
   unsigned threads = 0;                              ///< 0: as many as the machine has cores
 };
 
-/// The same options with threads filled in.
-/// @throws Error  if there is no seed, the usual setting is impossible, or a history or tick is not positive
-TradeOptions completed(TradeOptions options);
+/// The same options with trainings and threads filled in.
+/// @throws Error  if the usual setting is impossible, or a history or tick is not positive
+TradeOptions completed(TradeOptions options, const windows::Dataset& dataset);
 
-/// A network, which several settings may share, of one seed.
+/// A network, which several settings may share, of one training.
 struct TradeNetwork {
+  unsigned training = 0;  ///< from 0; it gives the run to learn from and the seed
   model::ModelSettings settings;
   model::ModelBundle bundle;
 
@@ -55,10 +60,11 @@ struct TradeNetwork {
 struct TradePoint {
   TradeSetting setting;
   std::string design;                       ///< "usual", "one", "corner", "all"
-  std::vector<TradeNetwork> networks = {};  ///< one for each seed
+  std::vector<TradeNetwork> networks = {};  ///< one for each training
   TradeResult choice = {}, reported = {};
   std::optional<TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
   bool on_accuracy_front = false, on_delay_front = false;
+  FrontProbability front_probability = {};
 };
 
 /// A setting that could not be measured, in words.
@@ -66,16 +72,15 @@ struct NotMeasured {
   std::string setting, why;
 };
 
-/// Runs to test on, in one order throughout.
-struct TestedRuns {
-  std::vector<std::uint32_t> indexes;             ///< in the dataset
-  std::vector<JudgedRun> judged;                  ///< of each
-  std::vector<std::filesystem::path> recordings;  ///< of each
+/// What one training learns from and is judged on. Each training has other runs: what one is judged on, another may learn from.
+struct TradeTraining {
+  std::string train_run;  ///< id of the run to learn from, of each object
+  experiments::RunDivision runs;
 
-  TestedRuns from(std::size_t first) const;  ///< all from this one on
+  std::vector<std::uint32_t> tested() const;  ///< runs to choose on, then those to report on
 };
 
-/// The part of a point that costs time, with the network of its first seed, which must exist.
+/// The part of a point that costs time, with the network of its first training, which must exist.
 TimedSetting timed_setting_of(const TradePoint& point);
 
 /// The fewest events in a history at which the gate opens; nothing if the setting has no gate.
@@ -85,15 +90,15 @@ std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNet
 struct TradePlan {
   TradeOptions options;             ///< as `completed` returns them
   const windows::Dataset& dataset;  ///< must outlive the plan
-  std::vector<std::uint32_t> train;
-  TestedRuns tested;             ///< runs to choose on, then those to report on
-  std::size_t choice_count = 0;  ///< number of runs to choose on
+  std::vector<TradeTraining> trainings = {};
+  std::map<std::uint32_t, JudgedRun> judged = {};  ///< every run that a training is tested on, by its index in the dataset
 
-  std::span<const std::uint32_t> choice() const { return std::span(tested.indexes).first(choice_count); }
-  std::span<const std::uint32_t> reported() const { return std::span(tested.indexes).subspan(choice_count); }
+  std::vector<std::uint32_t> tested() const;  ///< all of them
+  std::filesystem::path recording(std::uint32_t run) const { return dataset.run_folder(run) / "events.aedat4"; }
 };
 
 /// First stage: divides the runs and reads the truth of those to test on.
+/// @param options  as `completed` returns them
 /// @throws Error  if there are no runs to choose on beside those to report on, or a recording differs from the dataset's
 TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset);
 
@@ -103,14 +108,15 @@ std::vector<TradePoint> designed_points(const TradePlan& plan);
 /// Adds settings that are not among the points yet.
 void add_points(std::vector<TradePoint>& points, std::span<const TradeSetting> settings, const std::string& design);
 
-/// The network that a setting needs. @param training  counted from 0; gives the seed
+/// The network that a setting needs. @param training  counted from 0
 TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsigned training);
 
 /// The tick at which a network predicts whole runs for a setting of this tick: the longest one that this and the network's own
 /// are multiples of.
 microseconds prediction_tick(const TradeNetwork& network, microseconds tick);
 
-/// A network by its differences from the usual one: "t_h 20 ms, int8", "the usual network"; with the seed if there are several.
+/// A network by its differences from the usual one: "t_h 20 ms, int8", "the usual network"; with run and seed if there are
+/// several.
 std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, model::EngineKind engine,
                     model::Precision precision);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <set>
+
 #include "tactile/core/json.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
@@ -10,6 +12,7 @@
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/full_runs.hpp"
+#include "tactile/experiments/trade/live_trial.hpp"
 #include "tactile/experiments/trade/recommendation.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
@@ -39,94 +42,183 @@ std::string whole_text(const TradeSetting& setting) {
                      setting.rendering.factor, setting == named ? "" : ", " + text_of(setting, named));
 }
 
-/// Measures a setting on the reported runs, by the network of its first seed. Uses nothing that was measured before. Times are
-/// taken in turns with those of the usual setting. If the tick is the network's own, `evaluate` gives accuracy and false alarms.
-/// @return  `TradeResult` as JSON, with "by" ("eval" or "trade"), "model" and "runs"
-json measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, const TestedRuns& runs,
-                   const ProgressCallback& progress) {
-  const TradeSetting& setting = point.setting;
-  const TradeNetwork& network = point.networks.front();
-  const unsigned threads = plan.options.threads;
-  const auto gate = gate_of(setting, network);
-  const std::vector<TimedSetting> timed{timed_setting_of(usual), timed_setting_of(point)};
-  const auto times = time_ticks(timed, runs.recordings, plan.options.timing, progress);
-  const auto open_network = [&](unsigned network_threads) {
-    return model::open_classifier(network.bundle.folder, network_threads, setting.engine, {.precision = setting.precision});
-  };
-  const std::vector<results::FullRun> predicted =
-      classify_full_runs(plan.dataset, runs.indexes, open_network(1), setting.rendering.tick, threads, progress);
-  std::vector<TradedRun> outcomes;
-  for (std::size_t i = 0; i < runs.indexes.size(); ++i) {
-    outcomes.push_back(outcome_of(runs.judged[i], predicted[i], verdicts_of(predicted[i], gate, setting.confirmation)));
-    add_times(outcomes.back(), times[1].at(i), gate);
+/// The runs that some training reports on, ascending.
+std::vector<std::uint32_t> reported_runs(const TradePlan& plan, const TradePoint& point) {
+  std::set<std::uint32_t> runs;
+  for (const TradeNetwork& network : point.networks) {
+    const auto& reported = plan.trainings[network.training].runs.reported;
+    runs.insert(reported.begin(), reported.end());
   }
-  json result = result_of(outcomes);
+  return {runs.begin(), runs.end()};
+}
+
+/// Times are taken in turns with those of the usual setting.
+std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual,
+                                  const ProgressCallback& progress) {
+  const std::vector<TimedSetting> settings{timed_setting_of(usual), timed_setting_of(point)};
+  const std::vector<std::uint32_t> runs = reported_runs(plan, point);
+  std::vector<fs::path> recordings;
+  for (const std::uint32_t run : runs) recordings.push_back(plan.recording(run));
+  const auto times = time_ticks(settings, recordings, plan.options.timing, progress);
+  const auto gate = gate_of(point.setting, point.networks.front());
+  std::vector<TimedRun> timed;
+  for (std::size_t i = 0; i < runs.size(); ++i) timed.push_back(timed_run(plan.judged.at(runs[i]), times[1].at(i), gate));
+  return timed;
+}
+
+/// Measures a setting by each of its networks, on the runs that this one reports on. Uses nothing that was measured before. If
+/// the tick is the network's own, `evaluate` gives accuracy and false alarms.
+/// @return  `TradeResult` as JSON, with "by" ("eval" or "trade"), "model" and "runs"
+json measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, const ProgressCallback& progress) {
+  const TradeSetting& setting = point.setting;
+  const unsigned threads = plan.options.threads;
+  std::vector<model::Classifier> classifiers;
+  std::vector<evaluation::ModelOnRuns> models;
+  std::vector<TradedRun> outcomes;
+  classifiers.reserve(point.networks.size());
+  for (const TradeNetwork& network : point.networks) {
+    const std::vector<std::uint32_t>& runs = plan.trainings[network.training].runs.reported;
+    classifiers.push_back(model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision}));
+    models.push_back({&classifiers.back(), runs});
+    const auto gate = gate_of(setting, network);
+    const std::vector<results::FullRun> predicted =
+        classify_full_runs(plan.dataset, runs, classifiers.back(), setting.rendering.tick, threads, progress);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const std::vector<Touch> verdicts = verdicts_of(predicted[i], gate, setting.confirmation);
+      outcomes.push_back(outcome_of(plan.judged.at(runs[i]), predicted[i], verdicts));
+      outcomes.back().training = network.training;
+    }
+  }
+  json result = result_of(outcomes, timed_again(plan, point, usual, progress));
   result["by"] = "trade";
   // `eval` judges only at the network's own ticks, where samples lie.
-  if (setting.rendering.tick == network.settings.rendering.tick) {
-    const results::Evaluation evaluation =
-        evaluation::evaluate(plan.dataset, open_network(threads), runs.indexes,
-                             {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);
+  if (setting.rendering.tick == point.networks.front().settings.rendering.tick) {
+    const results::Evaluation evaluation = evaluation::evaluate(
+        plan.dataset, models, {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);
     result["by"] = "eval";
     result["accuracy"] = evaluation.accuracy.mean;
     result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
   }
-  result["model"] = network.name();
-  result["runs"] = names_of(plan.dataset, runs.indexes);
+  result["model"] = point.networks.front().name();
+  result["trainings"] = point.networks.size();
+  result["runs"] = names_of(plan.dataset, reported_runs(plan, point));
   return result;
 }
 
+json weights_of(const TradePoint& point) {
+  json weights = json::array();
+  for (const TradeNetwork& network : point.networks) weights.push_back(model::read_description(network.bundle).weights_sha256);
+  return weights;
+}
+
 /// The same as a step.
-json run_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, experiments::StepRunner& runner) {
+/// @return  nothing if the budget ended it
+std::optional<json> run_again(const Stage& stage, const TradePoint& point, const TradePoint& usual) {
+  const TradePlan& plan = stage.plan;
   const std::string id = id_of(point.setting);
   const fs::path file = plan.options.out / "again" / (id + ".json");
-  const TestedRuns reported = plan.tested.from(plan.choice_count);
-  runner.run(experiments::file_step(
+  const std::vector<std::uint32_t> reported = reported_runs(plan, point);
+  const experiments::Step step = experiments::file_step(
       "again-" + id,
       {{"manifest", plan.dataset.manifest_hash()},
-       {"weights", model::read_description(point.networks.front().bundle).weights_sha256},
+       {"weights", weights_of(point)},
        {"setting", point.setting},
-       {"runs", names_of(plan.dataset, reported.indexes)},
-       {"truth", experiments::truth_hashes(plan.dataset, reported.indexes)},
+       {"ticks", plan.options.timing.ticks},
+       {"runs", names_of(plan.dataset, reported)},
+       {"truth", experiments::truth_hashes(plan.dataset, reported)},
        {"machine", cpu_name()},
        {"revision", revision()}},
-      file, [&](const ProgressCallback& progress) { write_json(file, measure_again(plan, point, usual, reported, progress)); },
-      fmt::format("measuring the chosen setting again, on {} runs that it was not chosen on: {}", reported.indexes.size(),
-                  text_of(point.setting, plan.options.usual))));
+      file, [&](const ProgressCallback& progress) { write_json(file, measure_again(plan, point, usual, progress)); },
+      fmt::format("measuring the chosen setting again, by {} on the runs to report on: {}",
+                  point.networks.size() == 1 ? "one network" : fmt::format("{} networks", point.networks.size()),
+                  text_of(point.setting, plan.options.usual)));
+  if (!stage.budget.finishes([&] { stage.runner.run(step); })) return std::nullopt;
+  return read_json(file);
+}
+
+/// The chosen setting in `detect`, on the first run that its first network reports on.
+/// @return  nothing if there is no trial, or the budget ended it
+std::optional<json> run_trial(const Stage& stage, const TradePoint& point) {
+  const TradePlan& plan = stage.plan;
+  if (plan.options.trial == std::chrono::milliseconds{0}) return std::nullopt;
+  const std::string id = id_of(point.setting);
+  const fs::path folder = plan.options.out / "trial" / id, file = folder / "trial.json";
+  const std::uint32_t run = plan.trainings.front().runs.reported.front();
+  const experiments::Step step = experiments::file_step(
+      "trial-" + id,
+      {{"weights", weights_of(point).front()},
+       {"setting", point.setting},
+       {"run", plan.dataset.runs()[run].events_sha256},
+       {"ms", plan.options.trial.count()},
+       {"machine", cpu_name()},
+       {"revision", revision()}},
+      file,
+      [&](const ProgressCallback& progress) {
+        write_json(file, run_live_trial(point.setting,
+                                        {.program = plan.options.program,
+                                         .run = plan.dataset.run_folder(run),
+                                         .model = point.networks.front().bundle.folder,
+                                         .folder = folder,
+                                         .length = plan.options.trial},
+                                        progress));
+      },
+      fmt::format("the chosen setting in detect over loopback, {:g} s",
+                  std::chrono::duration<double>(plan.options.trial).count()));
+  if (!stage.budget.finishes([&] { stage.runner.run(step); })) return std::nullopt;
   return read_json(file);
 }
 
 TradeFigures figures_in(const json& again, const fs::path& folder, double tick_us) {
   const results::JsonView view(again, folder.string(), results::MissingMember::is_error);
+  const results::JsonView us = view["us"], delay = view["delay_us"];
   return {.accuracy = view["accuracy"].get<results::Figure>(),
-          .us_p99 = view["us"]["p99"].get<results::Figure>(),
-          .us_p50 = view["us"]["p50"].get<results::Figure>(),
-          .delay_us = view["delay_us"]["mean"].get<results::Figure>(),
-          .false_alarms_per_min = view["false_alarms_per_min"].get<results::Figure>(),
+          .us_p50 = us["p50"].get<results::Figure>(),
+          .us_p99 = us["p99"].get<results::Figure>(),
+          .us_p999 = us["p999"].get<results::Figure>(),
+          .delay_median_us = delay["median"].get<results::Figure>(),
+          .delay_p90_us = delay["p90"].get<results::Figure>(),
+          .median_is_bound = delay["median_is_bound"].truth(),
+          .p90_is_bound = delay["p90_is_bound"].truth(),
+          .missed = delay["missed"].get<results::Figure>(),
+          .episodes_per_min = view["episodes_per_min"].get<results::Figure>(),
           .tick_us = tick_us};
+}
+
+/// The chosen point measured again, in words and as JSON.
+Recommendation confirm(const Stage& stage, const TradePoint& point, const TradePoint& usual, json& result) {
+  const TradePlan& plan = stage.plan;
+  const std::string text = &point == &usual ? "the usual setting (" + whole_text(point.setting) + ")"
+                                            : text_of(point.setting, plan.options.usual) + " (else as usual)";
+  result["setting"] = point.setting;
+  result["id"] = id_of(point.setting);
+  result["model"] = point.networks.front().name();
+  const std::optional<json> again = run_again(stage, point, usual);
+  const bool has_trial = plan.options.trial > std::chrono::milliseconds{0};
+  const std::optional<json> trial = again ? run_trial(stage, point) : std::nullopt;
+  if (!again || (has_trial && !trial)) {
+    return {.setting = text,
+            .met = false,
+            .sentence = fmt::format("The setting chosen for {}, {}, is not confirmed: {}.", text_of(plan.options.constraints),
+                                    text, budget_words(plan, "it was measured again"))};
+  }
+  result["again"] = *again;
+  if (trial) result["trial"] = *trial;
+  return recommend(plan.options.constraints, text, figures_in(*again, plan.options.out / "again", point.choice.figures.tick_us),
+                   trial ? std::optional(live_trial_in(*trial)) : std::nullopt, plan.dataset.simulated());
 }
 
 }  // namespace
 
-json recommend_setting(const TradePlan& plan, std::span<const TradePoint> points, experiments::StepRunner& runner) {
-  const TradeConstraints& constraints = plan.options.constraints;
-  json result = {{"wish", constraints},           {"setting", nullptr}, {"id", nullptr}, {"met", false},
-                 {"chosen_in_interval", nullptr}, {"again", nullptr}};
+json recommend_setting(const Stage& stage, std::span<const TradePoint> points) {
+  const TradeConstraints& constraints = stage.plan.options.constraints;
+  json result = {{"wish", constraints},           {"setting", nullptr}, {"id", nullptr},   {"met", false},
+                 {"chosen_in_interval", nullptr}, {"again", nullptr},   {"trial", nullptr}};
   Recommendation recommendation;
   if (const auto choice = choose_point(constraints, points)) {
-    const TradePoint &point = points[choice->index], &usual = points.front();
-    const json again = run_again(plan, point, usual, runner);
-    const std::string text = &point == &usual ? "the usual setting (" + whole_text(point.setting) + ")"
-                                              : text_of(point.setting, plan.options.usual) + " (else as usual)";
-    recommendation = recommend(constraints, text, figures_in(again, plan.options.out / "again", point.choice.figures.tick_us),
-                               plan.dataset.simulated());
-    result["setting"] = point.setting;
-    result["id"] = id_of(point.setting);
-    result["model"] = point.networks.front().name();
     result["chosen_in_interval"] = choice->in_interval;
-    result["again"] = again;
+    recommendation = confirm(stage, points[choice->index], points.front(), result);
   } else {
-    recommendation = recommend(constraints, std::nullopt, {}, plan.dataset.simulated());
+    recommendation = recommend(constraints, std::nullopt, {}, std::nullopt, stage.plan.dataset.simulated());
   }
   result["met"] = recommendation.met;
   result["sentence"] = recommendation.sentence;

@@ -3,14 +3,14 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "tactile/experiments/step_runner.hpp"
-#include "tactile/experiments/trade/plan_trade.hpp"
+#include "tactile/experiments/trade/measure_points.hpp"
 
 namespace tactile::trade {
 
-/// Fifth stage: chooses a point that meets the constraints, on the runs to choose on, and measures it again on the reported runs.
+/// Fourth stage: chooses a point that meets the constraints, on the runs to choose on, measures it again on the reported runs,
+/// and runs it in `detect`.
 /// @param points  judged, the usual setting first
-/// @return  "recommendation" of trade.json   @throws Error  if the step fails
-nlohmann::json recommend_setting(const TradePlan& plan, std::span<const TradePoint> points, experiments::StepRunner& runner);
+/// @return  "recommendation" of trade.json   @throws Error  if a step fails
+nlohmann::json recommend_setting(const Stage& stage, std::span<const TradePoint> points);
 
 }  // namespace tactile::trade

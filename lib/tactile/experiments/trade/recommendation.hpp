@@ -11,25 +11,34 @@
 
 namespace tactile::trade {
 
+/// A limit of the detection delay, misses counted at their own limit.
+struct DelayLimit {
+  double ms = 0;
+  bool p90 = false;  ///< of 90 % of all presses and slips; false: of half of them
+};
+
 /// Constraints on a detector; those not given are met by all.
 struct TradeConstraints {
   std::optional<double> at_most_us{};  ///< time that 99 of 100 ticks do not exceed
   std::optional<double> at_least_accuracy{};
-  std::optional<double> at_most_false_alarms_per_min{};
+  std::optional<double> at_most_false_alarms_per_min{};  ///< episodes that begin outside labels, as one sees them in a lab
+  std::optional<DelayLimit> at_most_delay{};
+  std::optional<double> at_most_missed{};  ///< share of presses and slips, in [0, 1]
 
-  bool any() const { return at_most_us || at_least_accuracy || at_most_false_alarms_per_min; }
+  bool any() const { return at_most_us || at_least_accuracy || at_most_false_alarms_per_min || at_most_delay || at_most_missed; }
 };
 
 void to_json(nlohmann::json& json, const TradeConstraints& constraints);  ///< {"at_most_us", …}, null if not given
 std::string text_of(const TradeConstraints& constraints);  ///< "at most 200 us a tick and an accuracy of at least 95 %"
 
-/// The figures of a setting that constraints apply to.
+/// The figures of a setting that constraints and fronts apply to.
 struct TradeFigures {
-  results::Figure accuracy;  ///< in [0, 1]
-  results::Figure us_p99;    ///< time per tick that 99 of 100 ticks do not exceed
-  results::Figure us_p50;
-  results::Figure delay_us;  ///< mean detection delay
-  results::Figure false_alarms_per_min;
+  results::Figure accuracy;                            ///< in [0, 1]
+  results::Figure us_p50, us_p99, us_p999;             ///< time per tick that half, 99 % and 99.9 % of all ticks do not exceed
+  results::Figure delay_median_us, delay_p90_us;       ///< of all presses and slips; those not detected count with their limit
+  bool median_is_bound = false, p90_is_bound = false;  ///< one not detected lies at or below it: the true value may be higher
+  results::Figure missed;                              ///< share of presses and slips missed or early, in [0, 1]
+  results::Figure episodes_per_min;                    ///< that begin outside labels
   double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next
 };
 
@@ -48,8 +57,8 @@ struct TradeChoice {
 };
 
 /// Of the settings whose intervals meet the constraints: the most accurate one, or the fastest one if an accuracy is requested
-/// and no time; of equals, the one with the shorter delay. If no interval does: of the settings whose values meet them, the one
-/// with the largest
+/// and no time; of equals, the one with the shorter median delay. If no interval does: of the settings whose values meet them,
+/// the one with the largest
 ///
 ///   min over constraints   |value - limit| / |value - the bound of its interval on the limit's side|
 ///
@@ -57,16 +66,24 @@ struct TradeChoice {
 /// @return  nothing if there is none
 std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const TradeFigures> settings);
 
+/// A trial of the chosen setting in `tactile detect`, over loopback.
+struct LiveTrial {
+  std::uint64_t ticks = 0;
+  double us_p50 = 0, us_p99 = 0, us_p999 = 0;  ///< of rendering, network and output
+  double missed_share = 0;                     ///< of ticks: skipped, or more than a tick late
+};
+
 /// The answer to constraints.
 struct Recommendation {
   std::optional<std::string> setting;  ///< in words; nothing if no setting meets the constraints on the runs to choose on
-  bool met = false;                    ///< measured again, its intervals meet the constraints
+  bool met = false;                    ///< measured again, its intervals meet the constraints, and the trial meets the time
   std::string sentence;
 };
 
 /// @param setting  the chosen one, in words; nothing if there is none
-/// @param again    its figures on the runs that it was not chosen on
+/// @param again    its figures on the reported runs
+/// @param trial    in `detect`, if there was one
 Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
-                         const TradeFigures& again, bool simulated);
+                         const TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated);
 
 }  // namespace tactile::trade

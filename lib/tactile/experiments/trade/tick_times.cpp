@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -25,35 +27,22 @@ namespace tactile::trade {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Network = std::function<model::Logits(std::span<const std::uint8_t>)>;
-
 constexpr std::int64_t warm_up_ticks = 1;
 
 /// Networks, each opened once: several settings may share one.
 class Networks {
  public:
-  Network of(const TimedSetting& setting) {
+  explicit Networks(OpenTimedNetwork open) : open_(std::move(open)) {}
+
+  TimedNetwork of(const TimedSetting& setting) {
     const auto key = std::tuple(setting.model, setting.engine, setting.precision, setting.sparse);
     const auto found = networks_.find(key);
-    return found != networks_.end() ? found->second : networks_[key] = opened(setting);
+    return found != networks_.end() ? found->second : networks_[key] = open_(setting);
   }
 
  private:
-  static Network opened(const TimedSetting& setting) {
-    if (setting.engine == model::EngineKind::libtorch) {
-      const auto classifier =
-          std::make_shared<model::Classifier>(model::open_classifier(setting.model, 1, model::EngineKind::libtorch));
-      return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
-    }
-    const model::ModelBundle bundle{setting.model};
-    const model::ModelDescription description = model::read_description(bundle);
-    const auto engine = std::make_shared<model::LeNetEngine>(
-        description.input, model::read_bundle_weights(bundle, description), description.settings.network,
-        model::EngineOptions{.precision = setting.precision, .skip_empty = setting.sparse});
-    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
-  }
-
-  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, Network> networks_;
+  OpenTimedNetwork open_;
+  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedNetwork> networks_;
 };
 
 struct Recorded {
@@ -81,22 +70,24 @@ Recorded events_of(const std::filesystem::path& recording) {
   return recorded;
 }
 
-/// The measured ticks of a piece.
+/// The ticks of one setting in one piece of a recording.
 struct Piece {
   CameraTime first{};
-  std::int64_t ticks = 0;
+  std::int64_t ticks = 0;    ///< of a turn
+  std::uint64_t wanted = 0;  ///< of all turns
 };
 
-Piece piece_of(const TickRange& all, unsigned piece, const TickTimesOptions& options) {
-  const std::int64_t ticks = std::min<std::int64_t>(options.ticks, all.count);
+Piece piece_of(const TickRange& all, unsigned piece, std::uint64_t wanted, const TickTimesOptions& options) {
+  if (all.count <= 0) return {};
+  const auto ticks = std::min(static_cast<std::int64_t>((wanted + options.turns - 1) / options.turns), all.count);
   const double middle = (piece + 0.5) / options.pieces * static_cast<double>(all.count);
   const auto begin = static_cast<std::int64_t>(middle) - ticks / 2;
-  return {all.at(std::clamp<std::int64_t>(begin, 0, all.count - ticks)), ticks};
+  return {all.at(std::clamp<std::int64_t>(begin, 0, all.count - ticks)), ticks, wanted};
 }
 
 /// One turn of one setting over a piece.
-void take_turn(const TimedSetting& setting, const Network& network, const Recorded& recorded, const Piece& piece,
-               std::span<std::vector<TickTime>> turns) {
+void take_turn(const TimedSetting& setting, const TimedNetwork& network, const Recorded& recorded, const Piece& piece,
+               std::vector<TickTime>& times) {
   const heatmaps::HeatmapOptions& options = setting.rendering;
   heatmaps::HeatmapRenderer renderer(recorded.sensor, options);
   std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(renderer.size().width) *
@@ -115,8 +106,8 @@ void take_turn(const TimedSetting& setting, const Network& network, const Record
     network(heatmap);
     const auto end = Clock::now();
     if (i < 0) continue;
-    turns[static_cast<std::size_t>(i)].push_back(
-        {us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), renderer.events()});
+    times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end),
+                     static_cast<std::uint32_t>(renderer.events())});
   }
 }
 
@@ -128,80 +119,123 @@ std::vector<std::size_t> any_order(std::size_t count, Random& random) {
   return order;
 }
 
-TickTime median_of(const std::vector<TickTime>& turns) {
-  return value_of_rank<TickTime>(turns, (turns.size() - 1) / 2,
-                                 [](const TickTime& a, const TickTime& b) { return a.total({}) < b.total({}); });
-}
+/// All turns of all settings in one piece of a recording.
+class PieceTimes {
+ public:
+  PieceTimes(std::span<const TimedSetting> settings, std::span<const TimedNetwork> networks, const Recorded& recorded,
+             unsigned piece, std::uint64_t wanted, const TickTimesOptions& options)
+      : settings_(settings), networks_(networks), recorded_(recorded) {
+    const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
+    for (const TimedSetting& setting : settings) {
+      const TickRange all = full_ticks(first, last, setting.rendering.history, setting.rendering.tick);
+      pieces_.push_back(piece_of(all, piece, wanted, options));
+    }
+  }
+
+  bool due(std::size_t setting, unsigned turn) const {
+    return turn * static_cast<std::uint64_t>(pieces_[setting].ticks) < pieces_[setting].wanted && pieces_[setting].ticks > 0;
+  }
+
+  bool any_due(unsigned turn) const {
+    for (std::size_t i = 0; i < settings_.size(); ++i) {
+      if (due(i, turn)) return true;
+    }
+    return false;
+  }
+
+  void take(std::size_t setting, std::vector<TickTime>& times) const {
+    take_turn(settings_[setting], networks_[setting], recorded_, pieces_[setting], times);
+  }
+
+ private:
+  std::span<const TimedSetting> settings_;
+  std::span<const TimedNetwork> networks_;
+  const Recorded& recorded_;
+  std::vector<Piece> pieces_;
+};
+
+constexpr std::size_t bytes_of_tick = 16;
 
 }  // namespace
 
+TimedNetwork open_timed_network(const TimedSetting& setting) {
+  if (setting.engine == model::EngineKind::libtorch) {
+    const auto classifier =
+        std::make_shared<model::Classifier>(model::open_classifier(setting.model, 1, model::EngineKind::libtorch));
+    return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
+  }
+  const model::ModelBundle bundle{setting.model};
+  const model::ModelDescription description = model::read_description(bundle);
+  const auto engine = std::make_shared<model::LeNetEngine>(
+      description.input, model::read_bundle_weights(bundle, description), description.settings.network,
+      model::EngineOptions{.precision = setting.precision, .skip_empty = setting.sparse});
+  return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+}
+
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std::span<const std::filesystem::path> recordings,
-                                    const TickTimesOptions& options, const ProgressCallback& progress) {
+                                    const TickTimesOptions& options, const ProgressCallback& progress,
+                                    const OpenTimedNetwork& open) {
   Random random(1);
-  Networks networks;
-  std::vector<Network> network_of;
+  Networks networks(open);
+  std::vector<TimedNetwork> network_of;
   for (const TimedSetting& setting : settings) network_of.push_back(networks.of(setting));
   std::vector<TimesOfRuns> times(settings.size(), TimesOfRuns(recordings.size()));
+  const std::uint64_t all_pieces = std::uint64_t{recordings.size()} * options.pieces;
+  const std::uint64_t wanted = (options.ticks + all_pieces - 1) / std::max<std::uint64_t>(all_pieces, 1);
   std::uint64_t done = 0;
   for (std::size_t run = 0; run < recordings.size(); ++run) {
     const Recorded recorded = events_of(recordings[run]);
-    const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
-    for (unsigned piece_index = 0; piece_index < options.pieces; ++piece_index) {
-      std::vector<Piece> pieces;
-      std::vector<std::vector<std::vector<TickTime>>> turns;  // of each setting, of each tick
-      for (const TimedSetting& setting : settings) {
-        const TickRange all = full_ticks(first, last, setting.rendering.history, setting.rendering.tick);
-        pieces.push_back(all.count > 0 ? piece_of(all, piece_index, options) : Piece{});
-        turns.emplace_back(static_cast<std::size_t>(pieces.back().ticks));
-      }
-      for (unsigned turn = 0; turn < options.turns; ++turn) {
+    for (unsigned index = 0; index < options.pieces; ++index) {
+      const PieceTimes piece(settings, network_of, recorded, index, wanted, options);
+      for (unsigned turn = 0; piece.any_due(turn); ++turn) {
         for (const std::size_t i : any_order(settings.size(), random)) {
-          if (pieces[i].ticks > 0) take_turn(settings[i], network_of[i], recorded, pieces[i], turns[i]);
+          if (piece.due(i, turn)) piece.take(i, times[i][run]);
         }
-        tell(progress, ++done, std::uint64_t{recordings.size()} * options.pieces * options.turns,
-             fmt::format("times of {} settings, in turns", settings.size()));
+        tell(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
       }
-      for (std::size_t i = 0; i < settings.size(); ++i) {
-        for (const std::vector<TickTime>& tick : turns[i]) times[i][run].push_back(median_of(tick));
-      }
+      ++done;
     }
   }
   return times;
 }
 
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times) {
-  nlohmann::json list = nlohmann::json::array();
+  static_assert(sizeof(TickTime) == bytes_of_tick && std::endian::native == std::endian::little);
+  nlohmann::json counts = nlohmann::json::array();
   for (const TimesOfRuns& of_setting : times) {
-    nlohmann::json runs = nlohmann::json::array();
-    for (const auto& run : of_setting) {
-      nlohmann::json ticks = nlohmann::json::array();
-      for (const TickTime& tick : run)
-        ticks.push_back(nlohmann::json::array({tick.counting, tick.rendering, tick.network, tick.events}));
-      runs.push_back(std::move(ticks));
-    }
-    list.push_back(std::move(runs));
+    counts.push_back(nlohmann::json::array());
+    for (const auto& run : of_setting) counts.back().push_back(run.size());
   }
-  write_whole(file, nlohmann::json{{"ways", list}}.dump() + "\n");
+  std::string text = nlohmann::json{{"ticks", counts}}.dump() + "\n";
+  for (const TimesOfRuns& of_setting : times) {
+    for (const auto& run : of_setting) text.append(reinterpret_cast<const char*>(run.data()), run.size() * bytes_of_tick);
+  }
+  write_whole(file, text);
 }
 
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file, experiments::largest_step_file), nullptr, false);
+  const std::string text = read_text(file, experiments::largest_step_file);
+  const std::size_t line = text.find('\n');
+  const auto json = nlohmann::json::parse(text.substr(0, line), nullptr, false);
+  std::size_t at = line == std::string::npos ? text.size() : line + 1;
+  std::vector<TimesOfRuns> times;
   try {
-    std::vector<TimesOfRuns> times;
-    for (const auto& runs : json.at("ways")) {
+    for (const auto& runs : json.at("ticks")) {
       times.emplace_back();
-      for (const auto& run : runs) {
-        times.back().emplace_back();
-        for (const auto& tick : run) {
-          times.back().back().push_back(
-              {tick.at(0).get<float>(), tick.at(1).get<float>(), tick.at(2).get<float>(), tick.at(3).get<std::uint64_t>()});
-        }
+      for (const auto& count : runs) {
+        const auto ticks = count.get<std::uint64_t>();
+        if (!count.is_number_unsigned() || ticks > (text.size() - at) / bytes_of_tick)
+          throw Error(file.string() + ": ends before the last tick; expected 16 bytes for each tick");
+        times.back().emplace_back(ticks);
+        if (ticks > 0) std::memcpy(times.back().back().data(), text.data() + at, ticks * bytes_of_tick);
+        at += ticks * bytes_of_tick;
       }
     }
-    return times;
   } catch (const nlohmann::json::exception& e) {
     throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), "a value " + plain_words(e.what())));
   }
+  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 16 bytes for each tick");
+  return times;
 }
 
 }  // namespace tactile::trade

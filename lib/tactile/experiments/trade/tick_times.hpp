@@ -11,6 +11,7 @@
 
 #include "tactile/core/progress.hpp"
 #include "tactile/experiments/trade/trade_setting.hpp"
+#include "tactile/model/inference/classifier.hpp"
 
 namespace tactile::trade {
 
@@ -23,7 +24,7 @@ struct TickTime {
   float counting = 0;        ///< of moving the window: adding new events, removing old ones
   float rendering = 0;       ///< of the heatmap
   float network = 0;         ///< of the logits
-  std::uint64_t events = 0;  ///< in [t_c - t_h, t_c)
+  std::uint32_t events = 0;  ///< in [t_c - t_h, t_c)
 
   /// The whole duration, or only that of counting if the gate closes.
   double total(std::optional<std::uint64_t> gate) const {
@@ -43,21 +44,33 @@ struct TimedSetting {
 };
 
 struct TickTimesOptions {
-  unsigned pieces = 60;  ///< of each run, spread evenly over it, the same for every setting, > 0
-  unsigned ticks = 1;    ///< of each piece, after a full history and one tick to warm up, > 0
-  unsigned turns = 3;    ///< the result is their median, > 0
+  std::uint64_t ticks = 20'000;  ///< of each setting at least, over all recordings and turns, > 0
+  unsigned pieces = 20;          ///< of each recording, spread evenly over it, the same for every setting, > 0
+  unsigned turns = 3;            ///< of each setting in each piece; more where the piece has too few ticks, > 0
 };
 
 /// The times of one setting, by recording.
 using TimesOfRuns = std::vector<std::vector<TickTime>>;
 
+/// The logits of a heatmap.
+using TimedNetwork = std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
+using OpenTimedNetwork = std::function<TimedNetwork(const TimedSetting&)>;
+
+/// Opens the network of a setting with one thread. @throws Error  if the model cannot be read
+TimedNetwork open_timed_network(const TimedSetting& setting);
+
 /// Times all settings in this process on this thread. In each piece of a recording, every setting takes one turn before any takes
-/// the next, in another order each time: other load on the machine affects all settings alike. The result for a tick is its turn
-/// of median length.
+/// the next, in another order each time: other load on the machine affects all settings alike. A turn begins with a full history
+/// and a tick to warm up. Every tick of every turn is in the result, however long it took; a recording in which no history fits
+/// has none.
+/// @param open  called once for each setting with another network
 /// @throws Error  if a recording or a model cannot be read, or does not fit the other
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std::span<const std::filesystem::path> recordings,
-                                    const TickTimesOptions& options = {}, const ProgressCallback& progress = {});
+                                    const TickTimesOptions& options = {}, const ProgressCallback& progress = {},
+                                    const OpenTimedNetwork& open = open_timed_network);
 
+/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 16 bytes for each tick (three float32
+/// and one uint32 as in `TickTime`, little-endian).
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 

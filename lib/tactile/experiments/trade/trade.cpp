@@ -8,6 +8,7 @@
 #include "tactile/experiments/folder_lock.hpp"
 #include "tactile/experiments/trade/judge_points.hpp"
 #include "tactile/experiments/trade/recommend_setting.hpp"
+#include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/experiments/trade/trade_results.hpp"
 
 namespace tactile::trade {
@@ -21,7 +22,7 @@ class Parts {
  public:
   Parts(const TradeOptions& options, experiments::StepCallback on_step)
       : on_step_(std::move(on_step)),
-        count_(1 + (options.full ? 0 : 1) + (options.seeds > 1 ? 1 : 0) + (options.growth ? 1 : 0) +
+        count_(1 + (options.full ? 0 : 1) + (options.trainings > 1 ? 1 : 0) + (options.growth ? 1 : 0) +
                (options.constraints.any() ? 1 : 0)) {}
 
   void begin(const std::string& description) { part_ = fmt::format("part {} of {}: {}", ++begun_, count_, description); }
@@ -38,21 +39,26 @@ class Parts {
   std::string part_;  ///< not announced yet
 };
 
-MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Parts& parts, experiments::StepRunner& runner) {
-  const TradeOptions& options = plan.options;
-  MeasuredPoints measured{.points = designed_points(plan)};
+MeasuredPoints measure_design(const Stage& stage, Parts& parts) {
+  const TradeOptions& options = stage.plan.options;
+  MeasuredPoints measured{.points = designed_points(stage.plan)};
   parts.begin(
       fmt::format("{}, {} settings", options.full ? "every combination" : "one change at a time", measured.points.size()));
-  measure(plan, "times-design", trainer, runner, measured);
-  if (!options.full) {
+  if (options.full) {
+    measure(stage, "times", options.timing.ticks, measured);
+  } else {
+    // Some ticks are enough to see what looks promising. Then all settings are timed together.
+    constexpr std::uint64_t share = 10;
+    measure(stage, "times-design", (options.timing.ticks + share - 1) / share, measured);
     const std::size_t before = measured.points.size();
     const auto corners = promising_corners(options.usual, options.levels, known_outcomes(measured.points), options.corners);
     add_points(measured.points, corners, "corner");
     parts.begin(fmt::format("{} combinations that look promising", measured.points.size() - before));
-    if (measured.points.size() > before) measure(plan, "times", trainer, runner, measured);
+    measure(stage, "times", options.timing.ticks, measured);
   }
-  if (options.seeds > 1) parts.begin(fmt::format("settings on a front and the usual setting with {} seeds", options.seeds));
-  measure_all_seeds(plan, trainer, runner, measured);
+  if (options.trainings > 1)
+    parts.begin(fmt::format("the usual setting and those that may be on a front, up to {} trainings", options.trainings));
+  measure_all_trainings(stage, measured);
   return measured;
 }
 
@@ -60,22 +66,25 @@ MeasuredPoints measure_design(const TradePlan& plan, NetworkTrainer& trainer, Pa
 
 TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProgress& new_progress,
                        const experiments::StepCallback& on_step) {
-  const TradeOptions options = completed(requested);
+  Budget budget(requested.budget_minutes);
+  const windows::Dataset dataset(requested.data / "dataset.h5");
+  const TradeOptions options = completed(requested, dataset);
   Parts parts(options, on_step);
   const experiments::FolderLock lock(options.out, "tactile trade");
-  experiments::StepRunner runner({.folder = options.out,
-                                  .program = options.program,
-                                  .threads = options.threads,
-                                  .new_progress = new_progress,
-                                  .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
-  const windows::Dataset dataset(options.data / "dataset.h5");
+  experiments::StepRunner runner(
+      {.folder = options.out,
+       .program = options.program,
+       .threads = options.threads,
+       .new_progress = [&] { return budget.limited(new_progress ? new_progress() : ProgressCallback{}); },
+       .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
   const TradePlan plan = plan_trade(options, dataset);
-  NetworkTrainer trainer(plan, runner);
-  const MeasuredPoints measured = measure_design(plan, trainer, parts, runner);
-  if (options.growth) parts.begin("how the cost of a tick grows");
-  const json growth = options.growth ? time_cost_growth(plan, runner) : json();
+  NetworkTrainer trainer(plan, runner, budget);
+  const Stage stage{plan, trainer, runner, budget};
+  const MeasuredPoints measured = measure_design(stage, parts);
   if (options.constraints.any()) parts.begin("a setting for the constraints");
-  const json recommendation = recommend_setting(plan, measured.points, runner);
+  const json recommendation = recommend_setting(stage, measured.points);
+  if (options.growth) parts.begin("how the cost of a tick grows");
+  const json growth = options.growth ? time_cost_growth(stage) : json();
   const json trade = trade_json(plan, {.points = measured.points,
                                        .not_measured = measured.not_measured,
                                        .growth = growth,

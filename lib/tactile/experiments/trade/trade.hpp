@@ -18,7 +18,8 @@ struct TradeSummary {
 
 /// Measures accuracy, detection delay, false alarms and time per tick over all values of `options.levels`: one change of the
 /// usual setting at a time, then the combinations that look promising; or all combinations. Trains the networks that a setting
-/// needs, and those on a front with several seeds. Chooses settings on some runs and reports them on the others. Keeps all that
+/// needs, and those that may be on a front several times, each time on other runs and with another seed. Chooses settings on some
+/// runs and reports them on others. Keeps all that
 /// is done and unchanged. An interrupted call resumes.
 /// @throws Error  if an option is out of its range, there are no runs to choose on beside those to report on, another process
 ///                works in the same folder, or a step fails

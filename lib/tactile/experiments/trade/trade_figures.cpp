@@ -1,7 +1,9 @@
 #include "tactile/experiments/trade/trade_figures.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
@@ -13,18 +15,6 @@ namespace {
 using Runs = std::span<const TradedRun>;
 using OfRuns = std::function<std::optional<double>(const evaluation::RunsByObject&)>;
 
-std::optional<double> quantile_of(const std::vector<double>& values, double q) {
-  return values.empty() ? std::nullopt : std::optional(quantile(values, q));
-}
-
-std::vector<double> joined(Runs runs, const evaluation::RunsByObject& chosen, std::vector<double> TradedRun::*values) {
-  std::vector<double> all;
-  for (const auto& object : chosen) {
-    for (const std::size_t i : object) all.insert(all.end(), (runs[i].*values).begin(), (runs[i].*values).end());
-  }
-  return all;
-}
-
 OfRuns accuracy_in(Runs runs) {
   return evaluation::mean_over_objects([runs](std::span<const std::size_t> indexes) {
     results::Confusion sum;
@@ -33,56 +23,116 @@ OfRuns accuracy_in(Runs runs) {
   });
 }
 
-/// Of ticks whose gate is open; of all ticks if it is open at none.
-OfRuns open_tick_us_in(Runs runs) {
-  return [runs](const evaluation::RunsByObject& chosen) {
-    const auto open = quantile_of(joined(runs, chosen, &TradedRun::open_tick_us), 0.5);
-    return open ? open : quantile_of(joined(runs, chosen, &TradedRun::tick_us), 0.5);
+/// The durations of the ticks of a setting, sorted once for all draws.
+struct Times {
+  explicit Times(std::span<const TimedRun> timed)
+      : all(timed, &TimedRun::tick_us),
+        open(timed, &TimedRun::open_tick_us),
+        runs(evaluation::without_names(evaluation::results_by_object(timed, [](const TimedRun&) { return true; }))) {}
+
+  OfRuns us(double q) const {
+    return [this, q](const evaluation::RunsByObject& chosen) { return all.of(chosen, q); };
+  }
+
+  /// The median over ticks whose gate is open; over all ticks if it is open at none; NaN if none was timed.
+  double computing_us() const {
+    const evaluation::RunsByObject everything = evaluation::all_of(runs);
+    const auto of_open = open.of(everything, 0.5);
+    return (of_open ? of_open : all.of(everything, 0.5)).value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+
+  TickQuantiles all, open;
+  evaluation::CrossedResults runs;
+};
+
+std::vector<TradedDelay> delays_in(Runs runs, const evaluation::RunsByObject& chosen) {
+  std::vector<TradedDelay> delays;
+  for (const auto& object : chosen) {
+    for (const std::size_t i : object) delays.insert(delays.end(), runs[i].delays.begin(), runs[i].delays.end());
+  }
+  return delays;
+}
+
+/// Over all presses and slips: those that were not detected count with their limit.
+OfRuns delay_in(Runs runs, double q) {
+  return [runs, q](const evaluation::RunsByObject& chosen) -> std::optional<double> {
+    std::vector<double> us;
+    for (const TradedDelay& delay : delays_in(runs, chosen)) us.push_back(delay.us);
+    return us.empty() ? std::nullopt : std::optional(quantile(us, q));
   };
 }
 
-OfRuns tick_us_in(Runs runs, double q) {
-  return [runs, q](const evaluation::RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::tick_us), q); };
-}
-
-OfRuns delay_in(Runs runs) {
+OfRuns mean_delay_in(Runs runs) {
   return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
-    const std::vector<double> delays = joined(runs, chosen, &TradedRun::delays_us);
-    if (delays.empty()) return std::nullopt;
-    double sum = 0;
-    for (const double delay : delays) sum += delay;
-    return sum / static_cast<double>(delays.size());
+    double sum = 0, count = 0;
+    for (const TradedDelay& delay : delays_in(runs, chosen)) {
+      if (delay.detected) sum += delay.us, ++count;
+    }
+    return count > 0 ? std::optional(sum / count) : std::nullopt;
   };
 }
 
 OfRuns missed_in(Runs runs) {
   return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
-    std::uint64_t not_detected = 0, intervals = 0;
-    for (const auto& object : chosen) {
-      for (const std::size_t i : object) not_detected += runs[i].misses + runs[i].early, intervals += runs[i].intervals;
-    }
-    if (intervals == 0) return std::nullopt;
-    return static_cast<double>(not_detected) / static_cast<double>(intervals);
+    const std::vector<TradedDelay> delays = delays_in(runs, chosen);
+    if (delays.empty()) return std::nullopt;
+    const auto missed = std::count_if(delays.begin(), delays.end(), [](const TradedDelay& delay) { return !delay.detected; });
+    return static_cast<double>(missed) / static_cast<double>(delays.size());
   };
 }
 
-OfRuns alarms_in(Runs runs) {
-  return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
+using CountsOf = results::FalseAlarms (*)(const results::FalseAlarms&);
+
+results::FalseAlarms none_time_only(const results::FalseAlarms& counts) { return counts; }
+
+OfRuns per_min_in(Runs runs, CountsOf counts_of) {
+  return [runs, counts_of](const evaluation::RunsByObject& chosen) -> std::optional<double> {
     results::FalseAlarms sum;
     for (const auto& object : chosen) {
-      for (const std::size_t i : object) sum += runs[i].alarms;
+      for (const std::size_t i : object) sum += counts_of(runs[i].alarms);
     }
     return sum.per_min();
   };
 }
 
-/// For few alarms, or little time, the bootstrap over runs gives too narrow an interval.
-void widen_by_few_alarms_in(Runs runs, results::Figure& per_min, double confidence) {
+/// For few alarms, or little time, the bootstrap over runs gives too narrow an interval. Several trainings on one run see the
+/// same time, which counts once.
+void widen_by_few_alarms_in(Runs runs, CountsOf counts_of, results::Figure& per_min, double confidence) {
   results::FalseAlarms sum;
-  unsigned seeds = 1;
-  for (const TradedRun& run : runs) sum += run.alarms, seeds = std::max(seeds, run.seeds);
-  evaluation::widen_by_few_alarms(per_min, sum, confidence, seeds);
+  std::map<std::pair<std::string, std::string>, unsigned> judged;
+  for (const TradedRun& run : runs) {
+    sum += counts_of(run.alarms);
+    ++judged[{run.object, run.run.empty() ? std::to_string(&run - runs.data()) : run.run}];
+  }
+  unsigned most = 1;
+  for (const auto& one : judged) most = std::max(most, one.second);
+  evaluation::widen_by_few_alarms(per_min, sum, confidence, most);
 }
+
+/// The values that figures of these runs may have, in steps of one sample, one interval, one alarm, and the shortest delay.
+struct Ranges {
+  evaluation::Range accuracy{.lowest = 0, .highest = 1}, missed = accuracy, delay{.lowest = 0}, per_min = delay;
+};
+
+Ranges ranges_of(Runs runs) {
+  Ranges ranges;
+  double samples = 0, intervals = 0, minutes = 0, shortest = std::numeric_limits<double>::infinity();
+  for (const TradedRun& run : runs) {
+    samples += static_cast<double>(run.confusion.samples());
+    intervals += static_cast<double>(run.delays.size());
+    minutes += results::in_minutes(outside_labels(run.alarms).none_time);
+    for (const TradedDelay& delay : run.delays) shortest = delay.us > 0 ? std::min(shortest, delay.us) : shortest;
+  }
+  const auto per_run = [&](double units) { return units > 0 ? static_cast<double>(runs.size()) / units : 0; };
+  ranges.accuracy.step = per_run(samples);
+  ranges.missed.step = per_run(intervals);
+  ranges.per_min.step = per_run(minutes);
+  if (std::isfinite(shortest)) ranges.delay.step = shortest;
+  return ranges;
+}
+
+/// The same of differences.
+evaluation::Range both_ways(const evaluation::Range& range) { return {-range.highest, range.highest, range.step}; }
 
 evaluation::CrossedResults all_by_object(Runs runs) {
   return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
@@ -96,20 +146,10 @@ void add_to(results::Figure& figure, double more) {
 
 }  // namespace
 
-TradedRun& TradedRun::operator+=(const TradedRun& other) {
-  confusion += other.confusion;
-  delays_us.insert(delays_us.end(), other.delays_us.begin(), other.delays_us.end());
-  intervals += other.intervals;
-  misses += other.misses;
-  early += other.early;
-  alarms += other.alarms;
-  seeds += other.seeds;
-  return *this;
-}
-
 TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts) {
   TradedRun outcome;
   outcome.object = run.object;
+  outcome.run = run.run;
   const TickRange& ticks = full.ticks;
   for (const windows::Sample& sample : run.samples) {
     const CameraTime tick = last_tick_until(sample.t, ticks.tick);
@@ -119,12 +159,13 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
                           is_predicted ? verdicts[static_cast<std::size_t>(std::min(place, ticks.count - 1))] : Touch::none);
   }
   const auto detections = evaluation::detections_of(ticks, verdicts, run.truth.used());
+  const microseconds window = evaluation::DelayOptions{}.window;
   for (const results::Detection& detection : detections) {
-    ++outcome.intervals;
+    const bool detected = detection.outcome == results::DetectionOutcome::detected;
     if (detection.outcome == results::DetectionOutcome::missed) ++outcome.misses;
     if (detection.outcome == results::DetectionOutcome::early) ++outcome.early;
-    if (detection.outcome == results::DetectionOutcome::detected)
-      outcome.delays_us.push_back(static_cast<double>(between(detection.interval.start, detection.first_right).count()));
+    const CameraTime onset = detection.interval.start, limit = std::min(detection.interval.end, after(onset, window));
+    outcome.delays.push_back({static_cast<double>(between(onset, detected ? detection.first_right : limit).count()), detected});
   }
   const std::vector<TouchInterval> labelled = run.truth.all_labelled();
   if (!labelled.empty())
@@ -133,65 +174,116 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
   return outcome;
 }
 
-void add_times(TradedRun& outcome, std::span<const TickTime> times, std::optional<std::uint64_t> gate) {
+TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<std::uint64_t> gate) {
+  TimedRun timed;
+  timed.object = run.object;
+  timed.run = run.run;
   for (const TickTime& time : times) {
-    outcome.tick_us.push_back(time.total(gate));
-    if (!gate || time.events >= *gate) outcome.open_tick_us.push_back(time.total({}));
+    timed.tick_us.push_back(static_cast<float>(time.total(gate)));
+    if (!gate || time.events >= *gate) timed.open_tick_us.push_back(static_cast<float>(time.total({})));
   }
+  return timed;
+}
+
+results::FalseAlarms outside_labels(const results::FalseAlarms& counts) {
+  results::FalseAlarms all;
+  all.alarms = counts.alarms + counts.after_intervals + counts.releases + counts.unlabelled;
+  all.none_time = counts.none_time + counts.after_intervals_time + counts.releases_time + counts.unlabelled_time;
+  return all;
 }
 
 void to_json(nlohmann::json& json, const TradeResult& result) {
-  json = {{"accuracy", result.figures.accuracy},
+  const TradeFigures& figures = result.figures;
+  json = {{"accuracy", figures.accuracy},
           {"delay_us",
-           {{"mean", result.figures.delay_us},
-            {"p95", result.delay_p95_us},
-            {"missed", result.missed},
+           {{"median", figures.delay_median_us},
+            {"p90", figures.delay_p90_us},
+            {"median_is_bound", figures.median_is_bound},
+            {"p90_is_bound", figures.p90_is_bound},
+            {"mean", result.delay_mean_us},
+            {"missed", figures.missed},
             {"intervals", result.intervals},
             {"misses", result.misses},
             {"early", result.early}}},
-          {"false_alarms_per_min", result.figures.false_alarms_per_min},
+          {"episodes_per_min", figures.episodes_per_min},
+          {"episodes", result.episodes},
+          {"false_alarms_per_min", result.false_alarms_per_min},
           {"false_alarms", result.alarms},
-          {"us", {{"p50", result.figures.us_p50}, {"p99", result.figures.us_p99}}}};
+          {"us", {{"p50", figures.us_p50}, {"p99", figures.us_p99}, {"p999", figures.us_p999}, {"ticks", result.ticks}}}};
 }
 
-TradeResult result_of(Runs runs, const results::BootstrapOptions& options) {
-  const evaluation::CrossedResults all = all_by_object(runs);
-  const auto figure = [&](const OfRuns& statistic) { return evaluation::figure_over_objects(all, statistic, options); };
-  TradeResult result;
-  result.figures.accuracy = figure(accuracy_in(runs));
-  result.figures.us_p50 = figure(tick_us_in(runs, 0.5));
-  result.figures.us_p99 = figure(tick_us_in(runs, 0.99));
-  result.figures.delay_us = figure(delay_in(runs));
-  result.figures.false_alarms_per_min = figure(alarms_in(runs));
-  widen_by_few_alarms_in(runs, result.figures.false_alarms_per_min, options.confidence);
-  result.delay_p95_us = figure(
-      [runs](const evaluation::RunsByObject& chosen) { return quantile_of(joined(runs, chosen, &TradedRun::delays_us), 0.95); });
-  result.missed = figure(missed_in(runs));
-  const double computing_us = open_tick_us_in(runs)(evaluation::all_of(all)).value_or(std::numeric_limits<double>::quiet_NaN());
-  add_to(result.figures.delay_us, computing_us);
-  add_to(result.delay_p95_us, computing_us);
+namespace {
+
+/// Whether one that was not detected lies at or below a quantile: the true one may be higher.
+bool is_bound(Runs runs, const results::Figure& figure) {
+  return std::any_of(runs.begin(), runs.end(), [&](const TradedRun& run) {
+    return std::any_of(run.delays.begin(), run.delays.end(),
+                       [&](const TradedDelay& delay) { return !delay.detected && delay.us <= figure.value; });
+  });
+}
+
+void add_counts(Runs runs, TradeResult& result) {
   for (const TradedRun& run : runs) {
-    result.intervals += run.intervals;
+    result.intervals += run.delays.size();
     result.misses += run.misses;
     result.early += run.early;
     result.alarms += run.alarms.alarms;
+    result.episodes += outside_labels(run.alarms).alarms;
   }
+}
+
+}  // namespace
+
+TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results::BootstrapOptions& options) {
+  const evaluation::CrossedResults all = all_by_object(runs);
+  const Times times(timed);
+  const Ranges ranges = ranges_of(runs);
+  const auto figure = [&](const OfRuns& statistic, const evaluation::Range& range) {
+    return evaluation::figure_over_objects(all, statistic, options, range);
+  };
+  const auto of_times = [&](double q) {
+    return evaluation::figure_over_objects(times.runs, times.us(q), options, {.lowest = 0});
+  };
+  TradeResult result;
+  TradeFigures& figures = result.figures;
+  figures.accuracy = figure(accuracy_in(runs), ranges.accuracy);
+  figures.us_p50 = of_times(0.5);
+  figures.us_p99 = of_times(0.99);
+  figures.us_p999 = of_times(0.999);
+  figures.delay_median_us = figure(delay_in(runs, 0.5), ranges.delay);
+  figures.delay_p90_us = figure(delay_in(runs, 0.9), ranges.delay);
+  figures.median_is_bound = is_bound(runs, figures.delay_median_us);
+  figures.p90_is_bound = is_bound(runs, figures.delay_p90_us);
+  result.delay_mean_us = figure(mean_delay_in(runs), ranges.delay);
+  for (results::Figure* delay : {&figures.delay_median_us, &figures.delay_p90_us, &result.delay_mean_us})
+    add_to(*delay, times.computing_us());
+  figures.missed = figure(missed_in(runs), ranges.missed);
+  figures.episodes_per_min = figure(per_min_in(runs, outside_labels), ranges.per_min);
+  widen_by_few_alarms_in(runs, outside_labels, figures.episodes_per_min, options.confidence);
+  result.false_alarms_per_min = figure(per_min_in(runs, none_time_only), ranges.per_min);
+  widen_by_few_alarms_in(runs, none_time_only, result.false_alarms_per_min, options.confidence);
+  add_counts(runs, result);
+  for (const TimedRun& run : timed) result.ticks += run.tick_us.size();
   return result;
 }
 
 void to_json(nlohmann::json& json, const TradeDifference& difference) {
   json = {{"accuracy", difference.accuracy},
           {"delay_us", difference.delay_us},
-          {"false_alarms_per_min", difference.false_alarms_per_min},
+          {"missed", difference.missed},
+          {"episodes_per_min", difference.episodes_per_min},
           {"us", {{"p50", difference.us_p50}, {"p99", difference.us_p99}}}};
 }
 
-TradeDifference difference_of(Runs a, Runs b, const results::BootstrapOptions& options) {
-  const bool same = std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                               [](const TradedRun& one, const TradedRun& other) { return one.object == other.object; });
-  if (!same) throw Error("difference of settings: the two are not of the same objects; expected the same runs in the same order");
-  const evaluation::CrossedResults all = all_by_object(a);
-  const auto figure = [&](const OfRuns& of_a, const OfRuns& of_b) {
+TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, const results::BootstrapOptions& options) {
+  const auto is_same = [](const results::JudgedRun& one, const results::JudgedRun& other) {
+    return one.object == other.object && one.run == other.run && one.training == other.training;
+  };
+  if (!std::equal(a.runs.begin(), a.runs.end(), b.runs.begin(), b.runs.end(), is_same) ||
+      !std::equal(a.timed.begin(), a.timed.end(), b.timed.begin(), b.timed.end(), is_same))
+    throw Error("difference of settings: the two are not of the same runs; expected the same runs in the same order");
+  const auto over = [&](const evaluation::CrossedResults& all, const OfRuns& of_a, const OfRuns& of_b,
+                        const evaluation::Range& range) {
     return evaluation::figure_over_objects(
         all,
         [&](const evaluation::RunsByObject& chosen) -> std::optional<double> {
@@ -199,20 +291,20 @@ TradeDifference difference_of(Runs a, Runs b, const results::BootstrapOptions& o
           if (!first || !second) return std::nullopt;
           return *second - *first;
         },
-        options);
+        options, range);
   };
-  const auto with_computing = [](const OfRuns& delay, const OfRuns& us) {
-    return [=](const evaluation::RunsByObject& chosen) -> std::optional<double> {
-      const auto found = delay(chosen);
-      if (!found) return std::nullopt;
-      return *found + us(chosen).value_or(0);
-    };
-  };
-  return {.accuracy = figure(accuracy_in(a), accuracy_in(b)),
-          .delay_us = figure(with_computing(delay_in(a), open_tick_us_in(a)), with_computing(delay_in(b), open_tick_us_in(b))),
-          .false_alarms_per_min = figure(alarms_in(a), alarms_in(b)),
-          .us_p50 = figure(tick_us_in(a, 0.5), tick_us_in(b, 0.5)),
-          .us_p99 = figure(tick_us_in(a, 0.99), tick_us_in(b, 0.99))};
+  const evaluation::CrossedResults all = all_by_object(a.runs);
+  const Ranges ranges = ranges_of(a.runs);
+  const Times of_a(a.timed), of_b(b.timed);
+  TradeDifference difference{.accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
+                             .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5), both_ways(ranges.delay)),
+                             .missed = over(all, missed_in(a.runs), missed_in(b.runs), both_ways(ranges.missed)),
+                             .episodes_per_min = over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels),
+                                                      both_ways(ranges.per_min)),
+                             .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5), {}),
+                             .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99), {})};
+  add_to(difference.delay_us, of_b.computing_us() - of_a.computing_us());
+  return difference;
 }
 
 }  // namespace tactile::trade

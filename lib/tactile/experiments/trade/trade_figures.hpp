@@ -14,6 +14,7 @@
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/trade/full_runs.hpp"
 #include "tactile/experiments/trade/recommendation.hpp"
+#include "tactile/experiments/trade/tick_quantiles.hpp"
 #include "tactile/experiments/trade/tick_times.hpp"
 
 namespace tactile::trade {
@@ -26,48 +27,66 @@ struct JudgedRun {
   microseconds guard{100'000};  ///< for this long after an interval, alarms are counted separately
 };
 
-/// The outcome of a detector in one run; of several seeds, the sum.
+/// How long after the onset of a press or a slip its verdict came: t_c(k) - onset, without the time to compute. One that was
+/// missed or early has its limit instead: min(end, start + 500 ms) - onset.
+struct TradedDelay {
+  double us = 0;
+  bool detected = true;
+
+  friend bool operator==(const TradedDelay&, const TradedDelay&) = default;
+};
+
+/// The outcome of one training's detector in one run.
 struct TradedRun : results::JudgedRun {
   results::Confusion confusion{};
-  std::vector<double> delays_us{};  ///< of the detected presses and slips: t_c(k) - onset, without the time to compute
-  std::uint64_t intervals = 0, misses = 0, early = 0;
+  std::vector<TradedDelay> delays{};  ///< one for each press and slip
+  std::uint64_t misses = 0, early = 0;
   results::FalseAlarms alarms{};
-  std::vector<double> tick_us{};       ///< duration of each tick
-  std::vector<double> open_tick_us{};  ///< of these, the ones whose gate was open
-  unsigned seeds = 1;
-
-  TradedRun& operator+=(const TradedRun& other);  ///< adds another seed; times stay
 };
 
 /// A balanced sample gets the verdict of the last tick up to it; none before the first tick.
 /// @param full  the run at the setting's tick
 TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts);
 
-/// Adds the durations of ticks; only those of counting if the gate closes.
-void add_times(TradedRun& outcome, std::span<const TickTime> times, std::optional<std::uint64_t> gate);
+/// The durations of a run's ticks; only those of counting if the gate closes.
+TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<std::uint64_t> gate);
 
-/// All figures over the same runs. A delay includes the median time to compute a tick whose gate is open, as it is at each
-/// detection. The interval of false alarms is wider if there are few alarms.
+/// All episodes that begin outside labels, over all time outside labels: what one sees in a lab, where nobody knows of releases
+/// and of motion without labels. The sum of all kinds of `counts` as `alarms` and `none_time`.
+results::FalseAlarms outside_labels(const results::FalseAlarms& counts);
+
+/// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a tick
+/// whose gate is open, as it is at each detection. The intervals of false alarms are wider if there are few alarms.
 struct TradeResult {
   TradeFigures figures;
-  results::Figure delay_p95_us;
-  results::Figure missed;  ///< share of presses and slips missed or early, in [0, 1]
+  results::Figure delay_mean_us;         ///< of the detected presses and slips
+  results::Figure false_alarms_per_min;  ///< of none time, without releases and motion without labels
   std::uint64_t intervals = 0, misses = 0, early = 0, alarms = 0;
+  std::uint64_t episodes = 0;  ///< outside labels
+  std::uint64_t ticks = 0;     ///< timed
 };
 
 void to_json(nlohmann::json& json, const TradeResult& result);
 
-TradeResult result_of(std::span<const TradedRun> runs, const results::BootstrapOptions& options = {});
+/// @param runs   of every training
+/// @param timed  with the network of one training
+TradeResult result_of(std::span<const TradedRun> runs, std::span<const TimedRun> timed,
+                      const results::BootstrapOptions& options = {});
 
-/// `b - a` on the same runs in the same order, also in each draw of the bootstrap.
+/// `b - a` on the same trainings and runs in the same order, also in each draw of the bootstrap.
 struct TradeDifference {
-  results::Figure accuracy, delay_us, false_alarms_per_min, us_p50, us_p99;
+  results::Figure accuracy, delay_us, missed, episodes_per_min, us_p50, us_p99;  ///< `delay_us` of the medians
 };
 
 void to_json(nlohmann::json& json, const TradeDifference& difference);
 
-/// @throws Error  if they are not of the same objects
-TradeDifference difference_of(std::span<const TradedRun> a, std::span<const TradedRun> b,
-                              const results::BootstrapOptions& options = {});
+/// What a difference is taken of.
+struct TradeOutcomes {
+  std::span<const TradedRun> runs;
+  std::span<const TimedRun> timed;
+};
+
+/// @throws Error  if they are not of the same trainings and runs
+TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::trade

@@ -10,6 +10,7 @@
 #include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/trade/usual_judgement.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 
 namespace tactile::trade {
@@ -18,15 +19,37 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+/// Which trainings judge which runs, in words.
+std::string judged_by(const TradePlan& plan) {
+  const std::size_t trainings = plan.trainings.size();
+  if (trainings == 1) {
+    const experiments::RunDivision& runs = plan.trainings.front().runs;
+    return fmt::format("One training learns from {} runs. Settings are chosen on {} others and reported on {} others.",
+                       runs.train.size(), runs.choice.size(), runs.reported.size());
+  }
+  return fmt::format(
+      "Up to {} trainings of each setting, each with another seed and other runs to learn from, to choose on and to report on. "
+      "No "
+      "network is judged on a run that it learned from or was chosen on; another network may have been.",
+      trainings);
+}
+
+json front_json(const TradePoint& point) {
+  const auto share = [](const std::optional<double>& value) { return value ? json(*value) : json(); };
+  const FrontProbability& probability = point.front_probability;
+  return {{"accuracy", point.on_accuracy_front},
+          {"delay", point.on_delay_front},
+          {"probability", {{"accuracy", share(probability.accuracy)}, {"delay", share(probability.delay)}}}};
+}
+
 json point_json(const TradePoint& point, const TradeSetting& usual) {
   json networks = json::array();
   for (const TradeNetwork& network : point.networks) networks.push_back(network.name());
-  json entry = {
-      {"id", id_of(point.setting)}, {"text", text_of(point.setting, usual)},
-      {"design", point.design},     {"setting", point.setting},
-      {"models", networks},         {"seeds", point.networks.size()},
-      {"choice", point.choice},     {"reported", point.reported},
-      {"difference", nullptr},      {"front", {{"accuracy", point.on_accuracy_front}, {"delay", point.on_delay_front}}}};
+  json entry = {{"id", id_of(point.setting)}, {"text", text_of(point.setting, usual)},
+                {"design", point.design},     {"setting", point.setting},
+                {"models", networks},         {"trainings", point.networks.size()},
+                {"choice", point.choice},     {"reported", point.reported},
+                {"difference", nullptr},      {"front", front_json(point)}};
   if (point.difference) entry["difference"] = *point.difference;
   return entry;
 }
@@ -55,7 +78,7 @@ json settings_json(const TradeOptions& options) {
           {"train_run", options.train_run},
           {"choice_runs", options.choice_runs},
           {"epochs", options.epochs},
-          {"seeds", options.seeds},
+          {"trainings", options.trainings},
           {"seed", options.seed},
           {"full", options.full},
           {"budget_minutes", options.budget_minutes ? json(*options.budget_minutes) : json()},
@@ -72,13 +95,26 @@ json left_out_json(const TradeLevels& levels) {
   return left_out;
 }
 
+/// Those of the first training, and of each.
+json runs_json(const TradePlan& plan) {
+  json trainings = json::array();
+  for (const TradeTraining& training : plan.trainings) {
+    trainings.push_back({{"train", names_of(plan.dataset, training.runs.train)},
+                         {"choice", names_of(plan.dataset, training.runs.choice)},
+                         {"reported", names_of(plan.dataset, training.runs.reported)}});
+  }
+  json runs = trainings.front();
+  runs["trainings"] = trainings;
+  return runs;
+}
+
 json not_measured_json(const TradeOptions& options, const TradeFindings& findings) {
   json not_measured = json::array();
   for (const TradePoint& point : findings.points) {
-    if ((point.on_accuracy_front || point.on_delay_front) && point.networks.size() < options.seeds)
+    if ((point.on_accuracy_front || point.on_delay_front) && point.networks.size() < options.trainings)
       not_measured.push_back(
           {{"setting", text_of(point.setting, options.usual)},
-           {"why", fmt::format("with {} of {} seeds: the budget was used up", point.networks.size(), options.seeds)}});
+           {"why", fmt::format("with {} of {} trainings: the budget was used up", point.networks.size(), options.trainings)}});
   }
   for (const NotMeasured& one : findings.not_measured) not_measured.push_back({{"setting", one.setting}, {"why", one.why}});
   return not_measured;
@@ -92,37 +128,37 @@ json trade_json(const TradePlan& plan, const TradeFindings& findings) {
   const results::BootstrapOptions bootstrap;
   json points = json::array();
   for (const TradePoint& point : findings.points) points.push_back(point_json(point, options.usual));
-  return {{"format", "tactile-trade-1"},
-          {"title", fmt::format("Speed against accuracy on {} runs", dataset.simulated() ? "simulated" : "real")},
-          {"simulated", dataset.simulated()},
-          {"times_are",
-           fmt::format(
-               "Time per tick is that of computing: counting events, rendering and network, on one thread of one process, at {} "
-               "times of every run, the median of {} turns, in which all settings come one after the other, so that what else "
-               "the machine does falls on all alike. 'tactile detect' reports itself how long it waits beside that.",
-               options.timing.ticks * options.timing.pieces, options.timing.turns)},
-          {"settings", settings_json(options)},
-          {"software", experiments::software_json()},
-          {"machine", experiments::machine_json(options.threads)},
-          {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
-          {"dataset",
-           {{"file", experiments::from_folder(dataset.file(), options.out)},
-            {"manifest_hash", dataset.manifest_hash()},
-            {"settings", windows::dataset_settings_in(dataset.settings())},
-            {"samples", dataset.samples().size()}}},
-          {"runs",
-           {{"train", names_of(dataset, plan.train)},
-            {"choice", names_of(dataset, plan.choice())},
-            {"reported", names_of(dataset, plan.reported())}}},
-          {"usual", id_of(options.usual)},
-          {"busy", on_a_busy_machine(findings.points)},
-          {"points", points},
-          {"left_out", left_out_json(options.levels)},
-          {"not_measured", not_measured_json(options, findings)},
-          {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
-          {"growth", findings.growth},
-          {"recommendation", findings.recommendation},
-          {"steps", experiments::steps_json(findings.steps)}};
+  return {
+      {"format", "tactile-trade-1"},
+      {"title", fmt::format("Speed against accuracy on {} runs", dataset.simulated() ? "simulated" : "real")},
+      {"simulated", dataset.simulated()},
+      {"times_are",
+       fmt::format(
+           "Time per tick is that of computing: counting events, rendering and network, on one thread of one process. All of "
+           "at least {} ticks of each setting count, over all tested runs. All settings come one after the other in turns, so "
+           "that what else the machine does falls on all alike. 'tactile detect' reports itself how long it waits beside that.",
+           options.timing.ticks)},
+      {"judged_by", judged_by(plan)},
+      {"settings", settings_json(options)},
+      {"software", experiments::software_json()},
+      {"machine", experiments::machine_json(options.threads)},
+      {"bootstrap", {{"draws", bootstrap.draws}, {"confidence", bootstrap.confidence}, {"seed", bootstrap.seed}}},
+      {"dataset",
+       {{"file", experiments::from_folder(dataset.file(), options.out)},
+        {"manifest_hash", dataset.manifest_hash()},
+        {"settings", windows::dataset_settings_in(dataset.settings())},
+        {"samples", dataset.samples().size()}}},
+      {"runs", runs_json(plan)},
+      {"usual", id_of(options.usual)},
+      {"usual_is", judgement_of_usual(findings.points, options.usual)},
+      {"busy", on_a_busy_machine(findings.points)},
+      {"points", points},
+      {"left_out", left_out_json(options.levels)},
+      {"not_measured", not_measured_json(options, findings)},
+      {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
+      {"growth", findings.growth},
+      {"recommendation", findings.recommendation},
+      {"steps", experiments::steps_json(findings.steps)}};
 }
 
 void write_trade(const json& trade, const fs::path& folder) {
@@ -132,10 +168,10 @@ void write_trade(const json& trade, const fs::path& folder) {
 
 std::string trade_csv(const json& trade) {
   std::string csv =
-      "id,design,seeds,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,gate,runs,"
-      "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p95_us,missed,"
-      "false_alarms_per_min,false_alarms_per_min_low,false_alarms_per_min_high,us_p50,us_p50_low,us_p50_high,"
-      "us_p99,us_p99_low,us_p99_high,front_accuracy,front_delay\n";
+      "id,design,trainings,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,gate,runs,"
+      "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
+      "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
+      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay\n";
   const auto number = [](const json& value) {
     return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>());
   };
@@ -147,16 +183,18 @@ std::string trade_csv(const json& trade) {
       const json &setting = point.at("setting"), &result = point.at(runs);
       const auto word = [&](const char* key) { return setting.at(key).get<std::string>(); };
       csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},", point.at("id").get<std::string>(),
-                         point.at("design").get<std::string>(), point.at("seeds").get<std::size_t>(), number(setting.at("th_ms")),
-                         number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"), word("denoise"),
-                         word("engine"), word("precision"), word("pass"), word("confirm"),
+                         point.at("design").get<std::string>(), point.at("trainings").get<std::size_t>(),
+                         number(setting.at("th_ms")), number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"),
+                         word("denoise"), word("engine"), word("precision"), word("pass"), word("confirm"),
                          setting.at("gate").get<bool>() ? "on" : "off", runs);
       const json& delay = result.at("delay_us");
-      csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", figure(result.at("accuracy")), figure(delay.at("mean")),
-                         number(delay.at("p95").at("value")), number(delay.at("missed").at("value")),
-                         figure(result.at("false_alarms_per_min")), figure(result.at("us").at("p50")),
-                         figure(result.at("us").at("p99")), point.at("front").at("accuracy").get<bool>() ? 1 : 0,
-                         point.at("front").at("delay").get<bool>() ? 1 : 0);
+      const json &us = result.at("us"), &front = point.at("front");
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", figure(result.at("accuracy")), figure(delay.at("median")),
+                         number(delay.at("p90").at("value")), number(delay.at("missed").at("value")),
+                         figure(result.at("episodes_per_min")), figure(us.at("p50")), figure(us.at("p99")),
+                         number(us.at("p999").at("value")), front.at("accuracy").get<bool>() ? 1 : 0,
+                         front.at("delay").get<bool>() ? 1 : 0, number(front.at("probability").at("accuracy")),
+                         number(front.at("probability").at("delay")));
     }
   }
   return csv;

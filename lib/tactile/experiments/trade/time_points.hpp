@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tactile/experiments/trade/measure_points.hpp"
+
+namespace tactile::trade {
+
+/// Times ticks of all points in one step, and keeps the times in `measured`. If the budget has no time for all points, it leaves
+/// the usual one and those that are likeliest on a front; the others are moved to `not_measured`.
+/// @param ticks  of each point, at least
+/// @throws Error  if the budget has no time for the usual setting, or the step fails
+void time_points(const Stage& stage, const std::string& step_name, std::uint64_t ticks, MeasuredPoints& measured);
+
+/// The time that timing so many ticks of one setting takes, as far as it is known.
+double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known);
+
+/// Times ticks over event rates, histories and resolutions in one step.
+/// @return  `CostGrowth` as JSON; null if the budget ended it. @throws Error  if the step fails
+nlohmann::json time_cost_growth(const Stage& stage);
+
+}  // namespace tactile::trade

@@ -1,0 +1,75 @@
+#include "tactile/experiments/trade/usual_judgement.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace tactile::trade {
+namespace {
+
+constexpr double margin_of_shares = 0.01, margin_of_delay_us = 1000, margin_of_episodes = 1;
+
+bool is_faster(const TradeDifference& difference) {
+  const auto is_below = [](const results::Figure& us) { return us.high && *us.high < 0; };
+  return is_below(difference.us_p50) && is_below(difference.us_p99);
+}
+
+bool is_better(const TradeDifference& difference) {
+  const auto at_most = [](const results::Figure& figure, double most) { return figure.high && *figure.high <= most; };
+  return is_faster(difference) && difference.accuracy.low && *difference.accuracy.low >= -margin_of_shares &&
+         at_most(difference.delay_us, margin_of_delay_us) && at_most(difference.missed, margin_of_shares) &&
+         at_most(difference.episodes_per_min, margin_of_episodes);
+}
+
+std::string difference_text(const char* words, const results::Figure& figure, double factor, int decimals, const char* unit) {
+  const auto number = [&](double value) { return fmt::format("{:+.{}f}", factor * value, decimals); };
+  std::string text = fmt::format("{} {}{}", words, number(figure.value), unit);
+  if (figure.has_interval()) text += fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high));
+  return text;
+}
+
+std::string text_of(const TradePoint& point, const TradeSetting& usual) {
+  const TradeDifference& difference = *point.difference;
+  return fmt::format("{} ({}, {}, {}, {}, {})", text_of(point.setting, usual),
+                     difference_text("time in half of the ticks", difference.us_p50, 1, 0, " us"),
+                     difference_text("accuracy", difference.accuracy, 100, 1, " points"),
+                     difference_text("delay", difference.delay_us, 1e-3, 1, " ms"),
+                     difference_text("misses", difference.missed, 100, 1, " points"),
+                     difference_text("false alarms", difference.episodes_per_min, 1, 1, " per minute"));
+}
+
+std::string probability_text(const FrontProbability& probability) {
+  if (!probability.accuracy || !probability.delay) return {};
+  return fmt::format(
+      "The usual setting is on the front of accuracy and time in {:.0f} % of the draws, and on that of delay, misses and false "
+      "alarms in {:.0f} %. ",
+      100 * *probability.accuracy, 100 * *probability.delay);
+}
+
+}  // namespace
+
+std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSetting& usual) {
+  if (points.empty()) return {};
+  std::vector<std::string> better;
+  const TradePoint* nearest = nullptr;
+  for (const TradePoint& point : points) {
+    if (!point.difference || !point.setting.sparse) continue;
+    if (is_better(*point.difference)) better.push_back(text_of(point, usual));
+    const auto accuracy = [](const TradePoint& one) { return one.difference->accuracy.value; };
+    if (is_faster(*point.difference) && (nearest == nullptr || accuracy(point) > accuracy(*nearest))) nearest = &point;
+  }
+  const std::string probability = probability_text(points.front().front_probability);
+  if (!better.empty()) {
+    return fmt::format("{}Better than it by the whole 95 % intervals of their differences: {}.", probability,
+                       fmt::join(better, "; "));
+  }
+  const std::string none = probability +
+                           "No setting is better by the whole 95 % intervals: faster, at most a point less accurate, 1 ms later, "
+                           "with a point more misses and one more false alarm a minute. This is no evidence for another default.";
+  if (nearest == nullptr) return none;
+  return fmt::format("{} The most accurate of those that are faster for sure: {}.", none, text_of(*nearest, usual));
+}
+
+}  // namespace tactile::trade
