@@ -266,7 +266,7 @@ TEST(Report, NamesTheMissingPartsAndLeavesOldFiguresOfTheirsOut) {
   write_json(folder / "study/study.json", study);
   const ReportSummary summary = write_report(folder / "study", folder / "out");
   EXPECT_EQ(summary.figures, (std::vector<std::string>{"accuracy-by-history", "training"}));
-  for (const char* words : {"claims were not tested", "The evaluation reported: ", "The full run fan/02: ", "figure 9", "Frames"})
+  for (const char* words : {"claims were not tested", "The evaluation reported: ", "The full run fan/02: ", "figure 11", "Frames"})
     EXPECT_TRUE(any_tells(summary.missing, words)) << words;
   const std::string page = read_text(summary.page);
   EXPECT_TRUE(tells(page, "claims were not tested"));
@@ -312,7 +312,7 @@ TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
   EXPECT_EQ(summary.at("title").get<std::string>(), "Results of a (simulated runs)");
   EXPECT_EQ(summary.at("page").get<std::string>(), "models/a/report/report.html");
   EXPECT_EQ(summary.at("figures"), json({"delays", "operating-curve", "confusion", "reliability", "training"}));
-  for (const char* words : {"figure 6", "figure 8", "figure 9", "claims"})
+  for (const char* words : {"figure 8", "figure 10", "figure 11", "claims"})
     EXPECT_TRUE(any_tells(summary.at("missing"), words)) << words;
   EXPECT_TRUE(fs::exists(folder / "models/a/report/report.html"));
 

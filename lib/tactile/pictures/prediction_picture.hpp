@@ -37,11 +37,11 @@ struct PredictionPicture {
   std::vector<std::string> remarks;       ///< written under the panels
 };
 
-/// A figure 1100 pixels wide, after the paper's eighth: the event rate, the probabilities of press and slip, and rows for what
+/// A figure 1100 pixels wide, after the paper's tenth: the event rate, the probabilities of press and slip, and rows for what
 /// was predicted, labelled and true, one under the other on one axis of camera time. Labelled intervals are shaded in all panels,
 /// presses blue and slips orange.
 /// @throws Error  if there is no tick
-/// Source: Faris et al., arXiv:2403.10120, figure 8.
+/// Source: Faris et al., arXiv:2403.10120, figure 10.
 Plot prediction_plot(const PredictionPicture& picture);
 
 /// Draws it as PNG or SVG. @throws Error as `draw` does

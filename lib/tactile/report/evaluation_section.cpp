@@ -84,14 +84,14 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
     for (const auto& object : delays->objects) names.insert(object.first);
   }
   if (names.empty()) {
-    page.missing.push_back("Detection delays (the paper's figure 7) of " + model + ".");
+    page.missing.push_back("Detection delays (the paper's figure 9) of " + model + ".");
   } else {
     page.figure(
         "delays" + suffix,
         delay_plot(page.titled("Detection delay, " + model), {names.begin(), names.end()}, press.objects, slip.objects),
         fmt::format("Mean detection delay of each object: press {:.1f} ms and slip {:.1f} ms over all.", press.all.mean_ms.value,
                     slip.all.mean_ms.value),
-        fmt::format("Detection delay of press and slip{}, as in the paper's figure 7. The best possible delay is one tick, "
+        fmt::format("Detection delay of press and slip{}, as in the paper's figure 9. The best possible delay is one tick, "
                     "{:g} ms. Means do not include missed and early intervals, which are counted beside the bars.",
                     has_standard_errors(press) || has_standard_errors(slip)
                         ? " with standard errors, where an object has two detected intervals"

@@ -112,7 +112,7 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
     input.remarks.push_back(fmt::format("The first {} of {} runs over time are shown.", most_runs, files.size()));
   if (files.empty()) {
     input.missing.push_back(
-        fmt::format("No run over time (the paper's figure 8); 'tactile eval --model {} --run OBJECT/RUN' makes one.",
+        fmt::format("No run over time (the paper's figure 10); 'tactile eval --model {} --run OBJECT/RUN' makes one.",
                     shell_word(folder.path().string())));
   }
 }
@@ -141,7 +141,7 @@ void add_histories(ReportInput& input, const std::vector<ModelFolder>& folders) 
     input.histories.push_back(histories_of("the test runs of each model", by_history));
   else
     input.missing.push_back(
-        "Accuracy by history (the paper's figure 6) needs models of several histories; 'tactile reproduce' trains them.");
+        "Accuracy by history (the paper's figure 8) needs models of several histories; 'tactile reproduce' trains them.");
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data
   input.title =
       fmt::format("Results of {}{}", first.name(), first.model()["dataset"]["simulated"].truth() ? " (simulated runs)" : "");
   if (input.unseen.empty())
-    input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
+    input.missing.push_back("Unseen objects (the paper's figure 11) were not tested; 'tactile eval --unseen' tests them.");
   input.missing.push_back("Only 'tactile reproduce' tests the paper's claims, and records the machine and the times.");
   input.settings.push_back({.caption = "Settings and seeds", .head = {"setting", "value"}, .rows = settings_of(first)});
   input.settings.push_back(

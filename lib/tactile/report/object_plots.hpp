@@ -28,20 +28,20 @@ struct HistoryCurve {
 std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& curve);
 
 /// A small panel for each curve on common axes, with the other curves in grey; its best history is marked.
-/// Source: Faris et al., arXiv:2403.10120, figure 6.
+/// Source: Faris et al., arXiv:2403.10120, figure 8.
 pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves);
 
 /// Bars of the mean detection delay with its standard error, presses beside slips, one row for each object. Words beside the bars
 /// count missed and early intervals.
 /// @param objects   in the order of the rows
 /// @param limit_ms  the paper's limit, drawn as a line
-/// Source: Faris et al., arXiv:2403.10120, figure 7.
+/// Source: Faris et al., arXiv:2403.10120, figure 9.
 pictures::Plot delay_plot(const std::string& title, const std::vector<std::string>& objects,
                           const std::map<std::string, results::DelaySummary>& press,
                           const std::map<std::string, results::DelaySummary>& slip, double limit_ms = 5);
 
 /// Accuracy on each object with it in training, and without, one row for each object.
-/// Source: Faris et al., arXiv:2403.10120, figure 9.
+/// Source: Faris et al., arXiv:2403.10120, figure 11.
 pictures::Plot unseen_plot(const std::string& title, const std::map<std::string, results::SeenAndHeldOut>& objects);
 
 }  // namespace tactile::report

@@ -103,7 +103,7 @@ void add_histories(ReportPage& page, const ReportInput& input) {
     page.figure(is_first ? "accuracy-by-history" : "accuracy-by-history-" + name_part(histories.runs),
                 accuracy_by_history_plot(page.titled("Accuracy by history, " + histories.runs), histories.curves),
                 fmt::format("Accuracy against history for each object; the mean is highest with {}.", best),
-                fmt::format("Accuracy by event history t_h, as in the paper's figure 6, on {}. Mean over objects: best with {}.",
+                fmt::format("Accuracy by event history t_h, as in the paper's figure 8, on {}. Mean over objects: best with {}.",
                             histories.runs, best));
     page.html.table(history_table(histories));
     if (histories.is_folded) page.html.end_folded();
@@ -125,7 +125,7 @@ void add_unseen(ReportPage& page, const ReportInput& input) {
         unseen_plot(page.titled("Seen and unseen objects, " + where), comparison.objects),
         fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
                     comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
-        fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 9, on {}, "
+        fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 11, on {}, "
                     "which neither model was trained on.",
                     models.seen, models.held_out, where));
     page.html.table(unseen_table(comparison));

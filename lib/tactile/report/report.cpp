@@ -83,11 +83,12 @@ void add_runs(ReportPage& page, const ReportInput& input) {
     else
       page.missing.push_back(
           fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, run.outcome.string()));
-    page.figure("run-" + name_part(run.run), pictures::prediction_plot(picture),
-                fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
-                fmt::format("A whole run, as in the paper's figure 8: {} by {}. Event rate, probabilities of press and slip, and "
-                            "predictions above labels{}.",
-                            run.run, run.model, picture.has_truth ? " and truth" : ""));
+    page.figure(
+        "run-" + name_part(run.run), pictures::prediction_plot(picture),
+        fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
+        fmt::format("A whole run, as in the paper's figure 10: {} by {}. Event rate, probabilities of press and slip, and "
+                    "predictions above labels{}.",
+                    run.run, run.model, picture.has_truth ? " and truth" : ""));
   }
   if (input.runs.size() > most_runs_over_time)
     page.html.paragraph(

@@ -144,7 +144,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
     }
   }
   if (study["full_runs"].items().empty())
-    input.missing.push_back("No run over time (the paper's figure 8); 'tactile eval --run OBJECT/RUN' makes one.");
+    input.missing.push_back("No run over time (the paper's figure 10); 'tactile eval --run OBJECT/RUN' makes one.");
 }
 
 void read_unseen(ReportInput& input, const results::JsonView& study) {
@@ -156,7 +156,7 @@ void read_unseen(ReportInput& input, const results::JsonView& study) {
     if (!section.comparison.objects.empty()) input.unseen.push_back(std::move(section));
   }
   if (input.unseen.empty())
-    input.missing.push_back("Unseen objects (the paper's figure 9) were not tested; 'tactile eval --unseen' tests them.");
+    input.missing.push_back("Unseen objects (the paper's figure 11) were not tested; 'tactile eval --unseen' tests them.");
   std::vector<TableRow> rows;
   for (const results::JsonView& split : study["splits"].items()) {
     const results::SeenAndHeldOut mean = split["reported"]["mean"].get<results::SeenAndHeldOut>();

@@ -30,7 +30,7 @@ struct JudgedModels {
 };
 
 /// Fourth stage of a study: evaluates the models of the chosen history on the reported runs, and the paper's on all test runs,
-/// and predicts one run over time as in the paper's figure 8. @throws Error  if a step fails
+/// and predicts one run over time as in the paper's figure 10. @throws Error  if a step fails
 JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner);
 
 /// The detections of each run: "runs" of an evaluation. @throws Error, naming `where`, if it has none
