@@ -15,7 +15,7 @@ namespace {
 RunPlanOptions disturbed() {
   RunPlanOptions options = short_runs();
   options.after = {};
-  options.variation = {};
+  options.variation = {.new_share = 1};
   options.after.micro_slips_per_s = 0;
   return options;
 }

@@ -16,10 +16,11 @@ inline void leave_undisturbed(RunPlanOptions& options) {
   options.variation.light_drift = {0, 0};
 }
 
-/// Short runs, all plain.
+/// Short runs, all plain, and each new in everything.
 inline RunPlanOptions short_runs() {
   RunPlanOptions options;
   leave_undisturbed(options);
+  options.variation.new_share = 1;
   options.timings = {.quiet_s = {0.6, 0.75},
                      .travel_s = {0.15, 0.35},
                      .hold_s = {0.3, 0.42},

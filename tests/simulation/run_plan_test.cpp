@@ -434,5 +434,54 @@ TEST(RunPlanSettings, AreReadBackAsTheyWereWritten) {
     EXPECT_GT(json.size(), 5U);
 }
 
+/// The logarithm of the depth of each of many runs.
+std::vector<double> log_depths(RunPlanOptions options, double new_share) {
+  options.variation.new_share = new_share;
+  options.object_seed = 7;
+  std::vector<double> depths;
+  for (std::uint64_t seed = 0; seed < 400; ++seed)
+    depths.push_back(std::log(drawn_plan(default_physics().objects.front(), options, seed).presses[0].depth_mm));
+  return depths;
+}
+
+double deviation(const std::vector<double>& values) {
+  double sum = 0, squares = 0;
+  for (const double value : values) sum += value, squares += value * value;
+  const double mean = sum / static_cast<double>(values.size());
+  return std::sqrt(squares / static_cast<double>(values.size()) - mean * mean);
+}
+
+TEST(DrawnRuns, DifferByTheNewShareOfEachSpread) {
+  RunPlanOptions options = short_runs();
+  options.variation.depth_mm = {0.05, 2.0};
+  options.variation.depth_spread = 0.1;
+  EXPECT_NEAR(deviation(log_depths(options, 1)), 0.1, 0.015);
+  EXPECT_NEAR(deviation(log_depths(options, 0.5)), 0.05, 0.008);
+  EXPECT_NEAR(deviation(log_depths(options, 0.1)), 0.01, 0.0015);
+}
+
+TEST(DrawnRuns, PressAndLiftAlikeButAtOtherTimesIfNothingIsNew) {
+  RunPlanOptions options = short_runs();
+  options.variation.new_share = 0;
+  options.object_seed = 7;
+  const ObjectModel& object = default_physics().objects.front();
+  const RunPlan one = drawn_plan(object, options, 1), two = drawn_plan(object, options, 2);
+  EXPECT_NE(one.lift->start_s, two.lift->start_s);
+  EXPECT_EQ(one.presses[0].depth_mm, two.presses[0].depth_mm);
+  EXPECT_EQ(one.lift->speed_mm_s, two.lift->speed_mm_s);
+  EXPECT_EQ(nlohmann::json(one).at("presses")[0].at("markers"), nlohmann::json(two).at("presses")[0].at("markers"));
+  options.object_seed = 8;
+  EXPECT_NE(drawn_plan(object, options, 1).presses[0].depth_mm, one.presses[0].depth_mm);
+}
+
+TEST(DrawnRuns, HaveNothingInCommonIfAllIsNew) {
+  RunPlanOptions options = short_runs();
+  const ObjectModel& object = default_physics().objects.front();
+  options.object_seed = 7;
+  const nlohmann::json one = drawn_plan(object, options, 1);
+  options.object_seed = 8;
+  EXPECT_EQ(nlohmann::json(drawn_plan(object, options, 1)), one);
+}
+
 }  // namespace
 }  // namespace tactile::simulation

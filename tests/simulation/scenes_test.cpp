@@ -12,6 +12,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/simulation/simulate.hpp"
+#include "tactile/simulation/simulated_run.hpp"
 
 namespace tactile::simulation {
 namespace {
@@ -71,8 +72,52 @@ TEST(Scenes, AreAllTestedAndDescribed) {
     EXPECT_TRUE(read_json(file.path()).contains("why")) << file.path();
     EXPECT_NO_THROW(read_physics(file.path())) << file.path();
   }
-  EXPECT_EQ(names, (std::set<std::string>{"blinding-flicker", "dead-quiet", "plain", "saturated-readout", "small-camera",
-                                          "sync-taps", "twenty-million"}));
+  EXPECT_EQ(names, (std::set<std::string>{"blinding-flicker", "dead-quiet", "easy", "hard", "plain", "saturated-readout",
+                                          "small-camera", "sync-taps", "twenty-million"}));
+}
+
+/// By what factor the depths of the runs of an object differ: the deepest over the flattest, the largest of all objects.
+double depth_ratio(const SimulationPhysics& physics) {
+  double ratio = 1;
+  for (const ObjectModel& object : physics.objects) {
+    double least = 10, most = 0;
+    for (const char* run : {"01", "02", "03"}) {
+      const double depth_mm = draw_run(physics, object.name, run, "tiny", 1).plan.presses[0].depth_mm;
+      least = std::min(least, depth_mm);
+      most = std::max(most, depth_mm);
+    }
+    ratio = std::max(ratio, most / least);
+  }
+  return ratio;
+}
+
+TEST(Scenes, HardHasRunsThatDifferAndEasyHasRunsThatAreAlike) {
+  const MadeScene hard("hard"), easy("easy");
+  for (const MadeScene* scene : {&hard, &easy}) {
+    EXPECT_EQ(scene->all("press").size(), 1U);
+    EXPECT_EQ(scene->all("slip").size(), 1U);
+  }
+  const double usual = depth_ratio(default_physics());
+  EXPECT_GT(depth_ratio(hard.physics), 1.5);
+  EXPECT_LT(usual, 1.2);
+  EXPECT_LT(depth_ratio(easy.physics), usual);
+  EXPECT_LT(easy.rate(easy.start(), easy.start() + 500ms), 0.5 * hard.rate(hard.start(), hard.start() + 500ms))
+      << "its camera is quiet";
+  EXPECT_TRUE(easy.all("micro-slip").empty() && easy.all("turn").empty());
+}
+
+TEST(Scenes, OfTheStudyBeyondTheRangesCanBeDrawn) {
+  int files = 0;
+  for (const fs::directory_entry& file :
+       fs::directory_iterator(scenes.parent_path().parent_path() / "studies" / "out-of-range")) {
+    SCOPED_TRACE(file.path());
+    const SimulationPhysics physics = read_physics(file.path());
+    EXPECT_TRUE(read_json(file.path()).contains("why"));
+    EXPECT_NE(json_of(physics), json_of(default_physics()));
+    EXPECT_NO_THROW(draw_run(physics, "fan", "01", "quick", 1));
+    ++files;
+  }
+  EXPECT_GT(files, 0);
 }
 
 TEST(Scenes, SaturatedReadoutNeverGivesMoreThanItsLimitAndOftenGivesIt) {

@@ -172,10 +172,14 @@ TEST(Simulate, WritesATruthThatFitsItsEvents) {
     }
     std::map<std::pair<int, int>, int> counts;
     for (const events::Event& event : events) ++counts[{event.x, event.y}];
+    std::size_t busier = 0;  // markers move over some hot pixels
     for (const TruePixel& hot : truth.hot_pixels) {
-      const double expected = hot.hz * made.duration_s;
-      EXPECT_NEAR((counts[{hot.x, hot.y}]), expected, 0.1 * expected + 6 * std::sqrt(expected) + 30) << hot.x << ", " << hot.y;
+      const double expected = hot.hz * made.duration_s, unsure = 0.1 * expected + 6 * std::sqrt(expected);
+      const int count = counts[{hot.x, hot.y}];
+      EXPECT_GT(count, expected - unsure) << hot.x << ", " << hot.y;
+      busier += count > expected + unsure + 30 ? 1 : 0;
     }
+    EXPECT_LT(busier, 0.02 * static_cast<double>(truth.hot_pixels.size()));
     for (const TruePixel& dead : truth.dead_pixels) EXPECT_EQ((counts[{dead.x, dead.y}]), 0);
   }
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "tactile/simulation/draw_disturbances.hpp"
 #include "tactile/simulation/run_plan.hpp"
@@ -8,8 +9,13 @@
 namespace tactile::simulation {
 namespace {
 
+/// @param use  draws for another use are independent
+RepeatedRandom repeated(const RunPlanOptions& options, std::string_view use, Random& run) {
+  return {seed_for(options.object_seed, {use}), options.variation.new_share, run};
+}
+
 std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object, const RunVariation& variation, double depth_mm,
-                                                      Random& random) {
+                                                      RepeatedRandom& random) {
   const double centre_x = cut_normal(variation.centre_mm, random), centre_y = cut_normal(variation.centre_mm, random);
   const double tilt_x = cut_normal(object.tilt, random), tilt_y = cut_normal(object.tilt, random);
   const double pull = drawn(variation.pull, random);
@@ -39,8 +45,9 @@ std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object,
 }
 
 /// A press with a stage command at `stage_start_s`.
-PressPlan draw_press(const ObjectModel& object, const RunPlanOptions& options, double stage_start_s, Random& random) {
+PressPlan draw_press(const ObjectModel& object, const RunPlanOptions& options, double stage_start_s, Random& of_run) {
   const RunVariation& v = options.variation;
+  RepeatedRandom random = repeated(options, "press", of_run);
   PressPlan press;
   press.depth_mm = std::clamp(varied(object.depth_mm, v.depth_spread, random), v.depth_mm.low, v.depth_mm.high);
   press.press_power = drawn(v.press_power, random);
@@ -50,21 +57,22 @@ PressPlan draw_press(const ObjectModel& object, const RunPlanOptions& options, d
       std::clamp(press.press_s, travel_in_units / v.closing_speed_mm_s.high, travel_in_units / v.closing_speed_mm_s.low);
   press.stage_share = 1.0 - object.compliance;
   press.stage_start_s = stage_start_s;
-  press.contact_s = stage_start_s + drawn(options.timings.travel_s, random);
+  press.contact_s = stage_start_s + drawn(options.timings.travel_s, of_run);
   press.relaxation_share = drawn(options.after.relaxation_share, random);
   press.relaxation_s = drawn(options.after.relaxation_s, random);
   press.markers = draw_contacts(object, v, press.depth_mm, random);
   return press;
 }
 
-LiftPlan draw_lift(const ObjectModel& object, const RunPlanOptions& options, double start_s, Random& random) {
+LiftPlan draw_lift(const ObjectModel& object, const RunPlanOptions& options, double start_s, Random& of_run) {
   const RunVariation& v = options.variation;
+  RepeatedRandom random = repeated(options, "lift", of_run);
   const auto cut = [&](double typical, double spread, const Range& range) {
     return std::clamp(varied(typical, spread, random), range.low, range.high);
   };
   LiftPlan lift;
   lift.start_s = start_s;
-  lift.lift_s = drawn(options.timings.lift_s, random);
+  lift.lift_s = drawn(options.timings.lift_s, of_run);
   lift.speed_mm_s = drawn(v.lift_speed_mm_s, random);
   lift.acceleration_mm_s2 = drawn(v.lift_acceleration_mm_s2, random);
   lift.angle_rad = cut_normal(v.lift_angle_rad, random);
@@ -171,13 +179,14 @@ RunKind draw_kind(const RunPlanOptions& options, Random& random) {
 }
 
 /// Draws what does not depend on the motion: light, noise, devices and the arm's vibration.
-void draw_surroundings(RunPlan& plan, const ObjectModel& object, const RunPlanOptions& options, Random& random) {
+void draw_surroundings(RunPlan& plan, const ObjectModel& object, const RunPlanOptions& options, Random& of_run) {
   const RunVariation& variation = options.variation;
+  RepeatedRandom random = repeated(options, "surroundings", of_run);
   plan.skin_coupling = drawn(variation.skin_coupling, random);
   plan.veil = drawn(variation.veil, random) + object.reflectivity * drawn(variation.object_veil, random);
-  plan.noise_factor = varied(1.0, variation.noise_spread, random);
-  plan.stage_on_robot_output = random.uniform() < variation.stage_output_share;
-  plan.has_imu = random.uniform() < options.imu_share;
+  plan.noise_factor = varied(1.0, variation.noise_spread, of_run);
+  plan.stage_on_robot_output = of_run.uniform() < variation.stage_output_share;
+  plan.has_imu = of_run.uniform() < options.imu_share;
   plan.vibration = {.hz = drawn(options.after.vibration_hz, random),
                     .tip_mm = drawn(options.after.vibration_mm, random),
                     .decay_s = drawn(options.after.vibration_decay_s, random),

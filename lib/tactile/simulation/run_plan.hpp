@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -38,6 +39,9 @@ void list_fields(Fields& fields, RunTimings& t) {
 /// is published. Press and lift are within the limits of the sensor and its stage (0-2 mm inward, 4-20 mm/s), slip is within the
 /// ranges reported for slip sensing (shear of 0.2-1.5 mm, stick-slip of 10-60 Hz, ringing of 60-300 Hz). The rest is assumed.
 struct RunVariation {
+  /// Of each spread and range of press and lift, veil and vibration: new in each run. The rest is drawn once for each object, and
+  /// all its runs have it.
+  double new_share = 0.1;
   // Press.
   double depth_spread = 0.25;
   Range depth_mm{0.4, 1.9};  ///< limits
@@ -85,14 +89,15 @@ struct RunVariation {
   Range skin_coupling{0.06, 0.06};  ///< share by which less pressed markers follow the mean: the skin is one piece
   Range veil{0.01, 0.05};
   Range object_veil{0.0, 0.04};  ///< additional stray light from an object of reflectivity 1
-  double noise_spread = 0.25;
-  Range light_drift{0.0, 0.02};     ///< amplitude of the slow drift of the light, as a share
+  double noise_spread = 0.05;
+  Range light_drift{0.0, 0.01};     ///< amplitude of the slow drift of the light, as a share
   Range light_drift_s{5, 40};       ///< its period
   double stage_output_share = 0.5;  ///< share of the runs in which the robot's output commands the stage
 };
 
 template <class Fields>
 void list_fields(Fields& fields, RunVariation& v) {
+  fields("new_share", v.new_share, 0.0, 1.0);
   fields("depth_spread", v.depth_spread, 0.0, 2.0);
   fields("depth_mm", v.depth_mm, 0.05, 2.0);
   fields("press_power", v.press_power, 0.1, 10.0);
@@ -145,7 +150,7 @@ void list_fields(Fields& fields, RunVariation& v) {
 struct AfterEffects {
   Range relaxation_share{0.002, 0.015};  ///< of the depth, by which tips creep while the stage is still
   Range relaxation_s{0.3, 1.0};          ///< time constant
-  double micro_slips_per_s = 0.5;        ///< while the object touches and only creeps
+  double micro_slips_per_s = 0.2;        ///< while the object touches and only creeps
   Range micro_slip_mm{0.02, 0.08};
   double micro_slip_share = 0.35;  ///< share of the touched markers that take part, at least one
   double recontact_chance = 0.3;   ///< in the rest after a lift
@@ -158,11 +163,11 @@ struct AfterEffects {
   Range vibration_decay_s{0.04, 0.12};
   Range vibration_housing{0.1, 0.5};  ///< initial acceleration of the camera's housing, as a share of the arm's
   // At any time while the object is held, also right before and right after a lift.
-  double free_micro_slips_per_s = 0.4;
-  double partial_slips_per_s = 0.15;  ///< some of the touched tips slide a little, for a while
+  double free_micro_slips_per_s = 0.1;
+  double partial_slips_per_s = 0.05;  ///< some of the touched tips slide a little, for a while
   Range partial_slip_mm{0.05, 0.3};
   Range partial_slip_s{0.03, 0.25};
-  double turn_chance = 0.25;  ///< of a run: the object turns against the skin, and the tips follow
+  double turn_chance = 0.1;  ///< of a run: the object turns against the skin, and the tips follow
   Range turn_rad{0.005, 0.03};
   Range turn_s{0.1, 0.5};
   Range hysteresis_share{0.02, 0.1};  ///< of its displacement, that a tip keeps when the object leaves it
@@ -401,6 +406,7 @@ struct RunPlanOptions {
   double imu_share = 0.5;  ///< of the runs that have an IMU stream
   int run_number = 1;      ///< from 1
   bool may_be_special = false;
+  std::uint64_t object_seed = 0;  ///< of what an object's runs have in common
 };
 
 /// An upper limit for the duration of a run with these options.

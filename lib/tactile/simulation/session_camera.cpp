@@ -9,7 +9,8 @@ namespace tactile::simulation {
 
 SessionCamera session_camera(const EventCameraOptions& camera, const SessionPhysics& sessions, std::uint64_t seed,
                              std::string_view session) {
-  if (!sessions.vary) return {.options = camera, .pixels_seed = seed_for(seed, {"camera"})};
+  const std::uint64_t one_sensor = seed_for(seed, {"camera"});
+  if (!sessions.vary) return {.options = camera, .pixels_seed = one_sensor};
   Random random(seed_for(seed, {"camera of a session", session}));
   EventCameraOptions o = camera;
   o.readout_us = std::clamp(o.readout_us * drawn(sessions.readout, random), 1.0, 1e6);
@@ -32,7 +33,7 @@ SessionCamera session_camera(const EventCameraOptions& camera, const SessionPhys
   o.shift_x_mm += cut_normal(sessions.shift_mm, random);
   o.shift_y_mm += cut_normal(sessions.shift_mm, random);
   o.rotation_rad += cut_normal(sessions.rotation_rad, random);
-  return {.options = o, .pixels_seed = seed_for(seed, {"pixels of a session", session})};
+  return {.options = o, .pixels_seed = sessions.same_pixels ? one_sensor : seed_for(seed, {"pixels of a session", session})};
 }
 
 }  // namespace tactile::simulation

@@ -10,24 +10,26 @@ namespace tactile::simulation {
 
 /// How the cameras of sessions differ. A range is that of a factor on the member of `camera`, drawn evenly.
 struct SessionPhysics {
-  bool vary = true;  ///< false: one camera for all runs of the data set
+  bool vary = true;         ///< false: one camera for all runs of the data set
+  bool same_pixels = true;  ///< all sessions have the same sensor: hot and dead pixels, and which pixels have higher thresholds
   Range readout{0.9985, 1.0115};
-  Range threshold{0.8, 1.25};
-  Range mismatch{0.7, 1.5};  ///< threshold_sigma
-  Range bandwidth{0.7, 1.4};
-  Range background{0.6, 1.5};
-  Range hot_pixels{0.4, 1.5};
-  Range skin{0.85, 1.15};
-  Range black{0.7, 1.5};
-  Range white{0.93, 1.07};
-  Range blur{0.8, 1.8};
-  double shift_mm = 0.5;       ///< of the skin in the image: standard deviation in each direction, added
-  double rotation_rad = 0.01;  ///< standard deviation, added
+  Range threshold{0.95, 1.05};
+  Range mismatch{0.9, 1.1};  ///< threshold_sigma
+  Range bandwidth{0.9, 1.1};
+  Range background{0.95, 1.05};
+  Range hot_pixels{0.9, 1.1};
+  Range skin{0.95, 1.05};
+  Range black{0.9, 1.1};
+  Range white{0.98, 1.02};
+  Range blur{0.95, 1.1};
+  double shift_mm = 0.05;       ///< of the skin in the image: standard deviation in each direction, added
+  double rotation_rad = 0.002;  ///< standard deviation, added
 };
 
 template <class Fields>
 void list_fields(Fields& fields, SessionPhysics& s) {
   fields("vary", s.vary);
+  fields("same_pixels", s.same_pixels);
   fields("readout", s.readout, 0.5, 2.0);
   fields("threshold", s.threshold, 0.1, 10.0);
   fields("mismatch", s.mismatch, 0.0, 10.0);

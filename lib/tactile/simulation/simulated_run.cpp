@@ -71,7 +71,8 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   drawn.seed = seed;
   const SimulationPreset& size = physics.preset(preset);
   Random for_plan(drawn.seed_for_use("plan")), for_motion(drawn.seed_for_use("motion"));
-  const RunPlanOptions options = physics.plan_options(size, number_of(drawn.run));
+  RunPlanOptions options = physics.plan_options(size, number_of(drawn.run));
+  options.object_seed = seed_for(seed, {"object", drawn.object.name});
   drawn.plan = draw_run_plan(drawn.object, options, for_plan);
   drawn.clocks = clocks_of_run(physics.clocks, seed, drawn.object.name, options.run_number, longest_run_s(options));
   const SessionCamera of_session =
