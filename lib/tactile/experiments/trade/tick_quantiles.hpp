@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tactile/evaluation/confidence_interval.hpp"
+#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/results/judged_run.hpp"
 
 namespace tactile::trade {
