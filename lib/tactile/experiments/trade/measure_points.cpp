@@ -103,8 +103,8 @@ std::string time_left(Clock::time_point begun, std::size_t done, std::size_t lef
 }
 
 /// Adds the predictions of all networks of the points that are missing, as far as the budget allows.
-/// @param reserve_s  time that what comes after needs
-void predict(const Stage& stage, MeasuredPoints& measured, double reserve_s) {
+/// @param reserve_s  time that what comes after needs   @param each_s  the same for each prediction
+void predict(const Stage& stage, MeasuredPoints& measured, double reserve_s, double each_s) {
   std::vector<experiments::Step> due;
   std::set<std::string> seen;
   const auto run = [&](const experiments::Step& step) {
@@ -125,7 +125,8 @@ void predict(const Stage& stage, MeasuredPoints& measured, double reserve_s) {
   }
   const Clock::time_point begun = Clock::now();
   for (std::size_t i = 0; i < due.size(); ++i) {
-    if (!stage.budget.allows(longest_s(stage.runner, "said-") + reserve_s)) return;
+    const double after_s = reserve_s + each_s * static_cast<double>(measured.predictions.size() + 1);
+    if (!stage.budget.allows(longest_s(stage.runner, "said-") + after_s)) return;
     due[i].description = fmt::format("judging {} of {}, at every tick of its runs: {}{}", i + 1, due.size(), due[i].description,
                                      time_left(begun, i, due.size() - i));
     if (!stage.budget.finishes([&] { run(due[i]); })) return;
@@ -186,11 +187,18 @@ void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t
   remove_what_cannot_be_rendered(stage.plan, measured);
   std::vector<TradeNetwork> networks;
   for (const TradePoint& point : measured.points) networks.push_back(network_of(stage.plan, point.setting, 0));
-  // The usual setting at least must be predicted and timed; the rest is left out as far as there is no time for it.
-  const double reserve_s = timing_s(stage, ticks, measured.times);
-  stage.trainer.train(networks, reserve_s + longest_s(stage.runner, "said-"));
+  const double timing_each_s = timing_s(stage, ticks, measured.times);
+  double reserve_s = 0;
+  if (stage.plan.options.budget_minutes) {
+    // The usual setting first: all others are compared with it, and it shows what they take. Two settings at least can be timed.
+    stage.trainer.train({networks.front()}, 0, 0);
+    measured.points.front().networks = stage.trainer.trained_for(stage.plan.options.usual);
+    predict(stage, measured, 0, 0);
+    reserve_s = 2 * timing_s(stage, stage.plan.options.timing.ticks, measured.times);
+  }
+  stage.trainer.train(networks, reserve_s, timing_each_s + longest_s(stage.runner, "said-"));
   take_networks(stage, measured);
-  predict(stage, measured, reserve_s);
+  predict(stage, measured, reserve_s, timing_each_s);
   keep_predicted(stage, measured);
   time_points(stage, step_of_times, ticks, measured);
   judge(stage.plan, measured);
@@ -210,11 +218,11 @@ void measure_all_trainings(const Stage& stage, MeasuredPoints& measured) {
         networks.push_back(network_of(stage.plan, point.setting, training));
     }
     const std::size_t before = stage.trainer.trained();
-    stage.trainer.train(networks, longest_s(stage.runner, "said-") + reserve_s);
+    stage.trainer.train(networks, reserve_s, longest_s(stage.runner, "said-"));
     for (TradePoint& point : measured.points) {
       if (may_be_on_a_front(point)) point.networks = stage.trainer.trained_for(point.setting);
     }
-    predict(stage, measured, reserve_s);
+    predict(stage, measured, reserve_s, 0);
     // Other settings that share these predictions need no more time.
     for (TradePoint& point : measured.points) point.networks = stage.trainer.trained_for(point.setting);
     keep_predicted(stage, measured);

@@ -28,7 +28,7 @@ bool NetworkTrainer::is_trained(const TradeNetwork& network) const {
   return model::state_of(network.bundle, plan_.dataset, network.settings) == model::BundleState::unchanged;
 }
 
-void NetworkTrainer::train(const std::vector<TradeNetwork>& networks, double reserve_s) {
+void NetworkTrainer::train(const std::vector<TradeNetwork>& networks, double reserve_s, double each_s) {
   std::vector<experiments::Step> kept;
   std::vector<const TradeNetwork*> due;
   std::set<std::string> seen = trained_;
@@ -44,8 +44,8 @@ void NetworkTrainer::train(const std::vector<TradeNetwork>& networks, double res
   runner_.run_side_by_side(kept);
   const std::size_t at_once = plan_.options.budget_minutes ? plan_.options.threads : std::max<std::size_t>(due.size(), 1);
   for (std::size_t begin = 0; begin < due.size(); begin += at_once) {
-    if (!budget_.allows(longest_s(runner_, "train-") + reserve_s)) return;
     const std::size_t end = std::min(begin + at_once, due.size());
+    if (!budget_.allows(longest_s(runner_, "train-") + reserve_s + each_s * static_cast<double>(end))) return;
     std::vector<experiments::Step> batch;
     for (std::size_t i = begin; i < end; ++i) {
       batch.push_back(step_for(*due[i]));

@@ -22,7 +22,8 @@ class NetworkTrainer {
 
   /// In their order, each once.
   /// @param reserve_s  time that what comes after needs
-  void train(const std::vector<TradeNetwork>& networks, double reserve_s);
+  /// @param each_s     time that it needs besides for each network that this call trains
+  void train(const std::vector<TradeNetwork>& networks, double reserve_s, double each_s);
 
   std::size_t trained() const { return trained_.size(); }
 
