@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
@@ -54,8 +55,11 @@ std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const
   });
 }
 
-/// Above 0, unless delays are counted from a later onset; in steps of the shortest one, which is a tick or more.
-Range range_of_delays(std::span<const double> delays) {
+/// Above 0, unless delays are counted from a later onset; in steps of the shortest one of all runs, which is a tick or more.
+Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch) {
+  std::vector<std::size_t> all(runs.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::vector<double> delays = delays_ms(runs, {all}, touch);
   const auto shortest = std::min_element(delays.begin(), delays.end());
   if (shortest == delays.end() || *shortest <= 0) return {};
   return {.lowest = 0, .step = *shortest};
@@ -64,7 +68,7 @@ Range range_of_delays(std::span<const double> delays) {
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
                                  const DetectionTimes& times, MakeFigure make_figure) {
-  const Range range = range_of_delays(delays_ms(runs, chosen, touch));
+  const Range range = range_of_delays(runs, touch);
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {

@@ -14,7 +14,7 @@ TradedRun cell(const std::string& object, std::size_t training, std::uint64_t ri
   run.confusion.counts[0][0] = right;
   run.confusion.counts[0][1] = 100 - right;
   run.delays = {{delay_us, true}};
-  run.alarms.none_time = std::chrono::seconds(60);
+  run.alarms.none_time = run.alarms.outside_labels_time = std::chrono::seconds(60);
   return run;
 }
 

@@ -54,8 +54,8 @@ TEST(OutcomeOf, AMissCountsWithHalfASecondAtMost) {
 
 TEST(OutsideLabels, AreAllEpisodesAndAllTimeOutsideThem) {
   results::FalseAlarms counts;
-  counts.alarms = 1, counts.after_intervals = 2, counts.releases = 3, counts.unlabelled = 4;
-  counts.none_time = 60s, counts.after_intervals_time = 10s, counts.releases_time = 20s, counts.unlabelled_time = 30s;
+  counts.alarms = 1, counts.none_time = 60s;
+  counts.outside_labels = 10, counts.outside_labels_time = 120s;
   EXPECT_EQ(outside_labels(counts).alarms, 10U);
   EXPECT_DOUBLE_EQ(outside_labels(counts).per_min().value_or(0), 5);
 }
@@ -72,8 +72,8 @@ TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t 
   for (const double us : delays) made.delays.push_back({us, true});
   made.delays.push_back({9000, false});
   made.misses = 1;
-  made.alarms.alarms = 2;
-  made.alarms.none_time = std::chrono::seconds(60);
+  made.alarms.alarms = made.alarms.outside_labels = 2;
+  made.alarms.none_time = made.alarms.outside_labels_time = std::chrono::seconds(60);
   return made;
 }
 
@@ -139,8 +139,8 @@ TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
   std::vector<TradedRun> runs;
   for (const char* object : {"a", "b", "c"}) {
     runs.push_back(outcome(object, 3, 1, {1000}));
-    runs.back().alarms.alarms = 0;
-    runs.back().alarms.none_time = std::chrono::seconds(20);
+    runs.back().alarms.alarms = runs.back().alarms.outside_labels = 0;
+    runs.back().alarms.none_time = runs.back().alarms.outside_labels_time = std::chrono::seconds(20);
   }
   const results::Figure in_a_minute = result_of(runs, {}).figures.episodes_per_min;
   EXPECT_EQ(in_a_minute.value, 0);
@@ -155,7 +155,7 @@ TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
   }
   EXPECT_NEAR(*result_of(twice, {}).figures.episodes_per_min.high, 3.6889, 1e-4);
   // Many that differ between runs: the draws say more.
-  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms.alarms = 1000 * i;
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms.alarms = runs[i].alarms.outside_labels = 1000 * i;
   EXPECT_GT(*result_of(runs, {}).figures.episodes_per_min.high, 1900);
 }
 

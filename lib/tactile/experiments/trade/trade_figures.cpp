@@ -187,8 +187,8 @@ TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::o
 
 results::FalseAlarms outside_labels(const results::FalseAlarms& counts) {
   results::FalseAlarms all;
-  all.alarms = counts.alarms + counts.after_intervals + counts.releases + counts.unlabelled;
-  all.none_time = counts.none_time + counts.after_intervals_time + counts.releases_time + counts.unlabelled_time;
+  all.alarms = counts.outside_labels;
+  all.none_time = counts.outside_labels_time;
   return all;
 }
 
