@@ -173,7 +173,6 @@ std::string text_of(const study::StudySummary& summary) {
       wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
                           summary.done, summary.kept, clock_text(seconds))) +
       "\n\n";
-  text += fmt::format("\nWritten to {}\n", summary.file.string());
   return text;
 }
 
@@ -182,7 +181,7 @@ std::string found_text(const nlohmann::json& study) {
   std::string text = "What was found\n\n";
   for (const auto& sentence : study.at("found")) text += wrapped(sentence.get<std::string>()) + "\n";
   if (study.at("simulated").get<bool>()) text += "Results on simulated runs say nothing about real ones.\n";
-  return text + "\n";
+  return text;
 }
 
 /// Draws the study's report, unless it exists and was drawn from this study.
@@ -217,7 +216,8 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   result["steps_kept"] = summary.kept;
   result["report"] = nullptr;
   result["errors"] = summary.errors;
-  std::string text = text_of(summary) + found_text(summary.study) + next_commands(args, summary.study);
+  std::string text = text_of(summary) + found_text(summary.study) + fmt::format("\nWritten to {}\n", summary.file.string()) +
+                     next_commands(args, summary.study);
   if (args.without_report) {
     print_result(common, result, text);
     return end_with(summary.errors);

@@ -207,7 +207,7 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "too few runs: 1 each, 3 wanted",
                             "x: above 95 %",
                             "✓ 97.25",
-                            "about 76 % of cases with 3",
+                            "With one training they hold for that training only",
                             "One training each.",
                             "flagged: it rings",
                             "training optimizer",

@@ -284,10 +284,14 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
   return results;
 }
 
-std::size_t count_of_runs(const CrossedObject& cells) {
-  std::set<std::size_t> runs;
-  for (const CrossedCell& cell : cells) runs.insert(cell.run);
-  return runs.size();
+double one_run_of(const CrossedResults& objects) {
+  std::size_t runs = 0;
+  for (const CrossedObject& cells : objects) {
+    std::set<std::size_t> of_object;
+    for (const CrossedCell& cell : cells) of_object.insert(cell.run);
+    runs += of_object.size();
+  }
+  return static_cast<double>(objects.size()) / static_cast<double>(std::max<std::size_t>(runs, 1));
 }
 
 std::vector<std::size_t> indexes_of(const CrossedObject& cells) {

@@ -46,8 +46,9 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
 std::vector<std::size_t> indexes_of(const CrossedObject& cells);
 RunsByObject all_of(const CrossedResults& objects);
 
-/// The number of runs that have results.
-std::size_t count_of_runs(const CrossedObject& cells);
+/// How much of an object one run is: objects / runs that have results. The `Range::step` of a share over objects, where one run
+/// has all or nothing of it.
+double one_run_of(const CrossedResults& objects);
 
 /// The values that a figure may have. The interval is made on a scale without limits, and so stays within them: the logarithm of
 /// (x - lowest) / (highest - x) with two limits, of the distance to the limit with one, x itself with none.

@@ -88,9 +88,7 @@ std::vector<results::DetectedWithin> detection_curve(const DetectionTimes& times
                                                      const results::BootstrapOptions& options) {
   std::vector<results::DetectedWithin> curve;
   if (chosen.empty()) return curve;
-  std::size_t runs = 0;
-  for (const CrossedObject& cells : chosen) runs += count_of_runs(cells);
-  const Range range{0, 1, static_cast<double>(chosen.size()) / static_cast<double>(runs)};  // one run of an object
+  const Range range{0, 1, one_run_of(chosen)};
   for (const double ms : curve_times_ms()) {
     const auto share = [&times, ms](const RunsByObject& drawn) { return times.share_within(drawn, ms); };
     curve.push_back({ms, figure_over_objects(chosen, share, options, range)});

@@ -65,9 +65,10 @@ Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch)
   return {.lowest = 0, .step = *shortest};
 }
 
+/// @param one_run  how much of what is drawn one run is: 1 where runs are drawn
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
-                                 const DetectionTimes& times, MakeFigure make_figure) {
+                                 const DetectionTimes& times, double one_run, MakeFigure make_figure) {
   const Range range = range_of_delays(runs, touch);
   results::DelaySummary summary;
   for (const auto& object : chosen) {
@@ -93,7 +94,7 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
   summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
-  summary.missed = make_figure([&times](const RunsByObject& drawn) { return times.missed_share(drawn); }, {0, 1, 1});
+  summary.missed = make_figure([&times](const RunsByObject& drawn) { return times.missed_share(drawn); }, {0, 1, one_run});
   for (const auto& [q, of_all] : {std::pair(0.5, &summary.median_of_all_ms), std::pair(0.9, &summary.quantile_of_all_ms)}) {
     of_all->ms = make_figure(
         [&times, q = q](const RunsByObject& drawn) -> std::optional<double> {
@@ -163,7 +164,7 @@ results::DelaySummary delay_summary(std::span<const results::RunDetections> runs
                                     const results::BootstrapOptions& options) {
   const CrossedResults chosen = without_names(runs_that_have(touch, runs));
   return summary_of(
-      runs, all_of(chosen), touch, DetectionTimes(runs, touch),
+      runs, all_of(chosen), touch, DetectionTimes(runs, touch), one_run_of(chosen),
       [&](const Statistic& statistic, const Range& range) { return figure_over_objects(chosen, statistic, options, range); });
 }
 
@@ -174,7 +175,7 @@ results::DelayTable delay_table(std::span<const results::RunDetections> runs, To
   const std::map<std::string, CrossedObject> objects = runs_that_have(touch, runs);
   for (const auto& [name, cells] : objects) {
     table.objects[name] =
-        summary_of(runs, {indexes_of(cells)}, touch, times, [&, &of = cells](const Statistic& statistic, const Range& range) {
+        summary_of(runs, {indexes_of(cells)}, touch, times, 1, [&, &of = cells](const Statistic& statistic, const Range& range) {
           return figure_of_object(of, statistic, options, range);
         });
   }

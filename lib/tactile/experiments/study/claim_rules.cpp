@@ -126,7 +126,7 @@ void judge(results::Claim& claim) {
   const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
               : is_bounded     ? "the interval lies across the limit; " + enough_of(claim)
-                               : std::string("no interval: too many draws of the bootstrap hold nothing to measure");
+                               : std::string("no interval: too few runs or objects have something to measure");
 }
 
 }  // namespace tactile::study
