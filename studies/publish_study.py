@@ -176,13 +176,15 @@ def page(folder):
         detection_part(study),
         picture("detection-curve", "Share of presses and slips detected within a time"),
         alarms_part(study),
-        "An episode counts again for each further 500 ms. A miss counts with the end of its interval, or with 500 ms.\n",
+        "An episode counts again for each further 500 ms. In quantiles a miss counts with the end of its touch, or with 500 ms. The curve is that of Kaplan and Meier: it "
+        "takes a touch that ends undetected as if it might have been detected later, so it may end above the share that was detected.\n",
         "## Unseen objects\n",
         unseen_part(study),
         picture("unseen", "Accuracy on objects seen and never seen") if study["unseen"] else "",
         "## What speed costs\n",
-        f"{trade['settings']} settings were measured. The table has the usual setting and those on a front: no other setting has a higher accuracy in a shorter p99, or "
-        "fewer false alarms with a shorter delay and fewer misses. The last column is the share of draws in which a setting is there.\n",
+        f"{trade['settings']} settings were measured. The table has the usual setting and those on a front of the runs to choose on: there no other setting has a higher accuracy "
+        "in a shorter p99, or fewer false alarms with a shorter delay and fewer misses. The figures are of the reported runs. The last column is the share of draws in "
+        "which a setting is on a front. Settings with one training have intervals over objects and runs only.\n",
         front_part(trade),
         picture("trade-accuracy", "Accuracy against time per tick"),
         picture("trade-delay", "Delay against false alarms"),
@@ -208,7 +210,8 @@ def publish(study_folder, trade_folder, docs):
         (folder / f"{name}.json").write_text(json.dumps(content, indent=1, sort_keys=True) + "\n")
     for source, names in ((study_folder / "report" / "figures", PICTURES), (trade_folder / "figures", TRADE_PICTURES)):
         for name in names:
-            shutil.copyfile(source / f"{name}.svg", folder / f"{name}.svg")
+            if (source / f"{name}.svg").exists():
+                shutil.copyfile(source / f"{name}.svg", folder / f"{name}.svg")
     (docs / "study.md").write_text(page(folder))
 
 

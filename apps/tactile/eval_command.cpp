@@ -135,9 +135,9 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
   for (unsigned training = 0; training < args.trainings; ++training) {
     const auto open = [&](const model::ModelBundle& first) {
       const model::ModelBundle bundle =
-          training == 0
-              ? first
-              : partner_of(args, common, dataset, with_training(model::read_description(first).settings, dataset, training));
+          training == 0 ? first
+                        : partner_of(args, common, dataset,
+                                     with_training(model::read_description(first).settings, dataset, training), true);
       return &trainings.classifiers.emplace_back(model::open_classifier(bundle.folder, common.threads, engine));
     };
     const model::Classifier* with = open(seen);

@@ -44,7 +44,7 @@ constexpr const char* false_alarm_legend =
 constexpr const char* labels_legend =
     "Onsets and ends are drawn {} times from their own 95 % intervals in labels.json. labels alone: the middle 95 % of these "
     "draws, "
-    "of the same runs. both: draws of runs and of labels.";
+    "of the same runs. both: the interval over runs, to which their spread is added.";
 
 std::string quantile_text(const results::CensoredQuantile& quantile) {
   return (quantile.is_lower_bound ? "\u2265 " : "") + number(quantile.ms);

@@ -95,7 +95,7 @@ model::ModelSettings with_training(model::ModelSettings settings, const windows:
 }
 
 model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
-                              const model::ModelSettings& settings) {
+                              const model::ModelSettings& settings, bool exactly) {
   // If a model started from another model, its partner does, too, but from a different one that never saw the held-out objects.
   const auto like_ours = [&](model::ModelSettings model) {
     if (model.from && settings.from) model.from = settings.from;
@@ -110,7 +110,7 @@ model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& 
     return model.manifest_hash == dataset.manifest_hash() && same_settings(alike, settings);
   };
   if (const auto found = model::newest_bundle(args.models, same)) return *found;
-  if (args.held_out.empty()) {
+  if (args.held_out.empty() && !exactly) {
     if (const auto found = model::newest_bundle(args.models, same_but_held_out)) return *found;
   }
   const model::ModelBundle bundle{fs::path(args.models) / model::default_name(settings)};

@@ -41,7 +41,8 @@ model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKin
 model::ModelSettings with_training(model::ModelSettings settings, const windows::Dataset& dataset, unsigned training);
 
 /// The model with the same settings and the other split. Trains it if it is missing.
+/// @param exactly  else a model with other held-out objects will do where the user named none
 model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
-                              const model::ModelSettings& settings);
+                              const model::ModelSettings& settings, bool exactly = false);
 
 }  // namespace tactile::cli

@@ -284,6 +284,15 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
   return results;
 }
 
+unsigned most_results_of_a_run(const CrossedResults& objects) {
+  unsigned most = 1;
+  for (const CrossedObject& cells : objects) {
+    std::map<std::size_t, unsigned> count;
+    for (const CrossedCell& cell : cells) most = std::max(most, ++count[cell.run]);
+  }
+  return most;
+}
+
 double one_run_of(const CrossedResults& objects) {
   std::size_t runs = 0;
   for (const CrossedObject& cells : objects) {

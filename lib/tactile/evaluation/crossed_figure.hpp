@@ -46,6 +46,9 @@ CrossedResults without_names(const std::map<std::string, CrossedObject>& objects
 std::vector<std::size_t> indexes_of(const CrossedObject& cells);
 RunsByObject all_of(const CrossedResults& objects);
 
+/// The largest number of trainings that are judged on the same run.
+unsigned most_results_of_a_run(const CrossedResults& objects);
+
 /// How much of an object one run is: objects / runs that have results. The `Range::step` of a share over objects, where one run
 /// has all or nothing of it.
 double one_run_of(const CrossedResults& objects);

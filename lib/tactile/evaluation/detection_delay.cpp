@@ -65,11 +65,23 @@ Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch)
   return {.lowest = 0, .step = *shortest};
 }
 
+/// The longest time after an onset in which an interval could be detected.
+double longest_limit_ms(std::span<const results::RunDetections> runs, Touch touch) {
+  double longest = 0;
+  for (const results::RunDetections& run : runs) {
+    for (const results::Detection& detection : run.detections) {
+      if (detection.interval.touch == touch) longest = std::max({longest, in_ms(detection.limit), in_ms(detection.delay)});
+    }
+  }
+  return longest > 0 ? longest : std::numeric_limits<double>::infinity();
+}
+
 /// @param one_run  how much of what is drawn one run is: 1 where runs are drawn
 template <class MakeFigure>
 results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
                                  const DetectionTimes& times, double one_run, MakeFigure make_figure) {
   const Range range = range_of_delays(runs, touch);
+  const Range of_all_range{.lowest = 0, .highest = longest_limit_ms(runs, touch), .step = range.step};
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
@@ -101,7 +113,7 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
           const auto found = times.quantile(drawn, q);
           return found ? std::optional(found->ms) : std::nullopt;
         },
-        range);
+        of_all_range);
     const auto found = times.quantile(chosen, q);
     of_all->is_lower_bound = found && found->is_lower_bound;
   }

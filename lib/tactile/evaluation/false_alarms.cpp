@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
@@ -171,35 +170,36 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
   const auto statistic = [&](std::optional<double> (results::FalseAlarms::*rate)() const) -> Statistic {
     return [sum_of, rate](const RunsByObject& chosen) { return (sum_of(chosen).*rate)(); };
   };
-  const auto in_steps_of_one_alarm = [](std::size_t units, const results::FalseAlarms& counted) {
-    return Range{.lowest = 0, .step = static_cast<double>(units) / results::in_minutes(counted.none_time)};
+  const auto in_steps_of_one_alarm = [](std::size_t units, microseconds time) {
+    return Range{.lowest = 0, .step = time > microseconds{0} ? static_cast<double>(units) / results::in_minutes(time) : 0};
   };
   results::FalseAlarmTable table;
   for (const RunFalseAlarms& run : runs) table.total += run.counts;
+  const results::FalseAlarms& total = table.total;
   for (const auto& [name, cells] : objects) {
+    const results::FalseAlarms of = sum_of({indexes_of(cells)});
     results::Figure& of_object = table.objects[name];
     of_object = figure_of_object(cells, statistic(&results::FalseAlarms::per_min), options,
-                                 in_steps_of_one_alarm(cells.size(), sum_of({indexes_of(cells)})));
-    widen_by_few_alarms(of_object, sum_of({indexes_of(cells)}), options.confidence, static_cast<unsigned>(of_object.trainings));
+                                 in_steps_of_one_alarm(cells.size(), of.none_time));
+    widen_by_few_alarms(of_object, of, options.confidence, most_results_of_a_run({cells}));
   }
-  table.per_min = figure_over_objects(without_names(objects), statistic(&results::FalseAlarms::per_min), options,
-                                      in_steps_of_one_alarm(objects.size(), table.total));
-  widen_by_few_alarms(table.per_min, table.total, options.confidence, static_cast<unsigned>(table.per_min.trainings));
+  const CrossedResults with_none = without_names(objects);
+  table.per_min = figure_over_objects(with_none, statistic(&results::FalseAlarms::per_min), options,
+                                      in_steps_of_one_alarm(with_none.size(), total.none_time));
+  widen_by_few_alarms(table.per_min, total, options.confidence, most_results_of_a_run(with_none));
   const CrossedResults all = without_names(results_by_object(runs, [](const RunFalseAlarms&) { return true; }));
-  const auto figure = [&](auto rate, double highest = std::numeric_limits<double>::infinity()) {
-    return figure_over_objects(all, statistic(rate), options, {0, highest, in_steps_of_one_alarm(all.size(), table.total).step});
+  const auto per_min = [&](auto rate, std::uint64_t alarms, microseconds time) {
+    results::Figure figure = figure_over_objects(all, statistic(rate), options, in_steps_of_one_alarm(all.size(), time));
+    widen_by_few_alarms(figure, alarms, time, options.confidence, most_results_of_a_run(all));
+    return figure;
   };
-  const auto widened = [&](results::Figure per_min, std::uint64_t alarms, microseconds time) {
-    widen_by_few_alarms(per_min, alarms, time, options.confidence, static_cast<unsigned>(per_min.trainings));
-    return per_min;
-  };
-  const results::FalseAlarms& total = table.total;
   table.outside_labels_per_min =
-      widened(figure(&results::FalseAlarms::outside_labels_per_min), total.outside_labels, total.outside_labels_time);
+      per_min(&results::FalseAlarms::outside_labels_per_min, total.outside_labels, total.outside_labels_time);
   table.outside_motion_per_min =
-      widened(figure(&results::FalseAlarms::outside_motion_per_min), total.outside_motion, total.outside_motion_time);
-  table.none_in_alarm_share = figure(&results::FalseAlarms::none_in_alarm_share, 1);
-  table.wrong_class_per_min = widened(figure(&results::FalseAlarms::wrong_class_per_min), total.wrong_class, total.labelled_time);
+      per_min(&results::FalseAlarms::outside_motion_per_min, total.outside_motion, total.outside_motion_time);
+  table.none_in_alarm_share =
+      figure_over_objects(all, statistic(&results::FalseAlarms::none_in_alarm_share), options, {0, 1, one_run_of(all)});
+  table.wrong_class_per_min = per_min(&results::FalseAlarms::wrong_class_per_min, total.wrong_class, total.labelled_time);
   return table;
 }
 

@@ -131,9 +131,12 @@ results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> ru
   const auto accuracy = [](const auto& score) {
     return mean_over_objects([score](std::span<const std::size_t> indexes) { return accuracy_of_runs(indexes, score); });
   };
+  std::vector<results::RunConfusion> confusions;
+  for (const RunByDrawnLabels& run : runs) confusions.push_back({run, run.as_labelled.confusion});
+  const Range range = range_of_shares(confusions);
   uncertainty.accuracy = spread_of(
       with_samples, accuracy(labelled), [&](const RunsByObject& chosen, std::size_t draw) { return accuracy(by(draw))(chosen); },
-      {0, 1}, options);
+      range, options);
 
   const std::vector<results::RunDetections> as_labelled = detections_by(runs, labelled);
   std::vector<std::vector<results::RunDetections>> drawn;

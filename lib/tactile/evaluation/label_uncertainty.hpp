@@ -45,7 +45,7 @@ struct RunByDrawnLabels : results::JudgedRun {
   std::vector<DrawnLabelsScore> drawn{};
 };
 
-/// The spread of accuracy and delays. Draws of runs and labels together take the draws of labels in turn.
+/// The spread of accuracy and delays. The spread of the draws is added to the interval of the figure: root of the sum of squares.
 results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> runs,
                                             const results::BootstrapOptions& options = {});
 

@@ -166,17 +166,18 @@ TEST(Claims, SayHowMuchMoreWouldDecide) {
   results::Claim claim;
   claim.scope = results::ClaimScope::over_objects;
   claim.limit = 5;
-  claim.measured = {.value = 4, .low = 2, .high = 6, .n = 10, .trainings = 5};  // twice as wide as decides: four times the data
+  claim.measured = {.value = 4, .low = 2, .high = 6, .n = 10, .trainings = 5};  // twice as wide as decides; counts by SciPy's t
   judge(claim);
-  EXPECT_EQ(claim.why, "the interval lies across the limit; if the value stays, 20 trainings and 40 objects would decide");
+  EXPECT_EQ(claim.why, "the interval lies across the limit; if the value stays, about 13 trainings and 33 objects would decide");
   claim.measured.value = 4.9;
   judge(claim);
-  EXPECT_EQ(claim.why, "the interval lies across the limit; the value is so near that 20 times the data would not decide");
+  EXPECT_EQ(claim.why,
+            "the interval lies across the limit; the value is so near the limit that 20 times the data would not decide");
   claim.scope = results::ClaimScope::one_object;
   claim.measured = {.value = 6, .low = 4.5, .high = 8, .n = 7, .trainings = 5};
   judge(claim);
   EXPECT_EQ(claim.why,
-            "the interval lies across the limit; if the value stays, 12 trainings and 16 runs of each object would decide");
+            "the interval lies across the limit; if the value stays, about 9 trainings and 13 runs of each object would decide");
 }
 
 TEST(Claims, RunsThatDisagreeLeaveItOpen) {
@@ -185,7 +186,8 @@ TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   const auto claim = claim_named(with_histories({{2ms, runs_of(79, 80, 80)}, {40ms, longer}}), "history-2-worst");
   EXPECT_NEAR(claim.measured.value, -1, 1e-9);
   EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
-  EXPECT_EQ(claim.why, "the interval lies across the limit; the value is so near that 20 times the data would not decide");
+  EXPECT_EQ(claim.why,
+            "the interval lies across the limit; the value is so near the limit that 20 times the data would not decide");
   EXPECT_TRUE(claim.can_be_told);
 }
 

@@ -10,6 +10,8 @@
 #include <set>
 #include <vector>
 
+#include "tactile/evaluation/crossed_figure.hpp"
+
 namespace tactile::study {
 namespace {
 
@@ -63,27 +65,44 @@ results::Figure outermost_of(const ObjectFigures& figures, const std::function<b
   return result;
 }
 
-/// How many more trainings and runs would decide: the width of an interval falls with the square root of their number.
+/// How many of `count` would make an interval narrower by the square root of `factor`: the width goes with t(n - 1) / sqrt(n).
+std::size_t enough_for(double factor, std::size_t count) {
+  const auto width = [](std::size_t n) { return evaluation::student_quantile(n - 1, 0.95) / std::sqrt(static_cast<double>(n)); };
+  const double needed = width(count) / std::sqrt(factor);
+  std::size_t enough = count;
+  while (width(enough) > needed) ++enough;
+  return enough;
+}
+
+/// What would decide a claim at the values seen, by the figure that is furthest from deciding:
 ///
 ///   factor = ((bound - value) / (value - limit))^2, of the bound beyond the limit
 std::string enough_of(const results::Claim& claim) {
-  const results::Figure& measured = claim.measured;
-  const double effect = measured.value - claim.limit;
-  const double bound = effect < 0 ? *measured.high : *measured.low;
-  const double factor = std::pow((bound - measured.value) / effect, 2);
   constexpr double most = 20;
-  if (!(factor <= most)) return fmt::format("the value is so near that {:.0f} times the data would not decide", most);
-  const auto times = [factor](std::size_t count) {
-    return static_cast<std::size_t>(std::ceil(factor * static_cast<double>(count)));
+  const results::Figure& measured = claim.measured;
+  const bool is_refuted = claim.asked == results::Asked::below ? measured.value > claim.limit : measured.value < claim.limit;
+  double factor = 0;
+  std::size_t n = measured.n;
+  const auto take = [&](const results::Figure& figure) {
+    const double effect = figure.value - claim.limit;
+    const std::optional<double>& bound = effect < 0 ? figure.high : figure.low;
+    const bool is_across = bound && (effect < 0 ? *bound >= claim.limit : *bound <= claim.limit);
+    if (!is_across || figure.n < 2) return;
+    const double of_figure = effect == 0 ? INFINITY : std::pow((*bound - figure.value) / effect, 2);
+    if (of_figure > factor) factor = of_figure, n = figure.n;
   };
-  const std::size_t trainings = times(measured.trainings);
-  if (claim.scope == results::ClaimScope::over_objects)
-    return fmt::format("if the value stays, {} trainings and {} objects would decide", trainings, times(measured.n));
-  std::size_t runs = measured.n;
-  for (const auto& [name, figure] : claim.objects) {
-    if (figure.value == measured.value) runs = figure.n;
+  if (claim.scope == results::ClaimScope::every_object) {
+    // To prove it takes all objects. One beyond the limit refutes it.
+    for (const auto& object : claim.objects) {
+      if (!is_refuted || object.second.value == measured.value) take(object.second);
+    }
+  } else {
+    take(measured);
   }
-  return fmt::format("if the value stays, {} trainings and {} runs of each object would decide", trainings, times(runs));
+  if (factor <= 1) return "somewhat more trainings and runs would decide";
+  if (!(factor <= most)) return fmt::format("the value is so near the limit that {:.0f} times the data would not decide", most);
+  return fmt::format("if the value stays, about {} trainings and {} {} would decide", enough_for(factor, measured.trainings),
+                     enough_for(factor, n), claim.scope == results::ClaimScope::over_objects ? "objects" : "runs of each object");
 }
 
 }  // namespace

@@ -72,7 +72,9 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& req
 
 StudyPlan plan_study(const StudyOptions& options, const windows::Dataset& dataset, const WarningCallback& warn) {
   warn_of_runs_without_samples(options, dataset, warn);
-  const std::vector<std::string> choice_runs = preset_settings(options.preset).choice_runs;
+  std::vector<std::string> choice_runs;
+  for (std::size_t i = 1; i <= preset_settings(options.preset).choice_runs; ++i)
+    choice_runs.push_back(experiments::rotated_run(dataset, options.train_run, i));
   StudyPlan plan{
       .options = options, .dataset = dataset, .trainings = {}, .objects = {}, .held_out = {}, .splits = {}, .remarks = {}};
   std::vector<experiments::RunDivision> divisions;

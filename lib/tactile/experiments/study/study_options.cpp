@@ -11,9 +11,9 @@
 namespace tactile::study {
 
 PresetSettings preset_settings(std::string_view preset) {
-  if (preset == "tiny") return {{}, 3, 2, 0};
-  if (preset == "quick") return {{"02"}, 6, 5, 0};
-  if (preset == "paper") return {{"02", "03"}, 10, 5, 20};
+  if (preset == "tiny") return {0, 3, 2, 0};
+  if (preset == "quick") return {1, 6, 5, 0};
+  if (preset == "paper") return {2, 10, 5, 20};
   throw Error(fmt::format("'{}' is no preset; expected tiny, quick or paper", preset));
 }
 

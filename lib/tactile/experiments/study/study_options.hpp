@@ -43,7 +43,7 @@ struct StudyOptions {
 
 /// What a preset decides beside the simulation.
 struct PresetSettings {
-  std::vector<std::string> choice_runs;  ///< ids of the runs that the first training chooses its history on
+  std::size_t choice_runs;  ///< number of runs of each object to choose a history on: those after the training run
   unsigned epochs;
   unsigned trainings;
   std::size_t splits;

@@ -161,7 +161,11 @@ json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
     reported.insert(reported.end(), of_training.begin(), of_training.end());
   }
   const auto shares = evaluation::variance_of_accuracy(reported);
-  if (!shares || plan.trainings.size() < 2) return {};
+  // Where no run is judged by two trainings, trainings and runs cannot be told apart.
+  std::map<std::pair<std::string, std::string>, std::size_t> judged;
+  std::size_t most = 0;
+  for (const results::RunConfusion& run : reported) most = std::max(most, ++judged[{run.object, run.run}]);
+  if (!shares || most < 2) return {};
   return *shares;
 }
 
@@ -278,8 +282,9 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
     study["splits"].push_back(split);
   }
   for (const NamedRunSet& set : judged_sets) {
+    if (plan.splits.empty()) break;
     const SeenAndUnseen all = judged_on(plan, trained, trained.splits, set);
-    if (!all.empty()) study["splits_mean"][set.name] = evaluation::accuracy_difference(all.seen, all.held_out).mean;
+    study["splits_mean"][set.name] = all.empty() ? json() : json(evaluation::accuracy_difference(all.seen, all.held_out).mean);
   }
 }
 
@@ -306,7 +311,7 @@ std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels
   }
   inputs.detections = detections_in(evaluation, where);
   inputs.tick_ms = member<double>(evaluation, "tick_ms", where);
-  inputs.history_ms = in_ms(trained.history);
+  inputs.history_ms = in_ms(set.runs == &PlannedTraining::all_test ? trained.paper_history : trained.history);
   inputs.over_time = over_time["both"].get<results::ShareOverTime>();
   inputs.after_ms = over_time["after_ms"].number();
   SeenAndUnseen objects = judged_on(plan, trained, all_held_out(trained), set);
@@ -328,7 +333,7 @@ StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, con
     results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
-  results.study["found"] = found_in(evaluation_in(judged.evaluation("reported")), trained.history,
+  results.study["found"] = found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
                                     unseen_on_reported(plan, trained), results.study["summary"].get<std::string>());
   for (const NamedRunSet& set : run_sets) {
     const auto found = trained.comparisons.find(set.name);

@@ -47,7 +47,9 @@ void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& model
   for (const StudyModel& model : models) runner.run(step_to_judge(plan, model));
 }
 
-microseconds nearest_to_default(const std::vector<microseconds>& histories) {
+/// The history where no run is left to choose one on: that of another training was chosen on runs that this one reports on.
+microseconds without_choice(const StudyPlan& plan) {
+  const std::vector<microseconds>& histories = plan.options.histories;
   return *std::min_element(histories.begin(), histories.end(), [](microseconds a, microseconds b) {
     return std::chrono::abs(a - default_history) < std::chrono::abs(b - default_history);
   });
@@ -89,7 +91,7 @@ std::vector<StudyModel> add_models_without_objects(const StudyPlan& plan, const 
                                                    TrainedModels& trained) {
   const auto model_without = [&](std::size_t training, const std::vector<std::string>& held_out) {
     const auto chosen = on_choice != nullptr ? chosen_by(training, *on_choice, held_out) : std::nullopt;
-    return model_of(plan, chosen.value_or(trained.history), training, held_out);
+    return model_of(plan, chosen.value_or(without_choice(plan)), training, held_out);
   };
   std::vector<StudyModel> due;
   const auto add = [&](const StudyModel& model) {
@@ -132,7 +134,7 @@ TrainedModels train_models(const StudyPlan& plan, experiments::StepRunner& runne
   }
   if (!plan.has_choice()) {
     // The history is known already: all trainings run side by side.
-    trained.history = nearest_to_default(plan.options.histories);
+    trained.history = without_choice(plan);
     trained.chosen.assign(plan.trainings.size(), trained.history);
     const std::vector<StudyModel> without_objects = add_models_without_objects(plan, nullptr, trained);
     due.insert(due.end(), without_objects.begin(), without_objects.end());
@@ -146,7 +148,7 @@ TrainedModels train_models(const StudyPlan& plan, experiments::StepRunner& runne
     const HistoryComparison& on_choice = trained.comparisons.at("choice");
     trained.history = on_choice.choice.history;
     for (std::size_t training = 0; training < plan.trainings.size(); ++training)
-      trained.chosen.push_back(chosen_by(training, on_choice).value_or(trained.history));
+      trained.chosen.push_back(chosen_by(training, on_choice).value_or(without_choice(plan)));
     train_and_judge(plan, add_models_without_objects(plan, &on_choice, trained), runner);
   }
   return trained;

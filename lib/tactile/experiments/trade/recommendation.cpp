@@ -17,6 +17,11 @@ const results::Figure& delay_of(const DelayLimit& limit, const TradeFigures& fig
   return limit.p90 ? figures.delay_p90_us : figures.delay_median_us;
 }
 
+/// A quantile that falls on what was never detected meets no limit.
+bool is_bound_of(const DelayLimit& limit, const TradeFigures& figures) {
+  return limit.p90 ? figures.p90_is_bound : figures.median_is_bound;
+}
+
 bool all_met(const TradeConstraints& constraints, const TradeFigures& figures,
              const std::function<bool(const results::Figure&, double, bool at_least)>& is_met) {
   return (!constraints.at_most_us || is_met(figures.us_p99, *constraints.at_most_us, false)) &&
@@ -24,7 +29,8 @@ bool all_met(const TradeConstraints& constraints, const TradeFigures& figures,
          (!constraints.at_most_false_alarms_per_min ||
           is_met(figures.episodes_per_min, *constraints.at_most_false_alarms_per_min, false)) &&
          (!constraints.at_most_delay ||
-          is_met(delay_of(*constraints.at_most_delay, figures), 1e3 * constraints.at_most_delay->ms, false)) &&
+          (!is_bound_of(*constraints.at_most_delay, figures) &&
+           is_met(delay_of(*constraints.at_most_delay, figures), 1e3 * constraints.at_most_delay->ms, false))) &&
          (!constraints.at_most_missed || is_met(figures.missed, *constraints.at_most_missed, false));
 }
 
@@ -60,11 +66,11 @@ std::string delay_text(const results::Figure& delay, bool is_bound) {
 
 std::string measured_text(const TradeFigures& figures) {
   return fmt::format(
-      "an accuracy of {}, a computing time of {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000, a delay of {} in "
-      "half "
-      "of the presses and slips and {} in 90 % of them, {} of them missed or early, and {} false alarms per minute outside "
+      "an accuracy of {}. A tick takes {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000. The delay is {} in half "
+      "of "
+      "the presses and slips and {} in 90 % of them; {} are missed or early. There are {} false alarms per minute outside "
       "labels, "
-      "with releases and motion without labels",
+      "with those in releases and in motion without labels",
       interval_text(figures.accuracy, 100, "{:.2f}", " %"), interval_text(figures.us_p50, 1, "{:.0f}", " us"),
       interval_text(figures.us_p99, 1, "{:.0f}", " us"), interval_text(figures.us_p999, 1, "{:.0f}", " us"),
       delay_text(figures.delay_median_us, figures.median_is_bound), delay_text(figures.delay_p90_us, figures.p90_is_bound),
@@ -157,7 +163,7 @@ Recommendation recommend(const TradeConstraints& constraints, const std::optiona
   Recommendation recommendation{.setting = setting, .met = false, .sentence = {}};
   const std::string of_runs = simulated ? " On simulated runs, which say nothing about real ones." : "";
   const std::string measured =
-      fmt::format("Measured again, by networks on runs that they neither learned from nor were chosen on, it has {}.{}",
+      fmt::format("Measured again, by each training on runs that it neither learned from nor was chosen on, it has {}.{}",
                   measured_text(again), trial_text(trial));
   if (!constraints.any()) {
     recommendation.sentence =

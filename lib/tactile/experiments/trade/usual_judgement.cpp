@@ -16,7 +16,11 @@ bool is_faster(const TradeDifference& difference) {
   return is_below(difference.us_p50) && is_below(difference.us_p99);
 }
 
+/// Fewer trainings decide nothing, as in a study.
+constexpr std::size_t fewest_trainings = 5;
+
 bool is_better(const TradeDifference& difference) {
+  if (difference.accuracy.trainings < fewest_trainings) return false;
   const auto at_most = [](const results::Figure& figure, double most) { return figure.high && *figure.high <= most; };
   return is_faster(difference) && difference.accuracy.low && *difference.accuracy.low >= -margin_of_shares &&
          at_most(difference.delay_us, margin_of_delay_us) && at_most(difference.missed, margin_of_shares) &&
