@@ -5,15 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "tactile/alignment/film_motions.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/labels/arm_moves.hpp"
 #include "tactile/labels/felt_moves.hpp"
 #include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/run_bursts.hpp"
+#include "tactile/labels/unlikely_presses.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 constexpr microseconds start_and_stop = 500ms;  // the recorders of one run may begin and end so far apart
 constexpr microseconds least_rest = 20ms;       // of a skin that is seen at rest before a touch
 constexpr microseconds frame_of_film = 50ms;    // a motion may show in the film a frame before it
-
-double ms(microseconds span) { return 1e-3 * static_cast<double>(span.count()); }
 
 /// The command that caused a press: the last change of an output to a greater value within two seconds before it.
 std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
@@ -70,7 +69,7 @@ class Labeller {
       flag(fmt::format(
           "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are distinguished by "
           "their order alone",
-          1e-3 * ms(moves_.logged), 1e-3 * ms(recorded())));
+          1e-3 * in_ms(moves_.logged), 1e-3 * in_ms(recorded())));
     }
 
     find_intervals();
@@ -78,6 +77,7 @@ class Labeller {
     for (std::size_t i = 0; i < labels_.intervals.size(); ++i) witness(i);
     look_for_what_is_missing();
     cut_overlaps(labels_.intervals);
+    std::ranges::move(unlikely_presses(labels_), std::back_inserter(labels_.flags));
     name_intervals(labels_.intervals);
     labels_.provenance = {{"made_by", "tactile label"},
                           {"settings", settings_of(options_)},
@@ -197,7 +197,7 @@ class Labeller {
     const bool is_faint = burst.slow || burst.events < 0.5 * pressed;
     if (is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
     flag(fmt::format("no label explains the burst of events from {:.2f} s to {:.2f} s",
-                     1e-3 * ms(between(signals_.rate.begin, begin)), 1e-3 * ms(between(signals_.rate.begin, end))));
+                     1e-3 * in_ms(between(signals_.rate.begin, begin)), 1e-3 * in_ms(between(signals_.rate.begin, end))));
   }
 
   /// A burst after the log's end may be the slip of a lift that was not logged.
@@ -212,7 +212,7 @@ class Labeller {
     const CameraTime begin = signals_.rate.begin_of(burst.begin);
     if (!logged_until || begin <= *logged_until) return;
     flag(fmt::format("the robot log ends {:.2f} s before the burst of events at {:.2f} s: whether the arm rose then is not known",
-                     1e-3 * ms(between(*logged_until, begin)), 1e-3 * ms(between(signals_.rate.begin, begin))));
+                     1e-3 * in_ms(between(*logged_until, begin)), 1e-3 * in_ms(between(signals_.rate.begin, begin))));
   }
 
   /// An onset or end in a gap is found at the gap's edge: it may lie anywhere within.
@@ -222,7 +222,7 @@ class Labeller {
       if (gap.begin > after(t.high, near) || gap.end < before(t.low, near)) continue;
       t.low = std::min(t.low, gap.begin);
       t.high = std::max(t.high, gap.end);
-      flag(fmt::format("its {} may lie in the recording's gap of {:.0f} ms", what, ms(between(gap.begin, gap.end))),
+      flag(fmt::format("its {} may lie in the recording's gap of {:.0f} ms", what, in_ms(between(gap.begin, gap.end))),
            labels_.intervals.size());
     }
   }
@@ -241,15 +241,15 @@ class Labeller {
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
     // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
     // may lie far off and soon after the onset. Tips that creep on a little after a press are in its interval.
-    const double end_width_ms = ms(between(end.time.low, end.time.high));
+    const double end_width_ms = in_ms(between(end.time.low, end.time.high));
     const bool end_is_wide = !ends_with_arm && end_width_ms > options_.end.too_wide_ms &&
-                             ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
+                             in_ms(between(start.time.at, end.time.low)) < options_.end.too_wide_ms;
     const bool is_worth_a_word = touch == Touch::slip || end_width_ms > 0.5 * options_.end.too_wide_ms;
     if (!end.doubt.empty() && end_is_wide) {
       flag(end.doubt, labels_.intervals.size());
     } else if (!end.doubt.empty() && is_worth_a_word) {
       labels_.remarks.push_back(
-          fmt::format("the {} at {:.0f} ms: {}", name_of(touch), ms(between(signals_.rate.begin, start.time.at)), end.doubt));
+          fmt::format("the {} at {:.0f} ms: {}", name_of(touch), in_ms(between(signals_.rate.begin, start.time.at)), end.doubt));
     }
     labels_.intervals.push_back({.id = {},
                                  .touch = touch,
@@ -273,7 +273,7 @@ class Labeller {
   }
 
   bool confirms(const ArmMove& lift, const alignment::UncertainTime& onset) const {
-    return lift.uncertainty <= well_placed && ms(between(onset.low, onset.high)) <= options_.onset.too_wide_ms &&
+    return lift.uncertainty <= well_placed && in_ms(between(onset.low, onset.high)) <= options_.onset.too_wide_ms &&
            is_slip_of(lift, onset.at);
   }
 
@@ -306,7 +306,7 @@ class Labeller {
     if (const auto later = skin_in_film_disagrees(signals_, clocks_, *labels_.video_clock, options_.video_clock,
                                                   options_.longest_disagreement)) {
       flag(fmt::format("the film's motions match the skin's bursts {:.2f} s {} the time at which the robot's clock puts them",
-                       1e-3 * std::abs(ms(*later)), *later > 0us ? "after" : "before"));
+                       1e-3 * std::abs(in_ms(*later)), *later > 0us ? "after" : "before"));
     }
     video_motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
@@ -333,7 +333,7 @@ class Labeller {
                                             options_.longest_disagreement)) {
       // A stage that closes slowly on an object of the same grey shows in few films; an arm that rises shows in any.
       const std::string sentence = fmt::format("the film shows nothing that rises within {:.0f} ms of this slip's start",
-                                               ms(options_.longest_disagreement));
+                                               in_ms(options_.longest_disagreement));
       const ArmMove* lift = lift_of(moves_, interval);
       const bool lift_agrees =
           lift != nullptr && lift->uncertainty <= options_.longest_disagreement && is_slip_of(*lift, interval.start.at);
@@ -355,16 +355,16 @@ class Labeller {
     const microseconds lag = between(lift.start, slip.start.at);
     if (!is_slip_of(lift, slip.start.at)) {
       flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after",
-                       std::abs(ms(lag)), lag < 0us ? "before" : "after", ms(lift.uncertainty + options_.earliest_slip),
-                       ms(lift.uncertainty + options_.latest_slip)),
+                       std::abs(in_ms(lag)), lag < 0us ? "before" : "after", in_ms(lift.uncertainty + options_.earliest_slip),
+                       in_ms(lift.uncertainty + options_.latest_slip)),
            index);
     }
     // Tips that are not seen to move may slide on until the end of the interval.
     const CameraTime stop = after(slip.start.at, between(lift.start, lift.end));
     const microseconds longer = between(stop, std::clamp(stop, slip.end.at, slip.end.high));
     if (std::chrono::abs(longer) > options_.longest_disagreement) {
-      flag(fmt::format("the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them", std::abs(ms(longer)),
-                       longer > 0us ? "longer" : "less", ms(options_.longest_disagreement)),
+      flag(fmt::format("the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them",
+                       std::abs(in_ms(longer)), longer > 0us ? "longer" : "less", in_ms(options_.longest_disagreement)),
            index);
     }
   }
