@@ -119,9 +119,8 @@ std::optional<trade::DelayLimit> delay_limit_in(const std::string& text) {
 
 Check is_delay_limit() {
   return Check{[](std::string& text) {
-                 return delay_limit_in(text)
-                            ? std::string()
-                            : "'" + text + "' is no delay; expected milliseconds above 0 such as 30, or p90:30";
+                 return delay_limit_in(text) ? std::string()
+                                             : "'" + text + "' is no delay; expected milliseconds above 0 such as 30, or p90:30";
                },
                ""};
 }
