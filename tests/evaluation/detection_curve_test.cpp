@@ -148,5 +148,24 @@ TEST(DelayTable, KeepsMissesInMedianQuantileAndCurve) {
   EXPECT_TRUE(table.curve.back().share.has_interval());
 }
 
+TEST(DelayTable, HasACurveWhoseBoundsNeverFall) {
+  // Nearly all are detected late, a few objects differ: pointwise intervals are widest where the share is near 1.
+  std::vector<results::RunDetections> runs;
+  for (int object = 0; object < 10; ++object) {
+    for (int run = 0; run < 7; ++run) {
+      const int delay = object == 0 && run < 2 ? 60 : 2 + 2 * ((object + run) % 6);
+      runs.push_back({{"object-" + std::to_string(object), std::to_string(run), 0}, {detected(delay)}});
+    }
+  }
+  const std::vector<results::DetectedWithin> curve = delay_table(runs, Touch::press).curve;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    ASSERT_TRUE(curve[i].share.has_interval()) << curve[i].ms;
+    EXPECT_GE(*curve[i].share.low, *curve[i - 1].share.low) << curve[i].ms;
+    EXPECT_GE(*curve[i].share.high, *curve[i - 1].share.high) << curve[i].ms;
+    EXPECT_LE(*curve[i].share.low, curve[i].share.value);
+    EXPECT_GE(*curve[i].share.high, curve[i].share.value);
+  }
+}
+
 }  // namespace
 }  // namespace tactile::evaluation

@@ -93,6 +93,15 @@ std::vector<results::DetectedWithin> detection_curve(const DetectionTimes& times
     const auto share = [&times, ms](const RunsByObject& drawn) { return times.share_within(drawn, ms); };
     curve.push_back({ms, figure_over_objects(chosen, share, options, range)});
   }
+  // The share never falls, so a lower bound holds for all later times, and an upper one for all earlier ones.
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    results::Figure &at = curve[i].share, &earlier = curve[i - 1].share;
+    if (at.low && earlier.low) at.low = std::max(*at.low, *earlier.low);
+  }
+  for (std::size_t i = curve.size(); i-- > 1;) {
+    results::Figure &at = curve[i - 1].share, &later = curve[i].share;
+    if (at.high && later.high) at.high = std::min(*at.high, *later.high);
+  }
   return curve;
 }
 

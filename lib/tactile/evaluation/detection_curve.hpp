@@ -54,7 +54,8 @@ class DetectionTimes {
 /// The times of `DelayTable::curve` [ms]: from 0 to 500, close together at first.
 std::span<const double> curve_times_ms();
 
-/// The curve over all of these runs. @param chosen  those that have an interval of the class
+/// The curve over all of these runs. No bound falls with time, as no share does. @param chosen  those that have an interval of
+/// the class
 std::vector<results::DetectedWithin> detection_curve(const DetectionTimes& times, const CrossedResults& chosen,
                                                      const results::BootstrapOptions& options);
 
