@@ -107,22 +107,22 @@ def quantile_of_all(found, q):
     return value, within < math.ceil(q * len(times))
 
 
-def episodes_of(said):
-    begins = [k for k in range(len(said)) if said[k] != "none" and (k == 0 or said[k - 1] != said[k])]
+def episodes_of(predicted):
+    begins = [k for k in range(len(predicted)) if predicted[k] != "none" and (k == 0 or predicted[k - 1] != predicted[k])]
     for begin in begins:
         end = begin
-        while end < len(said) and said[end] == said[begin]:
+        while end < len(predicted) and predicted[end] == predicted[begin]:
             end += 1
-        yield said[begin], begin, end
+        yield predicted[begin], begin, end
 
 
-def alarm_forms(t, tick, said, intervals, scored, unlabelled, found, guard):
+def alarm_forms(t, tick, predicted, intervals, scored, unlabelled, found, guard):
     """Counts and times [us] of the three forms, and of the wrong class."""
     outside = [not any(inside(time, i) for i in intervals) for time in t]
     without_motion = [out and not any(inside(time, i) for i in unlabelled) for out, time in zip(outside, t)]
     quiet = [free and not any(i[2] < time <= i[2] + guard for i in intervals) for free, time in zip(without_motion, t)]
     forms = {"outside_labels": [0, tick * sum(outside)], "outside_motion": [0, tick * sum(without_motion)]}
-    for what, begin, end in episodes_of(said):
+    for what, begin, end in episodes_of(predicted):
         led = [outcome for outcome, _, leading in found if leading == begin]
         for name, wanted in (("outside_labels", outside), ("outside_motion", without_motion)):
             ticks = sum(wanted[begin:end])
@@ -134,7 +134,7 @@ def alarm_forms(t, tick, said, intervals, scored, unlabelled, found, guard):
     for interval in scored:
         held = [inside(time, interval) for time in t]
         labelled += tick * sum(held)
-        for what, begin, end in episodes_of(said):
+        for what, begin, end in episodes_of(predicted):
             time = tick * sum(held[begin:end])
             if what == interval[0] or time == 0:
                 continue
@@ -142,7 +142,7 @@ def alarm_forms(t, tick, said, intervals, scored, unlabelled, found, guard):
             if held[begin] or time > guard:
                 wrong += -(-time // WINDOW)
     forms["wrong_class"] = [wrong, labelled]
-    alarm = tick * sum(free and what != "none" for free, what in zip(quiet, said))
+    alarm = tick * sum(free and what != "none" for free, what in zip(quiet, predicted))
     return forms, (alarm, tick * sum(quiet)), wrong_time
 
 

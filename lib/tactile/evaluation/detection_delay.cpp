@@ -76,17 +76,32 @@ double longest_limit_ms(std::span<const results::RunDetections> runs, Touch touc
   return longest > 0 ? longest : std::numeric_limits<double>::infinity();
 }
 
+/// The detections of one class in all runs, and the values that their figures may have.
+struct TouchDetections {
+  TouchDetections(std::span<const results::RunDetections> of, Touch its)
+      : runs(of),
+        touch(its),
+        times(of, its),
+        range(range_of_delays(of, its)),
+        range_of_all{.lowest = 0, .highest = longest_limit_ms(of, its), .step = range.step},
+        objects(runs_that_have(its, of)) {}
+
+  std::span<const results::RunDetections> runs;
+  Touch touch;
+  DetectionTimes times;
+  Range range;         ///< of the delays of detected intervals
+  Range range_of_all;  ///< of times of all intervals
+  std::map<std::string, CrossedObject> objects;
+};
+
 /// @param one_run  how much of what is drawn one run is: 1 where runs are drawn
 template <class MakeFigure>
-results::DelaySummary summary_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch,
-                                 const DetectionTimes& times, double one_run, MakeFigure make_figure) {
-  const Range range = range_of_delays(runs, touch);
-  const Range of_all_range{.lowest = 0, .highest = longest_limit_ms(runs, touch), .step = range.step};
+results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& chosen, double one_run, MakeFigure make_figure) {
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
-      for (const results::Detection& detection : runs[i].detections) {
-        if (detection.interval.touch != touch) continue;
+      for (const results::Detection& detection : of.runs[i].detections) {
+        if (detection.interval.touch != of.touch) continue;
         ++summary.intervals;
         if (detection.outcome == results::DetectionOutcome::missed) ++summary.misses;
         if (detection.outcome == results::DetectionOutcome::early) ++summary.early;
@@ -94,30 +109,38 @@ results::DelaySummary summary_of(std::span<const results::RunDetections> runs, c
       }
     }
   }
-  summary.sem_ms = standard_error_of(delays_ms(runs, chosen, touch));
+  summary.sem_ms = standard_error_of(delays_ms(of.runs, chosen, of.touch));
   const auto figure = [&](auto of_delays) {
     return make_figure(
-        [&runs, touch, of_delays](const RunsByObject& drawn) -> std::optional<double> {
-          auto delays = delays_ms(runs, drawn, touch);
+        [&of, of_delays](const RunsByObject& drawn) -> std::optional<double> {
+          auto delays = delays_ms(of.runs, drawn, of.touch);
           if (delays.empty()) return std::nullopt;
           return of_delays(std::move(delays));
         },
-        range);
+        of.range);
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
   summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
-  summary.missed = make_figure([&times](const RunsByObject& drawn) { return times.missed_share(drawn); }, {0, 1, one_run});
+  summary.missed = make_figure([&of](const RunsByObject& drawn) { return of.times.missed_share(drawn); }, {0, 1, one_run});
   for (const auto& [q, of_all] : {std::pair(0.5, &summary.median_of_all_ms), std::pair(0.9, &summary.quantile_of_all_ms)}) {
     of_all->ms = make_figure(
-        [&times, q = q](const RunsByObject& drawn) -> std::optional<double> {
-          const auto found = times.quantile(drawn, q);
+        [&of, q = q](const RunsByObject& drawn) -> std::optional<double> {
+          const auto found = of.times.quantile(drawn, q);
           return found ? std::optional(found->ms) : std::nullopt;
         },
-        of_all_range);
-    const auto found = times.quantile(chosen, q);
+        of.range_of_all);
+    const auto found = of.times.quantile(chosen, q);
     of_all->is_lower_bound = found && found->is_lower_bound;
   }
   return summary;
+}
+
+/// Over all objects.
+results::DelaySummary overall_summary(const TouchDetections& of, const results::BootstrapOptions& options) {
+  const CrossedResults chosen = without_names(of.objects);
+  return summary_of(of, all_of(chosen), one_run_of(chosen), [&](const Statistic& statistic, const Range& range) {
+    return figure_over_objects(chosen, statistic, options, range);
+  });
 }
 
 }  // namespace
@@ -174,25 +197,21 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
 
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
-  const CrossedResults chosen = without_names(runs_that_have(touch, runs));
-  return summary_of(
-      runs, all_of(chosen), touch, DetectionTimes(runs, touch), one_run_of(chosen),
-      [&](const Statistic& statistic, const Range& range) { return figure_over_objects(chosen, statistic, options, range); });
+  return overall_summary({runs, touch}, options);
 }
 
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options) {
+  const TouchDetections of(runs, touch);
   results::DelayTable table;
-  const DetectionTimes times(runs, touch);
-  const std::map<std::string, CrossedObject> objects = runs_that_have(touch, runs);
-  for (const auto& [name, cells] : objects) {
+  for (const auto& [name, cells] : of.objects) {
     table.objects[name] =
-        summary_of(runs, {indexes_of(cells)}, touch, times, 1, [&, &of = cells](const Statistic& statistic, const Range& range) {
-          return figure_of_object(of, statistic, options, range);
+        summary_of(of, {indexes_of(cells)}, 1, [&, &own = cells](const Statistic& statistic, const Range& range) {
+          return figure_of_object(own, statistic, options, range);
         });
   }
-  table.all = delay_summary(runs, touch, options);
-  table.curve = detection_curve(times, without_names(objects), options);
+  table.all = overall_summary(of, options);
+  table.curve = detection_curve(of.times, without_names(of.objects), options);
   return table;
 }
 

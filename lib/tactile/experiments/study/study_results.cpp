@@ -161,7 +161,7 @@ json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
     reported.insert(reported.end(), of_training.begin(), of_training.end());
   }
   const auto shares = evaluation::variance_of_accuracy(reported);
-  // Where no run is judged by two trainings, trainings and runs cannot be told apart.
+  // Where no run is judged by two trainings, trainings and runs cannot be distinguished.
   std::map<std::pair<std::string, std::string>, std::size_t> judged;
   std::size_t most = 0;
   for (const results::RunConfusion& run : reported) most = std::max(most, ++judged[{run.object, run.run}]);
@@ -212,6 +212,11 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
   return study;
 }
 
+constexpr const char* split_of_plan = "paper";  // the name of the plan's own held-out objects in unseen.csv
+
+/// The sets of runs that results are reported on.
+std::span<const NamedRunSet> judged_sets() { return std::span(run_sets).subspan(1); }
+
 /// Verdicts on the same runs of held-out objects: of models trained without them, and of the same trainings with them.
 struct SeenAndUnseen {
   std::vector<results::RunConfusion> seen, held_out;
@@ -258,9 +263,10 @@ json comparison_json(const std::string& split, const SeenAndUnseen& judged, cons
 }
 
 /// Adds "unseen", "splits" and "splits_mean" to study.json, and the rows of unseen.csv.
-void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, StudyResults& results) {
+/// @param by_set  of the objects that the plan holds out, by the name of the set of runs
+void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, const std::map<std::string, SeenAndUnseen>& by_set,
+                        StudyResults& results) {
   json& study = results.study;
-  const std::span<const NamedRunSet> judged_sets = std::span(run_sets).subspan(1);
   if (const std::vector<StudyModel> models = all_held_out(trained); !models.empty()) {
     const StudyModel& first = models.front();
     json& unseen = study["unseen"] = {
@@ -268,8 +274,8 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
         {"models",
          {{"seen", trained.by_history.at(first.settings.rendering.history)[first.training].name()}, {"held_out", first.name()}}}};
     for (const StudyModel& model : models) unseen["trainings"].push_back(training_json(plan, model));
-    for (const NamedRunSet& set : judged_sets)
-      unseen[set.name] = comparison_json("paper", judged_on(plan, trained, models, set), set, results.unseen);
+    for (const NamedRunSet& set : judged_sets())
+      unseen[set.name] = comparison_json(split_of_plan, by_set.at(set.name), set, results.unseen);
   }
   for (std::size_t i = 0; i < plan.splits.size(); ++i) {
     const StudyModel& model = trained.splits[i];
@@ -277,11 +283,11 @@ void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, Stu
                   {"held_out", plan.splits[i].held_out},
                   {"model", model.name()},
                   {"training", training_json(plan, model)}};
-    for (const NamedRunSet& set : judged_sets)
+    for (const NamedRunSet& set : judged_sets())
       split[set.name] = comparison_json(plan.splits[i].name, judged_on(plan, trained, {model}, set), set, results.unseen);
     study["splits"].push_back(split);
   }
-  for (const NamedRunSet& set : judged_sets) {
+  for (const NamedRunSet& set : judged_sets()) {
     if (plan.splits.empty()) break;
     const SeenAndUnseen all = judged_on(plan, trained, trained.splits, set);
     study["splits_mean"][set.name] = all.empty() ? json() : json(evaluation::accuracy_difference(all.seen, all.held_out).mean);
@@ -293,13 +299,15 @@ results::Evaluation evaluation_in(const EvaluatedModels& evaluated) {
   return results::JsonView(full, evaluated.json_file.string(), results::MissingMember::is_error).get<results::Evaluation>();
 }
 
-results::UnseenComparison unseen_on_reported(const StudyPlan& plan, const TrainedModels& trained) {
-  const SeenAndUnseen judged = judged_on(plan, trained, all_held_out(trained), run_sets[1]);
-  return judged.empty() ? results::UnseenComparison{} : evaluation::unseen_comparison(judged.seen, judged.held_out);
+/// Of the objects that the plan holds out, as far as they are on the reported runs.
+results::UnseenComparison unseen_on_reported(const std::vector<UnseenRow>& rows) {
+  const auto found = std::find_if(
+      rows.begin(), rows.end(), [](const UnseenRow& row) { return row.split == split_of_plan && row.runs == run_sets[1].name; });
+  return found == rows.end() ? results::UnseenComparison{} : found->comparison;
 }
 
-std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                                      const NamedRunSet& set) {
+std::vector<results::Claim> claims_on(const TrainedModels& trained, const JudgedModels& judged, const NamedRunSet& set,
+                                      const SeenAndUnseen& objects) {
   const EvaluatedModels& evaluated = judged.evaluation(set.name);
   const std::string where = evaluated.json_file.string();
   const json evaluation = read_json(evaluated.json_file);
@@ -314,9 +322,8 @@ std::vector<results::Claim> claims_on(const StudyPlan& plan, const TrainedModels
   inputs.history_ms = in_ms(set.runs == &PlannedTraining::all_test ? trained.paper_history : trained.history);
   inputs.over_time = over_time["both"].get<results::ShareOverTime>();
   inputs.after_ms = over_time["after_ms"].number();
-  SeenAndUnseen objects = judged_on(plan, trained, all_held_out(trained), set);
-  inputs.seen = std::move(objects.seen);
-  inputs.held_out = std::move(objects.held_out);
+  inputs.seen = objects.seen;
+  inputs.held_out = objects.held_out;
   return claims_of(inputs);
 }
 
@@ -326,15 +333,17 @@ StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, con
                         const PreparedData& prepared, std::span<const experiments::StepRecord> steps) {
   StudyResults results;
   results.study = study_json(plan, trained, judged, prepared, steps);
-  add_unseen_objects(plan, trained, results);
-  results.claims = claims_on(plan, trained, judged, run_sets[1]);
-  const std::vector<results::Claim> on_all_test_runs = claims_on(plan, trained, judged, run_sets[2]);
+  std::map<std::string, SeenAndUnseen> unseen;
+  for (const NamedRunSet& set : judged_sets()) unseen[set.name] = judged_on(plan, trained, all_held_out(trained), set);
+  add_unseen_objects(plan, trained, unseen, results);
+  results.claims = claims_on(trained, judged, run_sets[1], unseen.at(run_sets[1].name));
+  const std::vector<results::Claim> on_all_test_runs = claims_on(trained, judged, run_sets[2], unseen.at(run_sets[2].name));
   for (std::size_t i = 0; i < results.claims.size(); ++i)
     results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
   results.study["found"] = found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
-                                    unseen_on_reported(plan, trained), results.study["summary"].get<std::string>());
+                                    unseen_on_reported(results.unseen), results.study["summary"].get<std::string>());
   for (const NamedRunSet& set : run_sets) {
     const auto found = trained.comparisons.find(set.name);
     if (found == trained.comparisons.end()) continue;

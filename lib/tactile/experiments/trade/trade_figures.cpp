@@ -95,18 +95,16 @@ OfRuns per_min_in(Runs runs, CountsOf counts_of) {
   };
 }
 
-/// For few alarms, or little time, the bootstrap over runs gives too narrow an interval. Several trainings on one run see the
+evaluation::CrossedResults all_by_object(Runs runs) {
+  return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
+}
+
+/// For few alarms, or little time, the interval over runs is too narrow. Several trainings on one run see the
 /// same time, which counts once.
 void widen_by_few_alarms_in(Runs runs, CountsOf counts_of, results::Figure& per_min, double confidence) {
   results::FalseAlarms sum;
-  std::map<std::pair<std::string, std::string>, unsigned> judged;
-  for (const TradedRun& run : runs) {
-    sum += counts_of(run.alarms);
-    ++judged[{run.object, run.run.empty() ? std::to_string(&run - runs.data()) : run.run}];
-  }
-  unsigned most = 1;
-  for (const auto& one : judged) most = std::max(most, one.second);
-  evaluation::widen_by_few_alarms(per_min, sum, confidence, most);
+  for (const TradedRun& run : runs) sum += counts_of(run.alarms);
+  evaluation::widen_by_few_alarms(per_min, sum, confidence, evaluation::most_results_of_a_run(all_by_object(runs)));
 }
 
 /// The values that figures of these runs may have, in steps of one sample, one interval, one alarm, and the shortest delay.
@@ -134,10 +132,6 @@ Ranges ranges_of(Runs runs) {
 /// The same of differences.
 evaluation::Range both_ways(const evaluation::Range& range) { return {-range.highest, range.highest, range.step}; }
 
-evaluation::CrossedResults all_by_object(Runs runs) {
-  return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
-}
-
 void add_to(results::Figure& figure, double more) {
   figure.value += more;
   if (figure.low) *figure.low += more;
@@ -159,13 +153,12 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
                           is_predicted ? verdicts[static_cast<std::size_t>(std::min(place, ticks.count - 1))] : Touch::none);
   }
   const auto detections = evaluation::detections_of(ticks, verdicts, run.truth.used());
-  const microseconds window = evaluation::DelayOptions{}.window;
   for (const results::Detection& detection : detections) {
     const bool detected = detection.outcome == results::DetectionOutcome::detected;
     if (detection.outcome == results::DetectionOutcome::missed) ++outcome.misses;
     if (detection.outcome == results::DetectionOutcome::early) ++outcome.early;
-    const CameraTime onset = detection.interval.start, limit = std::min(detection.interval.end, after(onset, window));
-    outcome.delays.push_back({static_cast<double>(between(onset, detected ? detection.first_right : limit).count()), detected});
+    const microseconds delay = detected ? between(detection.interval.start, detection.first_right) : detection.limit;
+    outcome.delays.push_back({static_cast<double>(delay.count()), detected});
   }
   const std::vector<TouchInterval> labelled = run.truth.all_labelled();
   if (!labelled.empty())
