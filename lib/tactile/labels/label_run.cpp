@@ -11,10 +11,10 @@
 #include "tactile/alignment/film_motions.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/labels/arm_moves.hpp"
-#include "tactile/labels/felt_moves.hpp"
 #include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/run_bursts.hpp"
 #include "tactile/labels/unlikely_presses.hpp"
+#include "tactile/labels/unlogged_lift.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -72,8 +72,8 @@ class Labeller {
           1e-3 * in_ms(moves_.logged), 1e-3 * in_ms(recorded())));
     }
 
-    find_intervals();
     relate_clocks();
+    find_intervals();
     for (std::size_t i = 0; i < labels_.intervals.size(); ++i) witness(i);
     look_for_what_is_missing();
     cut_overlaps(labels_.intervals);
@@ -113,22 +113,22 @@ class Labeller {
   /// Whether the log has every lift: a log that is shorter than the recording may lack one.
   bool lifts_are_known() const { return moves_.all_placed && (moves_.rises || moves_.logged + start_and_stop >= recorded()); }
 
-  /// By the robot log; without one the last motion that the IMU felt during a burst: a camera on the stage also feels the press.
-  /// Nothing if neither shows whether the arm rose.
-  std::optional<std::vector<ArmMove>> lifts(const std::vector<alignment::Burst>& bursts,
-                                            const std::vector<double>& undoes) const {
-    if (lifts_are_known()) return moves_.lifts;
+  std::optional<UnloggedLift> lift_without_log(const std::vector<alignment::Burst>& bursts,
+                                               const std::vector<LitRate>& lit) const {
     if (signals_.has_robot) return std::nullopt;
-    const auto may_slip_in = [&](const ArmMove& move) {
-      for (std::size_t i = 1; i < bursts.size(); ++i) {
-        if (undoes[i] > options_.touches.releases || alignment::is_after_effect(bursts[i], signals_.rate, bursts)) continue;
-        if (lift_around({move}, signals_.rate, bursts[i]) != nullptr) return true;
-      }
-      return false;
-    };
-    const std::vector<ArmMove> felt = felt_moves(signals_.imu);
-    const auto last = std::find_if(felt.rbegin(), felt.rend(), may_slip_in);
-    return last == felt.rend() ? std::nullopt : std::optional(std::vector{*last});
+    std::vector<bool> may_slip;
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      const bool releases = i == 0 || lit[i].undoes > options_.touches.releases;
+      may_slip.push_back(!releases && !alignment::is_after_effect(bursts[i], signals_.rate, bursts));
+    }
+    return unlogged_lift(signals_.imu, video_motions_, signals_.rate, bursts, may_slip);
+  }
+
+  static std::string words_without_log(const std::optional<UnloggedLift>& lift) {
+    if (!lift) return "no robot log: press and slip are distinguished by their order alone";
+    return lift->witness == LiftWitness::imu
+               ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
+               : "no robot log: the slip is the burst in which the film shows the last large motion";
   }
 
   void find_intervals() {
@@ -137,12 +137,12 @@ class Labeller {
     const std::vector<LitRate> lit = lit_rates(recording, signals_.event_stream, signals_.rate, bursts);
     std::vector<double> undoes(lit.size());
     std::transform(lit.begin(), lit.end(), undoes.begin(), [](const LitRate& burst) { return burst.undoes; });
-    const auto slips_in = lifts(bursts, undoes);
+    const std::optional<UnloggedLift> unlogged = lift_without_log(bursts, lit);
+    std::optional<std::vector<ArmMove>> slips_in;
+    if (lifts_are_known()) slips_in = moves_.lifts;
+    if (unlogged) slips_in = std::vector{unlogged->move};
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
-    if (!signals_.has_robot) {
-      flag(slips_in ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
-                    : "no robot log: press and slip are distinguished by their order alone");
-    }
+    if (!signals_.has_robot) flag(words_without_log(unlogged));
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
