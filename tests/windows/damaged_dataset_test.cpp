@@ -81,7 +81,7 @@ class DamagedDataset : public testing::Test {
     Random random(5);
     std::vector<std::uint8_t> values(12 * dataset.samples().size());
     for (std::uint8_t& value : values) value = static_cast<std::uint8_t>(random.below(256));
-    heatmaps.append(values);
+    heatmaps.append(heatmaps.packed(values));
     heatmaps.commit();
   }
 

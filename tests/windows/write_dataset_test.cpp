@@ -116,7 +116,7 @@ TEST_F(WriteDataset, KeepsADatasetOfTheSameManifestAndReplacesAnother) {
   {
     const Dataset dataset(file());
     HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
-    heatmaps.append(std::vector<std::uint8_t>(dataset.samples().size(), 7));
+    heatmaps.append(heatmaps.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
     heatmaps.commit();
   }
   EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
@@ -345,7 +345,7 @@ TEST_F(WriteDataset, NotesWhereItsRunsHaveMovedAndKeepsItsHeatmaps) {
   {
     const Dataset dataset(apart);
     HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
-    heatmaps.append(std::vector<std::uint8_t>(dataset.samples().size(), 7));
+    heatmaps.append(heatmaps.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
     heatmaps.commit();
   }
   const auto events_written = fs::last_write_time(folder / "sets/dataset.events.h5");
@@ -561,12 +561,12 @@ TEST(HeatmapsWriter, RefusesTooFewHeatmapsAndAnotherDataset) {
   const StoredHeatmaps description{.name = "th_002", .settings = nlohmann::json::object(), .width = 2, .height = 1};
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(std::vector<std::uint8_t>(2 * 269));
+    writer.append(writer.packed(std::vector<std::uint8_t>(2 * 269)));
     EXPECT_THROW(writer.commit(), Error);
   }
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(std::vector<std::uint8_t>(2 * 270));
+    writer.append(writer.packed(std::vector<std::uint8_t>(2 * 270)));
     write_dataset(folder.path(), folder / "dataset.h5", {.sampling = {.seed = 2}});
     EXPECT_NE(message_of([&] { writer.commit(); }).find("replaced by another dataset"), std::string::npos);
   }
@@ -583,8 +583,8 @@ TEST(Heatmaps, AreReadInAnyOrder) {
     std::vector<std::uint8_t> heatmaps;
     for (int i = 0; i < 270; ++i)
       heatmaps.insert(heatmaps.end(), {static_cast<std::uint8_t>(i % 251), static_cast<std::uint8_t>(i / 251)});
-    writer.append(std::span(heatmaps).first(200));
-    writer.append(std::span(heatmaps).subspan(200));
+    writer.append(writer.packed({heatmaps.begin(), heatmaps.begin() + 200}));
+    writer.append(writer.packed({heatmaps.begin() + 200, heatmaps.end()}));
     writer.commit();
   }
   const Dataset dataset(folder / "dataset.h5");

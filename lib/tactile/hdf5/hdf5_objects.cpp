@@ -1,5 +1,7 @@
 #include "tactile/hdf5/hdf5_objects.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -25,6 +27,22 @@ Id structure_of(Structure structure) {
   Id properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (structure == Structure::checked) H5Pset_libver_bounds(properties, H5F_LIBVER_V110, H5F_LIBVER_V110);
   return properties;
+}
+
+/// Fletcher's checksum of 32 bits over big-endian words of 16, the last one padded with 0. A sum of 0 that is not of zeros alone
+/// is 0xffff. Source: HDF5 File Format Specification 3.0, filter 3.
+std::uint32_t fletcher_32(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint32_t modulus = 0xffff;
+  std::uint32_t sum = 0, sum_of_sums = 0;
+  bool all_zero = true;
+  for (std::size_t i = 0; i < bytes.size(); i += 2) {
+    const std::uint32_t word = bytes[i] * 256U + (i + 1 < bytes.size() ? bytes[i + 1] : 0U);
+    all_zero = all_zero && word == 0;
+    sum = (sum + word) % modulus;
+    sum_of_sums = (sum_of_sums + sum) % modulus;
+  }
+  const auto stored = [&](std::uint32_t value) { return value == 0 && !all_zero ? modulus : value; };
+  return stored(sum_of_sums) << 16 | stored(sum);
 }
 
 Id text_type(std::size_t size) {
@@ -196,6 +214,29 @@ void append_rows(hid_t table, hid_t in_memory, const void* rows, hsize_t count, 
   if (H5Sselect_hyperslab(in_file, H5S_SELECT_SET, first.data(), nullptr, rows_shape.data(), nullptr) < 0 ||
       H5Dwrite(table, in_memory, given, in_file, H5P_DEFAULT, rows) < 0) {
     fail_writing(where, "cannot be written");
+  }
+}
+
+std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values) {
+  uLongf size = compressBound(static_cast<uLong>(values.size()));
+  std::vector<std::uint8_t> chunk(size);
+  compress2(chunk.data(), &size, values.data(), static_cast<uLong>(values.size()), deflate_level);  // the bound is enough
+  chunk.resize(size);
+  const std::uint32_t checksum = fletcher_32(chunk);
+  for (unsigned shift = 0; shift < 32; shift += 8) chunk.push_back(static_cast<std::uint8_t>(checksum >> shift & 0xff));
+  return chunk;
+}
+
+void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> rows, const std::string& where) {
+  std::vector<hsize_t> shape = shape_of(table, where), place(shape.size(), 0);
+  place[0] = shape[0];
+  shape[0] += rows.size();
+  if (H5Dset_extent(table, shape.data()) < 0) fail_writing(where, "cannot grow");
+  constexpr std::uint32_t all_filters = 0;
+  for (const std::vector<std::uint8_t>& row : rows) {
+    if (H5Dwrite_chunk(table, H5P_DEFAULT, all_filters, place.data(), row.size(), row.data()) < 0)
+      fail_writing(where, "cannot be written");
+    ++place[0];
   }
 }
 

@@ -110,6 +110,12 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
                 const std::string& where);
 void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count, const std::string& where);
 
+/// The bytes of a chunk of one-byte values as a table of `create_table` stores it. It needs no Session, so several threads may
+/// pack chunks at the same time: HDF5 itself packs one after the other.
+std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values);
+/// Appends rows, each of them a packed chunk, to a table with one row per chunk.
+void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> rows, const std::string& where);
+
 /// [rows, ...]
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where);
 /// Reads `count` rows from `first` on. Numbers beyond the range of the memory type are limited to it.

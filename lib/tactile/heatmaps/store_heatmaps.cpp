@@ -99,9 +99,12 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
         const std::size_t length = heatmaps[rendering_index].size() / sample_indexes.size();
         return std::span(heatmaps[rendering_index]).subspan(place * length, length);
       });
+      std::vector<windows::HeatmapsWriter::Packed> packed;
+      for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
+        packed.push_back(writers[rendering_index].packed(std::move(heatmaps[rendering_index])));
       in_turn.call(i, [&] {
         for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
-          writers[rendering_index].append(heatmaps[rendering_index]);
+          writers[rendering_index].append(packed[rendering_index]);
         const windows::DatasetRun& run = dataset.runs()[run_index];
         tell(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
       });

@@ -99,8 +99,16 @@ class HeatmapsWriter {
   HeatmapsWriter(const HeatmapsWriter&) = delete;
   HeatmapsWriter& operator=(const HeatmapsWriter&) = delete;
 
-  /// @param heatmaps  [any number, height, width], in the order of the samples
-  void append(std::span<const std::uint8_t> heatmaps);
+  /// Heatmaps [any number, height, width] and, of each, the bytes that the file stores.
+  struct Packed {
+    std::vector<std::uint8_t> heatmaps;
+    std::vector<std::vector<std::uint8_t>> chunks;
+  };
+  /// Several threads may pack at the same time, also while another one appends.
+  Packed packed(std::vector<std::uint8_t> heatmaps) const;
+
+  /// @param heatmaps  in the order of the samples
+  void append(const Packed& heatmaps);
 
   /// @throws Error  if the number of heatmaps differs from that of the samples, or the dataset was replaced meanwhile
   void commit();

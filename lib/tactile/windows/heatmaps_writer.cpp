@@ -58,12 +58,19 @@ HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& des
 
 HeatmapsWriter::~HeatmapsWriter() = default;
 
-void HeatmapsWriter::append(std::span<const std::uint8_t> heatmaps) {
+HeatmapsWriter::Packed HeatmapsWriter::packed(std::vector<std::uint8_t> heatmaps) const {
+  Packed packed{std::move(heatmaps), {}};
+  const std::span<const std::uint8_t> all(packed.heatmaps);
+  const std::size_t size = state_->heatmap_size();
+  for (std::size_t at = 0; at + size <= all.size(); at += size) packed.chunks.push_back(h5::packed_chunk(all.subspan(at, size)));
+  return packed;
+}
+
+void HeatmapsWriter::append(const Packed& packed) {
   const h5::Session session;
-  const std::size_t count = heatmaps.size() / state_->heatmap_size();
-  h5::append_rows(state_->table, H5T_NATIVE_UINT8, heatmaps.data(), count, state_->target.string());
-  state_->written += count;
-  state_->digest.add(std::as_bytes(heatmaps));
+  h5::append_packed_rows(state_->table, packed.chunks, state_->target.string());
+  state_->written += packed.chunks.size();
+  state_->digest.add(std::as_bytes(std::span(packed.heatmaps)));
 }
 
 void HeatmapsWriter::commit() {

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
+
+namespace tactile::hdf5 {
+namespace {
+
+using Row = std::vector<std::uint8_t>;
+
+/// The file of a table with these rows, one per chunk.
+template <class Append>
+std::string file_with(const std::filesystem::path& file, std::size_t row_size, const Append& append) {
+  const Session session;
+  Id made = create_file(file, Structure::checked);
+  Id table = create_table(made, "rows", H5T_STD_U8LE, {row_size}, 1, "rows");
+  append(table);
+  table.close("rows");
+  made.close("rows");
+  return read_text(file);
+}
+
+/// The same rows, packed by HDF5 and by `packed_chunk`.
+void expect_same_file(const std::vector<Row>& rows) {
+  const test::TemporaryFolder folder;
+  const std::string by_hdf5 = file_with(folder / "hdf5.h5", rows.front().size(), [&](hid_t table) {
+    for (const Row& row : rows) append_rows(table, H5T_NATIVE_UINT8, row.data(), 1, "rows");
+  });
+  const std::string packed = file_with(folder / "packed.h5", rows.front().size(), [&](hid_t table) {
+    for (const Row& row : rows) append_packed_rows(table, std::array{packed_chunk(row)}, "rows");
+  });
+  EXPECT_TRUE(by_hdf5 == packed) << rows.front().size() << " values in a row";
+}
+
+Row random_row(std::size_t size, double share, Random& random) {
+  Row row(size);
+  for (std::uint8_t& value : row) {
+    if (random.below(1000) < static_cast<std::uint64_t>(1000 * share)) value = static_cast<std::uint8_t>(random.below(256));
+  }
+  return row;
+}
+
+TEST(PackedChunk, IsWhatHdf5Stores) {
+  Random random(7);
+  for (const std::size_t size : {1U, 2U, 3U, 719U, 8'481U, 70'000U}) {
+    std::vector<Row> rows{Row(size, 0), Row(size, 255)};
+    for (const double share : {0.01, 0.3, 1.0}) rows.push_back(random_row(size, share, random));
+    expect_same_file(rows);
+  }
+}
+
+TEST(PackedChunk, IsReadBackAndItsDamageIsNoticed) {
+  Random random(8);
+  const test::TemporaryFolder folder;
+  const Row row = random_row(500, 0.3, random);
+  file_with(folder / "rows.h5", row.size(), [&](hid_t table) {
+    append_packed_rows(table, std::array{packed_chunk(Row(500)), packed_chunk(row)}, "rows");
+    EXPECT_EQ(shape_of(table, "rows"), (std::vector<hsize_t>{2, 500}));
+  });
+  const Session session;
+  const Id file = open_file(folder / "rows.h5", false);
+  const Id table = open_table(file, "rows", "rows");
+  Row read(row.size());
+  read_rows(table, H5T_NATIVE_UINT8, read.data(), 1, 1, "rows");
+  EXPECT_EQ(read, row);
+
+  Row damaged = packed_chunk(row);
+  damaged[damaged.size() / 2] ^= 1;
+  file_with(folder / "damaged.h5", row.size(), [&](hid_t made) { append_packed_rows(made, std::array{damaged}, "rows"); });
+  EXPECT_THROW(open_file(folder / "damaged.h5", false), Error);
+}
+
+}  // namespace
+}  // namespace tactile::hdf5
