@@ -212,6 +212,16 @@ void check_alike(std::span<const ModelOnRuns> trainings) {
   }
 }
 
+/// The progress of a part of the whole, from one share of it to another.
+ProgressCallback part_of(const ProgressCallback& progress, double from, double to) {
+  if (!progress) return {};
+  return [=](const Progress& now) {
+    constexpr std::uint64_t whole = 1'000'000;
+    const double share = now.total > 0 ? static_cast<double>(now.done) / static_cast<double>(now.total) : 0;
+    progress({static_cast<std::uint64_t>(static_cast<double>(whole) * (from + (to - from) * share)), whole, now.what});
+  };
+}
+
 }  // namespace
 
 results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
@@ -225,6 +235,8 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
   std::vector<BaselineSamples> learned;
   std::vector<ScoredFlaggedRun> left_out;
   for (std::size_t k = 0; k < trainings.size(); ++k) {
+    constexpr double share_of_runs = 0.95;  // the rest is for the samples that it learned from
+    const double each = 1 / static_cast<double>(trainings.size()), before = each * static_cast<double>(k);
     const model::Classifier& classifier = *trainings[k].classifier;
     const std::size_t first = scored.runs.size();
     scored.runs.resize(first + trainings[k].runs.size());
@@ -232,12 +244,13 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
       scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
     // Full runs first: a run folder that has changed is reported before other work begins.
     const RunScoring scoring{dataset, classifier, options, evaluation.guard, sampling_guards, gate_of(classifier, options)};
-    for_full_runs(dataset, classifier, trainings[k].runs, threads, progress,
+    for_full_runs(dataset, classifier, trainings[k].runs, threads, part_of(progress, before, before + share_of_runs * each),
                   [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                     scored.runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
                   });
     for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
-    learned.push_back(training_samples(dataset, classifier, threads, progress));
+    learned.push_back(
+        training_samples(dataset, classifier, threads, part_of(progress, before + share_of_runs * each, before + each)));
   }
   add_sample_scores(evaluation, scored, sampling_guards);
   add_tick_scores(evaluation, scored, options.over_time);

@@ -1,9 +1,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <mutex>
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_result.hpp"
@@ -24,13 +26,19 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
   };
   const std::optional<std::uint64_t> gate = gate_of(classifier, options);
   if (options.confirmation.of == 1 && !gate) {
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      tell(progress, i, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
+    // One run is read while others are classified.
+    std::mutex reads;
+    std::size_t begun = 0;
+    parallel_for(runs.size(), threads, [&](std::size_t i) {
       const auto indexes = model::samples_of_runs(dataset, {&runs[i], 1});
-      const auto predicted =
-          classifier.verdicts(model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads), threads);
+      const auto read = [&] {
+        const std::scoped_lock lock(reads);
+        tell(progress, begun++, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
+        return model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
+      };
+      const auto predicted = classifier.verdicts(read(), 1);
       add(i, samples_in(dataset, runs[i]), [&](std::size_t k) { return predicted[k]; });
-    }
+    });
     return confusions;
   }
   for_full_runs(dataset, classifier, runs, threads, progress,
