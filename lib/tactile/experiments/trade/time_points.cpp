@@ -109,6 +109,9 @@ double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known
 
 void time_points(const Stage& stage, const std::string& step_name, std::uint64_t ticks, MeasuredPoints& measured) {
   TickTimesOptions timing = stage.plan.options.timing;
+  // With fewer ticks in fewer pieces: each piece costs a whole history, and its time must not count as that of one or two ticks.
+  const auto pieces = (timing.pieces * ticks + timing.ticks - 1) / timing.ticks;
+  timing.pieces = static_cast<unsigned>(std::clamp<std::uint64_t>(pieces, 1, timing.pieces));
   timing.ticks = ticks;
   const auto step = [&] { return step_to_time(stage.plan, timed_settings_of(measured.points), step_name, timing); };
   if (!stage.runner.is_done(step())) keep_what_can_be_timed(stage, ticks, measured);
