@@ -1,5 +1,7 @@
 #include "tactile/results/figure.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 namespace tactile::results {
@@ -9,6 +11,15 @@ Figure scaled(Figure figure, double factor) {
   if (figure.low) *figure.low *= factor;
   if (figure.high) *figure.high *= factor;
   return figure;
+}
+
+std::string text_of(const Figure& figure, std::string_view unit, std::string_view format) {
+  if (!std::isfinite(figure.value)) return "unknown";
+  const std::string of_number = fmt::format("{{:{}}}", format);
+  const auto number = [&](double value) { return fmt::format(fmt::runtime(of_number), value); };
+  const std::string value = fmt::format("{}{}", number(figure.value), unit);
+  if (!figure.has_interval()) return value + " (no interval)";
+  return fmt::format("{} [{}, {}]", value, number(*figure.low), number(*figure.high));
 }
 
 nlohmann::json number_or_null(double number) { return std::isfinite(number) ? nlohmann::json(number) : nlohmann::json(); }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "tactile/results/json_view.hpp"
 
@@ -22,6 +24,10 @@ struct Figure {
 
 /// The value and its interval times `factor`.
 Figure scaled(Figure figure, double factor);
+
+/// "88.3 % [81.3, 94.5]"; "unknown" where nothing was there to measure.
+/// @param format  of a number, as fmt takes it: "+.2f"
+std::string text_of(const Figure& figure, std::string_view unit, std::string_view format = ".1f");
 
 /// {"value", "low", "high", "n", "trainings"}; what is not known is null.
 void to_json(nlohmann::json& json, const Figure& figure);

@@ -10,12 +10,8 @@
 namespace tactile::study {
 namespace {
 
-/// "88.3 % [81.3, 94.5]"
-std::string text_of(const results::Figure& figure, double factor, const std::string& unit, int digits = 1) {
-  if (!std::isfinite(figure.value)) return "an unknown value";
-  const auto number = [&](double value) { return fmt::format("{:.{}f}", factor * value, digits); };
-  const std::string text = number(figure.value) + unit;
-  return figure.has_interval() ? text + fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high)) : text;
+std::string percent_of(const results::Figure& figure, std::string_view unit = " %", std::string_view format = ".1f") {
+  return results::text_of(results::scaled(figure, 100), unit, format);
 }
 
 /// "40 ms", or "30, 40 or 50 ms" where trainings chose several
@@ -33,25 +29,24 @@ std::string accuracy_sentence(const results::Evaluation& reported, const std::ve
   std::string text = fmt::format(
       "With a t_h of {} LeNet predicts {} of the samples correctly, on {} runs that it did not learn from (mean over {} objects, "
       "{} training{})",
-      text_of(histories), text_of(accuracy, 100, " %"), reported.simulated ? "simulated" : "real", accuracy.n, accuracy.trainings,
+      text_of(histories), percent_of(accuracy), reported.simulated ? "simulated" : "real", accuracy.n, accuracy.trainings,
       accuracy.trainings == 1 ? "" : "s");
   const auto best = std::max_element(reported.baselines.begin(), reported.baselines.end(),
                                      [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
   if (best != reported.baselines.end())
-    text += fmt::format("; the best baseline, {}, {}", best->name, text_of(best->accuracy.mean, 100, " %"));
+    text += fmt::format("; the best baseline, {}, {}", best->name, percent_of(best->accuracy.mean));
   return text + ".";
 }
 
 std::string delay_sentence(const results::DetectorScore& network) {
   const results::DelaySummary &press = network.press.all, &slip = network.slip.all;
   const auto within = [](const results::CensoredQuantile& quantile) {
-    return (quantile.is_lower_bound ? "no less than " : "") + text_of(quantile.ms, 1, " ms", 0);
+    return (quantile.is_lower_bound ? "no less than " : "") + results::text_of(quantile.ms, " ms", ".0f");
   };
   return fmt::format(
       "Half of the presses are detected within {}, half of the slips within {}; {} of the presses and {} of the "
       "slips are missed.",
-      within(press.median_of_all_ms), within(slip.median_of_all_ms), text_of(press.missed, 100, " %"),
-      text_of(slip.missed, 100, " %"));
+      within(press.median_of_all_ms), within(slip.median_of_all_ms), percent_of(press.missed), percent_of(slip.missed));
 }
 
 }  // namespace
@@ -64,11 +59,11 @@ std::vector<std::string> found_in(const results::Evaluation& reported, const std
       accuracy_sentence(reported, histories), delay_sentence(reported.network),
       fmt::format("False alarms: {} per minute outside labelled touches, {} without unlabelled motion, {} of the time without "
                   "touch; and {} of the wrong class per minute of touch.",
-                  text_of(alarms.outside_labels_per_min, 1, ""), text_of(alarms.outside_motion_per_min, 1, ""),
-                  text_of(alarms.none_in_alarm_share, 100, " %", 2), text_of(alarms.wrong_class_per_min, 1, "")),
+                  results::text_of(alarms.outside_labels_per_min, ""), results::text_of(alarms.outside_motion_per_min, ""),
+                  percent_of(alarms.none_in_alarm_share, " %", ".2f"), results::text_of(alarms.wrong_class_per_min, "")),
       unseen.objects.empty() ? std::string("No object was held out of training.")
                              : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} objects).",
-                                           text_of(change, 100, " points"), change.n),
+                                           percent_of(change, " points"), change.n),
       claims};
 }
 

@@ -52,16 +52,8 @@ double least_margin(const TradeConstraints& constraints, const TradeFigures& fig
   return least;
 }
 
-std::string interval_text(const results::Figure& figure, double factor, const char* format_of, const char* unit) {
-  if (!std::isfinite(figure.value)) return "unknown";
-  const auto number = [&](double value) { return fmt::format(fmt::runtime(format_of), factor * value); };
-  std::string text = number(figure.value) + unit;
-  if (figure.has_interval()) return text + fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high));
-  return text + " (no interval)";
-}
-
 std::string delay_text(const results::Figure& delay, bool is_bound) {
-  return std::string(is_bound ? "at least " : "") + interval_text(delay, 1e-3, "{:.2f}", " ms");
+  return std::string(is_bound ? "at least " : "") + text_of(scaled(delay, 1e-3), " ms", ".2f");
 }
 
 std::string measured_text(const TradeFigures& figures) {
@@ -71,10 +63,10 @@ std::string measured_text(const TradeFigures& figures) {
       "the presses and slips and {} in 90 % of them; {} are missed or early. There are {} false alarms per minute outside "
       "labels, "
       "with those in releases and in motion without labels",
-      interval_text(figures.accuracy, 100, "{:.2f}", " %"), interval_text(figures.us_p50, 1, "{:.0f}", " us"),
-      interval_text(figures.us_p99, 1, "{:.0f}", " us"), interval_text(figures.us_p999, 1, "{:.0f}", " us"),
+      text_of(scaled(figures.accuracy, 100), " %", ".2f"), text_of(figures.us_p50, " us", ".0f"),
+      text_of(figures.us_p99, " us", ".0f"), text_of(figures.us_p999, " us", ".0f"),
       delay_text(figures.delay_median_us, figures.median_is_bound), delay_text(figures.delay_p90_us, figures.p90_is_bound),
-      interval_text(figures.missed, 100, "{:.1f}", " %"), interval_text(figures.episodes_per_min, 1, "{:.2f}", ""));
+      text_of(scaled(figures.missed, 100), " %", ".1f"), text_of(figures.episodes_per_min, "", ".2f"));
 }
 
 /// Whether the trial meets the limit of time; without a limit, the tick is the limit.

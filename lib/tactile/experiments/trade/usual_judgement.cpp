@@ -27,21 +27,13 @@ bool is_better(const TradeDifference& difference) {
          at_most(difference.episodes_per_min, margin_of_episodes);
 }
 
-std::string difference_text(const char* words, const results::Figure& figure, double factor, int decimals, const char* unit) {
-  const auto number = [&](double value) { return fmt::format("{:+.{}f}", factor * value, decimals); };
-  std::string text = fmt::format("{} {}{}", words, number(figure.value), unit);
-  if (figure.has_interval()) text += fmt::format(" [{}, {}]", number(*figure.low), number(*figure.high));
-  return text;
-}
-
 std::string text_of(const TradePoint& point, const TradeSetting& usual) {
   const TradeDifference& difference = *point.difference;
-  return fmt::format("{} ({}, {}, {}, {}, {})", text_of(point.setting, usual),
-                     difference_text("time in half of the ticks", difference.us_p50, 1, 0, " us"),
-                     difference_text("accuracy", difference.accuracy, 100, 1, " points"),
-                     difference_text("delay", difference.delay_us, 1e-3, 1, " ms"),
-                     difference_text("misses", difference.missed, 100, 1, " points"),
-                     difference_text("false alarms", difference.episodes_per_min, 1, 1, " per minute"));
+  return fmt::format(
+      "{} (time in half of the ticks {}, accuracy {}, delay {}, misses {}, false alarms {})", text_of(point.setting, usual),
+      text_of(difference.us_p50, " us", "+.0f"), text_of(scaled(difference.accuracy, 100), " points", "+.1f"),
+      text_of(scaled(difference.delay_us, 1e-3), " ms", "+.1f"), text_of(scaled(difference.missed, 100), " points", "+.1f"),
+      text_of(difference.episodes_per_min, " per minute", "+.1f"));
 }
 
 std::string probability_text(const FrontProbability& probability) {
