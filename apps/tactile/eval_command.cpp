@@ -148,7 +148,7 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
     auto runs = evaluation::runs_neither_saw(dataset, with->model(), without->model());
     for (const model::Classifier* classifier : {with, without}) leave_out_calibration_runs(runs, dataset, *classifier);
     for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without->model()), runs)) {
-      trainings.warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
+      trainings.warnings.push_back(object + ": not compared, each of its runs with samples was used to train one of the models");
       spdlog::warn("{}", trainings.warnings.back());
     }
     trainings.pairs.push_back({with, without, runs});

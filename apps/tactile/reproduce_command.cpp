@@ -155,7 +155,7 @@ std::string text_of(const study::StudySummary& summary) {
     rows.push_back({claim.at("id").get<std::string>(), kept_text(claim), claim.at("verdict").get<std::string>(),
                     claim.at("all_test").at("verdict").get<std::string>()});
   }
-  text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "as in the paper"}, rows) + "\n";
+  text += "The paper's claims\n\n" + text_table({"claim", "true for", "outcome", "as in the paper"}, rows) + "\n";
   for (const auto& claim : study.at("claims")) {
     std::string words = claim.at("id").get<std::string>() + ":";
     if (const auto measured = claim.at("in_words").get<std::string>(); !measured.empty()) words += " " + measured;

@@ -217,18 +217,19 @@ std::string text_of(const trade::TradeSummary& summary) {
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
       wrapped(trade.at("judged_by").get<std::string>()) + "\n\n" +
       wrapped(
-          "Of each setting: accuracy with its 95 % interval, the delay that half and 90 % of the presses and slips do not exceed "
-          "(missed ones count with the time in which they could be detected) [ms], share missed or early [%], false alarms per "
-          "minute outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
-          "objects and runs drawn again, and a star if it is; D: the same of delay, misses and false alarms. Fronts are those of "
-          "the runs to choose on, all else is of the runs to report on.") +
+          "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] (a "
+          "missed one counts with the time in which it could be detected), share missed or early [%], false alarms per minute "
+          "outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
+          "objects and runs drawn again; a star: on the front. D: the same for delay, misses and false alarms. Fronts are found "
+          "on the runs to choose on. All other figures are of the runs to report on.") +
       "\n\n" + settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
     std::string list;
     for (const auto& pair : trade.at("left_out"))
       list +=
           fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
-    text += wrapped(fmt::format("Left out, as the history is no whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
+    text +=
+        wrapped(fmt::format("Left out, because the history is not a whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
   }
   for (const auto& one : trade.at("not_measured"))
     text +=
@@ -274,8 +275,8 @@ void warn_of_another_dataset(const TradeArguments& args) {
     std::vector<std::string> differing;
     if (before.contains("settings"))
       differing = windows::differing_settings(windows::dataset_settings_in(dataset.settings()), before.at("settings"));
-    spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured again", dataset.file().string(), args.out,
-                 differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
+    spdlog::warn("{} is not the dataset that {} was measured on ({}): everything is measured again", dataset.file().string(),
+                 args.out, differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   } catch (const nlohmann::json::exception&) {
   } catch (const Error&) {  // run_trade reports what is wrong with the dataset
   }

@@ -288,7 +288,7 @@ TEST_F(LabelCommand, RefusesAFormatThatNothingIsExchangedIn) {
   for (const std::string wrong : {"--format elan", "--origin camera"}) {
     const auto result = run_tactile("label " + wrong, folder.path());
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_NE(result.err.find("expected --export or --import beside it"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("expected --export or --import too"), std::string::npos) << result.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.json"));
 }
@@ -297,7 +297,7 @@ TEST_F(LabelCommand, NamesRunsThatHaveNoRecording) {
   std::filesystem::remove(folder.path() / "data/fan/01/events.aedat4");
   const auto result = run_tactile("label --no-pictures", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("without events.aedat4, and left out: data/fan/01"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("left out, because events.aedat4 is missing: data/fan/01"), std::string::npos) << result.err;
 }
 
 TEST_F(LabelCommand, TellsRemarksInTheSummary) {

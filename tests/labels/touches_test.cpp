@@ -104,7 +104,7 @@ TEST(KindsOf, TakesASlowBurstForAPressOnlyWhereNoneStands) {
   spring_back.slow = true;
   EXPECT_EQ(kinds({spring_back, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other}),
             (Kinds{BurstKind::brief, BurstKind::slip}))
-      << "no stage presses slowly for so short a time";
+      << "no stage presses slowly for such a short time";
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {

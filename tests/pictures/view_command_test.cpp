@@ -275,7 +275,7 @@ TEST_F(ViewCommand, RefusesInWordsWhatCannotBeShown) {
       {recordings + "dv-lz4.aedat4' --th 40 --out sheet.png", "no full history of 40 ms"},
       {recordings + "dv-lz4.aedat4' --th 10 --stream 99 --out sheet.png", "99"},
       {recordings + "truth.json' --out sheet.png", "truth.json"},
-      {"data/fan/01 --out film.avi", ".avi is no form of view; expected .png for a contact sheet, .mp4 for a film"},
+      {"data/fan/01 --out film.avi", ".avi is not a form of view; expected .png for a contact sheet, .mp4 for a film"},
       {"data/fan/01 --out sheet.png --fps 30", "--fps: sheet.png is a contact sheet; expected it for films"},
       {"data/fan/01 --speed 0.1", "--speed: the output is a contact sheet"},
       {"data/fan/01 --out film.mp4 --tiles 3", "--tiles: film.mp4 is a film; expected it for contact sheets"},

@@ -37,12 +37,12 @@ void LateEvents::add(std::span<const events::Event> events, std::size_t late, co
   window_late_ += late;
   if (at - window_begin_ < share_window) return;
   if (100 * window_late_ > window_events_ && some_late_.occurred(at) > 0) {
-    report_({"late events",
-             fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left "
-                         "out; expected a source that sends in time, or a slack (--slack-us) that is larger than {:.1f} ms by "
-                         "this time",
-                         window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), in_ms(slack_)),
-             at});
+    report_(
+        {"late events",
+         fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left out; "
+                     "expected a source that sends in time, or a slack (--slack-us) that is longer than {:.1f} ms by this time",
+                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), in_ms(slack_)),
+         at});
   }
   window_begin_ = at;
   window_events_ = window_late_ = 0;

@@ -76,7 +76,7 @@ json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
                                 experiments::ms_text(trained.history), comparison.choice.counts.at(trained.history),
                                 comparison.choice.of_objects.size(), rule_of(comparison));
   } else {
-    choice["why"] = fmt::format("No run is left to choose a history on beside those reported on, so t_h stays {} ms.",
+    choice["why"] = fmt::format("No run is left to choose a history on besides those reported on, so t_h stays {} ms.",
                                 experiments::ms_text(trained.history));
   }
   for (const microseconds history : trained.chosen) choice["trainings"].push_back(in_ms(history));
