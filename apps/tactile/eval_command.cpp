@@ -235,8 +235,8 @@ void add_eval_command(CLI::App& app) {
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args->gate,
-                   "Report none without the network while there are fewer events than the model's limit; results are given with "
-                   "and without it");
+                   "Report none without running the network while there are fewer events than the model's limit; results are "
+                   "given with and without the gate");
   add_engine_option(command, args->engine);
   const Option run =
       command

@@ -307,8 +307,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
       options, [&] { return progress_line(common); }, log_step);
   if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
     spdlog::warn(
-        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run "
-        "this again on a quiet one",
+        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run this "
+        "again on an idle machine",
         busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
   }
   nlohmann::json result = summary.trade;
@@ -356,7 +356,7 @@ void add_trade_command(CLI::App& app) {
       .type_name("SHARE");
   command
       .add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms,
-                  "Constraint: most false alarms per minute outside labels")
+                  "Constraint: highest number of false alarms per minute outside labels")
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
@@ -402,7 +402,7 @@ void add_trade_command(CLI::App& app) {
                   "runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N");
-  command.add_option("--timed-ticks", args->timed_ticks, "Ticks of each setting that are timed at least")
+  command.add_option("--timed-ticks", args->timed_ticks, "Lowest number of ticks to time for each setting")
       .check(in_range(std::uint64_t{1}, std::uint64_t{1'000'000'000}))
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();

@@ -272,7 +272,7 @@ TEST_F(ViewCommand, GivesTheSameBytesWhateverTheThreads) {
 
 TEST_F(ViewCommand, RefusesInWordsWhatCannotBeShown) {
   const std::vector<std::pair<std::string, std::string>> wrong{
-      {recordings + "dv-lz4.aedat4' --th 40 --out sheet.png", "no full history of 40 ms"},
+      {recordings + "dv-lz4.aedat4' --th 40 --out sheet.png", "less than one full history of 40 ms"},
       {recordings + "dv-lz4.aedat4' --th 10 --stream 99 --out sheet.png", "99"},
       {recordings + "truth.json' --out sheet.png", "truth.json"},
       {"data/fan/01 --out film.avi", ".avi is not a form of view; expected .png for a contact sheet, .mp4 for a film"},

@@ -514,7 +514,7 @@ TEST(RobotLog, RefusesWhatRecordPyWritesInBytesAndExplainsHowToConvertIt) {
   std::string types = "DOUBLE";
   for (int i = 0; i < 12; ++i) types += " DOUBLE";
   const std::string complaint = complaint_about(header_of_all + "\n" + types + " INT32 UINT64\n" + text);
-  EXPECT_NE(complaint.find("row 2 names types, so that bytes follow, as record.py --binary writes them"), std::string::npos)
+  EXPECT_NE(complaint.find("row 2 names types, so bytes follow, as record.py --binary writes them"), std::string::npos)
       << complaint;
   EXPECT_NE(complaint.find("struct.iter_unpack('>13diQ', rest)"), std::string::npos) << complaint;
 }

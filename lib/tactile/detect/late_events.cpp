@@ -60,7 +60,7 @@ std::optional<std::string> LateEvents::all_late(HostTime at) {
   if (times == 1) return text + "the stream's delay has grown, and the history starts again";
   return text + fmt::format(
                     "the stream's delay keeps growing, and the history started again {} times: the stream's time runs slower "
-                    "than ours, as of a sender that cannot keep up, or a file served at a --speed below 1",
+                    "than ours, as with a sender that is too slow, or a file served at a --speed below 1",
                     times);
 }
 

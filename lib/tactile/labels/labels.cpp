@@ -114,7 +114,7 @@ Touch touch_in(const json& object, const std::string& where) {
   for (const Touch touch : {Touch::press, Touch::slip}) {
     if (name == name_of(touch)) return touch;
   }
-  throw Error(where + ": class '" + name + "' is none of labels; expected press or slip");
+  throw Error(where + ": class '" + name + "' is not a class of labels; expected press or slip");
 }
 
 TouchInterval stretch_in(const json& object, Touch touch, const std::string& where) {
