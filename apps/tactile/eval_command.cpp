@@ -41,7 +41,7 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   return options;
 }
 
-/// Writes the result to `file`, and as a table beside it. @return  a sentence that names both
+/// Writes the result to `file`, and as a table next to it. @return  a sentence that names both
 std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation) {
   fs::path table = file;
   table.replace_extension(".csv");

@@ -140,7 +140,7 @@ RunsBelow runs_in(const std::vector<std::string>& places) {
   return all;
 }
 
-/// What came of the runs, told and checked.
+/// The results of the runs, to print and to check.
 struct Outcome {
   std::vector<LabelledRun> labelled;
   std::vector<std::string> kept;      ///< names of runs whose labels were left as they were: nothing has changed
@@ -149,7 +149,7 @@ struct Outcome {
 
 fs::path picture_file_of(const RunFolder& run) { return run.folder / "labels.png"; }
 
-/// Draws what was labelled beside the labels. Where one cannot be drawn the run goes without, for the labels are what counts.
+/// Draws labels.png next to the labels of each run. A picture that cannot be drawn is left out, because the labels matter more.
 class Pictures {
  public:
   void draw(const alignment::RunSignals& signals, const labels::Labels& labels) {
@@ -195,7 +195,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!arguments.mask.empty()) options.label.signals.rate.mask = events::read_mask(arguments.mask);
   Pictures pictures;
   if (!arguments.no_pictures) {
-    // A picture that is older than the labels shows what they were before somebody edited them.
+    // A picture that is older than the labels shows them as they were before an edit.
     options.has_companions = [](const RunFolder& run) {
       std::error_code missing;
       const auto drawn = fs::last_write_time(picture_file_of(run), missing);

@@ -36,7 +36,7 @@ std::optional<labels::TimeOrigin> origin_in(const LabelExchangeArguments& argume
   return labels::time_origin_named(arguments.origin);
 }
 
-/// A file of an export: its runs follow each other, and once it is made it has a text.
+/// A file of an export: its range of runs, and its text once it is made.
 struct FileToWrite {
   fs::path path;
   std::size_t first_run = 0, runs = 0;
@@ -98,12 +98,12 @@ std::string text_of(labels::ExchangeFormat format, std::span<const labels::Label
   return {};
 }
 
-/// Label Studio's configuration lies beside the tasks.
+/// Label Studio's configuration is next to the tasks.
 fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
   return tasks.path == to ? fs::path(to).replace_extension(".xml") : to / "label-studio.xml";
 }
 
-/// What --import names: files, and folders as all of their files that are of a known format and named as a run's.
+/// The files that --import names. A folder stands for all of its files with a known format and the name of a run.
 std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
   const std::optional<labels::ExchangeFormat> format = format_in(arguments);
   std::vector<fs::path> files;

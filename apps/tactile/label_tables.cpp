@@ -63,7 +63,7 @@ const alignment::FittedClock* robot_clock_of(const labels::Labels& labels) {
   return labels.robot_clocks.empty() ? nullptr : &labels.robot_clocks.front();
 }
 
-/// Ways in which clocks were found, each with a letter, for they are too long for a table's cells.
+/// Methods by which clocks were found. Each has a letter, because the names are too long for a table.
 class ClockMethods {
  public:
   explicit ClockMethods(const std::vector<LabelledRun>& runs) {
@@ -85,7 +85,7 @@ class ClockMethods {
     for (const auto& [method, uses] : uses_) text += line("Clock " + letter_of(method), method, uses);
     return text;
   }
-  /// Likewise of the video's.
+  /// The same for the video's clock.
   std::string video_legend() const {
     std::string text;
     for (const auto& [method, uses] : video_uses_) text += line("Video clock", method, uses);
@@ -194,7 +194,7 @@ std::size_t presses_of(const labels::Labels& labels) {
                     [](const labels::LabelledInterval& interval) { return interval.touch == Touch::press; }));
 }
 
-/// What would make clocks better that were fitted to one run each.
+/// Advice on clocks that were fitted to one run each.
 std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   const auto is_alone = [](const LabelledRun& labelled) {
     const alignment::FittedClock* clock = robot_clock_of(labelled.labels);

@@ -108,7 +108,7 @@ std::vector<alignment::FittedClock> clocks_in(const json& clocks, const char* ke
   return pieces;
 }
 
-/// Press or slip: nobody labels anything else.
+/// Press or slip: no other class is labelled.
 Touch touch_in(const json& object, const std::string& where) {
   const auto name = member<std::string>(object, "class", where);
   for (const Touch touch : {Touch::press, Touch::slip}) {
