@@ -154,7 +154,7 @@ std::size_t longest_line_in(const std::string& text) {
   return longest;
 }
 
-TEST_F(LabelCommand, DrawsAPictureOfEachRunUnlessToldNotTo) {
+TEST_F(LabelCommand, DrawsAPictureOfEachRunByDefault) {
   ASSERT_EQ(run_tactile("label data/fan/01", folder.path()).exit_code, 0);
   const std::string first = read_text(folder.path() / "data/fan/01/labels.png");
   EXPECT_EQ(first.substr(1, 3), "PNG");
@@ -300,7 +300,7 @@ TEST_F(LabelCommand, NamesRunsThatHaveNoRecording) {
   EXPECT_NE(result.err.find("left out, because events.aedat4 is missing: data/fan/01"), std::string::npos) << result.err;
 }
 
-TEST_F(LabelCommand, TellsRemarksInTheSummary) {
+TEST_F(LabelCommand, PrintsRemarksInTheSummary) {
   std::filesystem::remove(folder.path() / "data/fan/01/video.mp4");
   ASSERT_EQ(run_tactile("label --no-pictures", folder.path()).exit_code, 0);
   const auto summary = run_tactile("label --summary", folder.path());

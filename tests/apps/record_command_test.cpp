@@ -90,7 +90,7 @@ TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
   EXPECT_NE(run_json("fan", "01").at("session"), run_json("fan", "02").at("session"));
 }
 
-TEST_F(RecordCommand, TellsWhatItRecordedBesideTheEvents) {
+TEST_F(RecordCommand, ReportsWhatItRecordedBesidesTheEvents) {
   const std::vector<events::Event> events = test::steady_events(1001, 5'000'000, 100, size);  // 0.1 s of events
   {
     const events::Stream imu = test::stream_of(1, events::StreamType::imu, "IMUS", "DVXplorer_DXM00001");
@@ -368,7 +368,7 @@ TEST_F(RecordCommand, SaysThatNothingCameFromTheRobot) {
   EXPECT_NE(result.err.find("unnamed/01: no data came from the robot"), std::string::npos) << result.err;
 }
 
-TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
+TEST_F(RecordCommand, ContinuesWithoutTheRobotAndTakesItBack) {
   test::FakeController controller;
   make_long_recording();
   RunningCommand command("record --json --from file:long.aedat4 --robot 127.0.0.1:" + std::to_string(controller.port()),
@@ -585,7 +585,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
   EXPECT_GE(with_film, 5U) << "too few kills came while a film was written";
 }
 
-TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
+TEST_F(RecordCommand, HasChecksumsNextToARecordingUntilItHasItsHash) {
   ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan").exit_code, 0);
   const RunFolder whole = run_folder("fan", "01"), killed = run_folder("fan", "02");
   EXPECT_FALSE(fs::exists(events::checksums_beside(whole.events())));

@@ -53,7 +53,7 @@ TEST(OverTime, ComparesTheEndWithWhatIsAheadOfItInTheSameIntervalAlone) {
   expect_counts(counts.before_last, 3, 3, 1);
 }
 
-TEST(OverTime, CountsWhatIsStillSaidBehindAnIntervalWhereNothingElseIs) {
+TEST(OverTime, CountsWhatIsStillPredictedAfterAnInterval) {
   // Behind the end at 5 ms lie 6, 8, 10 ms; the slip holds 10 ms.
   const auto verdicts = verdict_row(".pppss..");
   results::OverTimeOptions options = small;

@@ -17,7 +17,7 @@ results::RunConfusion run_with(const std::string& object, std::uint64_t correct,
   return run;
 }
 
-TEST(Confusion, HasTheTruthInRowsAndWhatWasSaidInColumns) {
+TEST(Confusion, HasTheTruthInRowsAndThePredictionInColumns) {
   const results::Confusion confusion = confusion_of(verdict_row("..pppsss"), verdict_row(".pppss.s"));
   const nlohmann::json json = confusion;
   EXPECT_EQ(json, nlohmann::json::parse("[[1, 1, 0], [0, 2, 1], [1, 0, 2]]"));

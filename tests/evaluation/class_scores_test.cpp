@@ -25,7 +25,7 @@ TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
   EXPECT_DOUBLE_EQ(scores.objects.at("box")[2].recall.value, 0.4);
 }
 
-TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
+TEST(ClassScores, AreUnknownWhereNothingIsPredictedOrTrue) {
   const std::vector<results::RunConfusion> runs{run_with("fan", {{{5, 0, 0}, {5, 0, 0}, {0, 0, 0}}}), run_with("empty", {})};
   const results::ClassScores scores = class_scores_of(runs);
   EXPECT_TRUE(std::isnan(scores.all[1].precision.value));

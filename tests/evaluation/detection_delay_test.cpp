@@ -38,7 +38,7 @@ TEST(DetectionDelay, CountsTicksFromTheFirstAfterTheOnset) {
   EXPECT_EQ(detection.delay, 8ms);  // k0 = 3, k = 6
 }
 
-TEST(DetectionDelay, BeginsBehindATickThatLiesExactlyOnTheOnset) {
+TEST(DetectionDelay, BeginsAfterATickThatLiesExactlyOnTheOnset) {
   // Onset at 6 ms: tick 3 is not after it, k0 is tick 4; the press said at tick 3 alone led to nothing.
   EXPECT_EQ(detection_in("....p", interval_ms(Touch::press, 6, 100)).delay, 2ms);
   EXPECT_EQ(detection_in("...p.p", interval_ms(Touch::press, 6, 100)).delay, 4ms);
@@ -113,7 +113,7 @@ TEST(DetectionDelay, CountsFromTheOnsetAlsoWhereTheFirstTicksAreMissing) {
   EXPECT_EQ(detection.delay, 10ms);
 }
 
-TEST(DetectionDelay, OfAnIntervalBehindTheLastTickIsAMiss) {
+TEST(DetectionDelay, OfAnIntervalAfterTheLastTickIsAMiss) {
   EXPECT_EQ(detection_in("pppp", interval_ms(Touch::press, 50, 100)).outcome, results::DetectionOutcome::missed);
 }
 

@@ -120,7 +120,7 @@ TEST(EvalCommand, WritesTheSameFiguresAsATidyTable) {
                json.at("delay_true_ms").at("slip").at("objects").at("usb-hub").at("mean").at("value"));
 }
 
-TEST(EvalCommand, ConfirmsVerdictsAndSaysSo) {
+TEST(EvalCommand, ConfirmsVerdictsAndReportsIt) {
   const Trained trained({"fan", "small-box", "usb-hub"});
   const auto result = run_tactile("eval --json --confirm 12/20", trained.folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -32,13 +32,13 @@ TEST(FalseAlarms, AreEpisodesThatBeginInNoInterval) {
 
 TEST(FalseAlarms, ChangingTheClassBeginsAnotherEpisode) { EXPECT_EQ(alarms_in(".ps.", {}).alarms, 2U); }
 
-TEST(FalseAlarms, AnEpisodeThatBeginsInAnIntervalIsNoneWhateverItSays) {
+TEST(FalseAlarms, AnEpisodeThatBeginsInAnIntervalIsNoFalseAlarmOfAnyClass) {
   // The interval holds ticks 3 to 6 (6 to 12 ms); a slip said in a press is wrong, but no false alarm, nor is what outlasts the
   // interval.
   EXPECT_EQ(alarms_in("...ps.ppp.", {interval_ms(Touch::press, 5, 12)}).alarms, 0U);
 }
 
-TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesBehindItsStart) {
+TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesAfterItsStart) {
   // Start at 6 ms: tick 3 is not in it yet, and a slip that begins there is a false alarm.
   EXPECT_EQ(alarms_in("...s......", {interval_ms(Touch::press, 6, 20)}).alarms, 1U);
   EXPECT_EQ(alarms_in("....s.....", {interval_ms(Touch::press, 6, 20)}).alarms, 0U);
@@ -193,7 +193,7 @@ TEST(FalseAlarmForms, OutsideLabelsHaveWhatIsLeftOutOfNone) {
   EXPECT_EQ(found.none_in_alarm, 10ms);
 }
 
-TEST(FalseAlarmForms, CountSlipSaidInsideAPress) {
+TEST(FalseAlarmForms, CountSlipPredictedInsideAPress) {
   const results::FalseAlarms found = LongRun().alarms_of(LongRun::only(Touch::slip, {{2'500, 2'568}}));
   EXPECT_EQ(found.alarms, 0U);
   EXPECT_EQ(found.outside_labels, 0U);

@@ -121,7 +121,7 @@ TEST_F(ViewCommand, ShowsALabelledRunAroundItsOnsets) {
   EXPECT_EQ(frames_of(sheet, Touch::none), 3 * 6);
 }
 
-TEST_F(ViewCommand, NamesASheetForItsRecordingWhereNobodyDoes) {
+TEST_F(ViewCommand, NamesASheetForItsRecordingByDefault) {
   EXPECT_EQ(json_of(view("data/fan/01 --json")).at("out"), "fan-01.png");
   EXPECT_EQ(json_of(view("data/fan/01/events.aedat4 --json")).at("out"), "events.png");
   EXPECT_TRUE(fs::exists(folder / "fan-01.png"));

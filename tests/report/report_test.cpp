@@ -323,7 +323,7 @@ TEST(Report, RefusesInWordsWhatIsNoStudyAndLeavesTheReportThatIsThere) {
   EXPECT_TRUE(tells(error_of([&] { read_study(folder / "nowhere"); }), "study.json"));
 }
 
-TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
+TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   const TemporaryFolder folder;
   const auto write_model = [&](const std::string& name, int history_ms, const std::string& trained_at) {
     const fs::path model = folder / ("models/" + name);

@@ -61,7 +61,7 @@ TEST_F(VerifyDataset, FindsAPieceOfARecordingThatTwoRunsShare) {
   EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
 }
 
-TEST_F(VerifyDataset, FindsItThoughSomebodyFilteredOneOfThem) {
+TEST_F(VerifyDataset, FindsItIfOneOfThemWasFiltered) {
   make_piece("01", 0, 2'000'000, 300'000, 1'600'000);
   make_piece("02", 1'500'000, 4'000'000, 2'500'000, 3'300'000, 5);
   write_dataset(data(), file());
