@@ -261,7 +261,7 @@ TEST_F(InfoOfARun, ComparesItsFilesWithWhatRunJsonLists) {
 
   fs::remove(run.robot());
   const test::CommandResult missing = run_tactile("info data/fan/03", folder.path());
-  EXPECT_EQ(missing.exit_code, 0) << "without --check it only tells";
+  EXPECT_EQ(missing.exit_code, 0) << "without --check it only reports";
   EXPECT_NE(missing.out.find("robot.csv: is missing"), std::string::npos) << missing.out;
 }
 

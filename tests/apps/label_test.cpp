@@ -188,7 +188,7 @@ TEST_F(LabelCommand, SumsUpTheLabelsThatAreThereAndMakesNone) {
   const auto result = run_tactile("label --summary --json", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("usb-hub/01"), std::string::npos) << "has no labels: " << result.err;
-  EXPECT_EQ(read_text(file), labels.dump()) << "nothing is labelled anew";
+  EXPECT_EQ(read_text(file), labels.dump()) << "nothing is labelled again";
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.png"));
 

@@ -10,7 +10,7 @@ namespace {
 
 using test::verdict_row;
 
-/// `correct` of `samples` presses said right, the others taken for none.
+/// `correct` of `samples` presses predicted right, the others taken for none.
 results::RunConfusion run_with(const std::string& object, std::uint64_t correct, std::uint64_t samples) {
   results::RunConfusion run{{object}, {}};
   for (std::uint64_t i = 0; i < samples; ++i) run.confusion.add(Touch::press, i < correct ? Touch::press : Touch::none);

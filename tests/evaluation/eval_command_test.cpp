@@ -171,7 +171,7 @@ void make_odd(const std::filesystem::path& data) {
     time = {after(time.at, by), after(time.low, by), after(time.high, by)};
   };
   alter("fan/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, -37ms); });
-  alter("fan/03", [&](labels::Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: said long before
+  alter("fan/03", [&](labels::Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: predicted long before
   alter("small-box/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, 7ms); });  // a head start
   alter("small-box/03", [&](labels::Labels& labels) { shift(labels.intervals[0].end, -120ms); });
   alter("usb-hub/02", [](labels::Labels& labels) { labels.flags.push_back({1, "in doubt", false}); });

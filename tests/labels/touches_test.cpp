@@ -10,7 +10,7 @@ namespace {
 using Kinds = std::vector<BurstKind>;
 using Moves = std::vector<ArmMove>;
 
-// A recording of 4 s in bins of 1 ms, quiet but for what is asked for.
+// A recording of 4 s in bins of 1 ms, quiet except for what is requested.
 const alignment::EventRate rate{.begin = camera_time(1'000'000),
                                 .bin = 1ms,
                                 .counts = std::vector<std::uint32_t>(4'000),

@@ -181,7 +181,7 @@ TEST_F(ViewCommand, FilmsWhatItIsAskedForAndStandsStillBetweenTicks) {
   EXPECT_NEAR(slow.at("pictures"), 98, 4);  // of 20 ticks, 5 pictures each
   EXPECT_GT(slow.at("seconds"), 3.5);
   const auto fast = json_of(view("data/fan/01/events.aedat4 --out fast.mp4 --speed 4 --fps 10 --json"));
-  EXPECT_EQ(fast.at("pictures"), 4) << "0, 400, 800 and 1200 ms behind the first full tick";
+  EXPECT_EQ(fast.at("pictures"), 4) << "0, 400, 800 and 1200 ms after the first full tick";
 }
 
 TEST_F(ViewCommand, WritesAPictureForEachTickInOrder) {
