@@ -299,8 +299,8 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
     page.figure("over-time" + suffix,
                 over_time_plot(page.titled("Correct predictions within intervals, " + model), over_time.press, over_time.slip),
                 "Share of ticks predicted correctly since the onset and before the end of presses and slips.",
-                "Predictions over each whole interval: since its onset, and before its end, where the paper finds that they get "
-                "worse. Training uses only the first 500 ms.");
+                "Predictions over each whole interval: since its onset, and before its end, where they get worse in the paper. "
+                "Training uses only the first 500 ms.");
   }
   HtmlTable table{
       .caption =
