@@ -14,7 +14,6 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "experiment_output.hpp"
-#include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -283,9 +282,11 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
       .check(is_seed())
       .show_default();
-  command.add_option("--splits", args->splits, "Random leave-out splits to train, or all of them; default: the preset's")
+  command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
       .check(Check{check_splits, "N|all"});
-  add_engine_option(command, args->engine);
+  command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
+      .check(one_of({"fast", "libtorch"}))
+      .show_default();
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   command.add_flag("--no-report", args->without_report, "Do not write the report");
