@@ -273,7 +273,7 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   EXPECT_NE(one_missing.err.find("nowhere/01: no such run"), std::string::npos) << one_missing.err;
   EXPECT_EQ(nlohmann::json::parse(one_missing.out).at("runs").size(), 1U) << "the others are shown";
 
-  // With fan held out, a start that saw it would tell; one that did not, may be gone on from.
+  // With fan held out, a start that saw it must not be used. One that did not see it may be.
   const auto leaking =
       run_tactile("train --epochs 1 --split unseen --held-out fan --from small --name leaking", trained.folder.path());
   EXPECT_EQ(leaking.exit_code, 1);
