@@ -161,7 +161,7 @@ def page(folder):
         "another run. No network is judged on a run that it learned from or was chosen on.\n"
         f"- {machine['cpu']}, {machine['threads']} threads; {study['minutes']:.0f} min of work for the study, {trade['minutes']:.0f} min for the trade.\n"
         "- Brackets are 95 % intervals over trainings, objects and runs. [numerics.md](numerics.md#intervals) says how often they contain the true value.\n"
-        "- Figures of the paper (Faris et al., arXiv:2403.10120) are counted as in its LaTeX source: accuracy 8, delay 9, a run over time 10, unseen objects 11.\n",
+        "- Figures of the paper (Faris et al., arXiv:2403.10120) are numbered as in its LaTeX source: accuracy 8, delay 9, a run over time 10, unseen objects 11.\n",
         "## What was found\n",
         "".join(f"- {sentence}\n" for sentence in study["found"]),
         "## The paper's claims\n",
@@ -169,27 +169,27 @@ def page(folder):
         "## Accuracy by history\n",
         histories_part(study),
         picture("accuracy-by-history", "Accuracy by history t_h for each object"),
-        f"On its own runs to choose on, each training chose: {histories} ms. {study['choice']['why']} The next tables are of these choices.\n",
+        f"On its own runs to choose on, each training chose: {histories} ms. {study['choice']['why']} The next tables use these choices.\n",
         baselines_part(study),
         variance_sentence(study),
         "## Detection\n",
         detection_part(study),
         picture("detection-curve", "Share of presses and slips detected within a time"),
         alarms_part(study),
-        "An episode counts again for each further 500 ms. In quantiles a miss counts with the end of its touch, or with 500 ms. The curve is that of Kaplan and Meier: it "
-        "takes a touch that ends undetected as if it might have been detected later, so it may end above the share that was detected.\n",
+        "An episode counts again for each further 500 ms. In quantiles a miss counts with the end of its touch, at most 500 ms. The curve is that of Kaplan and Meier. For "
+        "this curve a touch that ends undetected might have been detected later, so the curve may end above the share that was detected.\n",
         "## Unseen objects\n",
         unseen_part(study),
         picture("unseen", "Accuracy on objects seen and never seen") if study["unseen"] else "",
         "## What speed costs\n",
-        f"{trade['settings']} settings were measured. The table has the usual setting and those on a front of the runs to choose on: there no other setting has a higher accuracy "
-        "in a shorter p99, or fewer false alarms with a shorter delay and fewer misses. The figures are of the reported runs. The last column is the share of draws in "
-        "which a setting is on a front. Settings with one training have intervals over objects and runs only.\n",
+        f"{trade['settings']} settings were measured. The table has the usual setting, and the settings on a front: on the runs to choose on, no other setting has a higher accuracy "
+        "with a shorter p99, or fewer false alarms with a shorter delay and fewer misses. The figures are of the reported runs. The last column is the share of draws in "
+        "which a setting is on a front. The intervals of settings with one training are over objects and runs only.\n",
         front_part(trade),
         picture("trade-accuracy", "Accuracy against time per tick"),
         picture("trade-delay", "Delay against false alarms"),
         f"{trade['usual_is']} {trade['recommendation']['sentence']}\n",
-        "## What the paper does not say\n",
+        "## What the paper does not specify\n",
         "The paper names LeNet, t_h, the tick of 2 ms, the factor 0.2 and the noise reduction. These defaults are ours: ReLU and max-pooling, Adam with a learning rate "
         f"of 0.001 and batches of 32, {settings['epochs']} epochs, area interpolation, balanced windows that keep 100 ms from every touch.\n",
         "## To repeat it\n",

@@ -64,7 +64,7 @@ std::string percent_text(const Measured& share) { return measured_text({100 * sh
 
 std::string dead_text(const characterise::DeadPixels& dead) {
   if (dead.silent > 0 && dead.count.value < 2 * dead.count.uncertainty && dead.expected > 0.5)
-    return fmt::format("not known: {} never fired, and {:.0f} are expected to in so short a time", counted(dead.silent, "pixel"),
+    return fmt::format("not known: {} never fired; in this short time {:.0f} are expected", counted(dead.silent, "pixel"),
                        dead.expected);
   return fmt::format("{}; {} never fired", measured_text(dead.count), counted(dead.silent, "pixel"));
 }
@@ -132,7 +132,7 @@ void characterise_sensor(const CharacteriseArguments& args, const CommonArgument
   const Sensor sensor = characterise::characterise(recordings_of(args.quiet), recordings_of(args.touched),
                                                    {.stream = args.stream, .threads = common.threads}, progress_line(common));
   if (sensor.background.is_disturbed()) {
-    spdlog::warn("the pixels fire in bursts (regularity {:.2f}): something moves or flickers, and the noise contains it",
+    spdlog::warn("the pixels fire in bursts (regularity {:.2f}): something moves or flickers, and the noise includes it",
                  sensor.background.regularity.value);
   }
   const fs::path out = args.out;

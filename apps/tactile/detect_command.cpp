@@ -231,7 +231,7 @@ void add_source_options(Command& command, DetectArguments& args) {
 
 void add_real_time_options(Command& command, DetectArguments& args) {
   command.add_flag("--no-real-time", args.no_real_time,
-                   "Do not use real-time priority and locked memory (default for live sources, where permitted)");
+                   "Do not use real-time priority and locked memory; default: used for live sources, where permitted");
   command.add_flag("--no-rehearsal", args.no_rehearsal,
                    "Do not run the network once before each tick; this saves processor time, but verdicts come later");
   command.add_flag("--awake", args.awake,

@@ -41,7 +41,7 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   return options;
 }
 
-/// Writes the result to `file`, and as a table beside it. @return  a sentence that names both
+/// Writes the result to `file`, and as a table next to it. @return  a sentence that names both
 std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation) {
   fs::path table = file;
   table.replace_extension(".csv");
@@ -148,7 +148,7 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
     auto runs = evaluation::runs_neither_saw(dataset, with->model(), without->model());
     for (const model::Classifier* classifier : {with, without}) leave_out_calibration_runs(runs, dataset, *classifier);
     for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without->model()), runs)) {
-      trainings.warnings.push_back(object + ": not compared, a model has learned from each of its runs that has samples");
+      trainings.warnings.push_back(object + ": not compared, each of its runs with samples was used to train one of the models");
       spdlog::warn("{}", trainings.warnings.back());
     }
     trainings.pairs.push_back({with, without, runs});
@@ -235,8 +235,8 @@ void add_eval_command(CLI::App& app) {
       .check(is_confirmation())
       .show_default();
   command.add_flag("--gate", args->gate,
-                   "Report none without the network while there are fewer events than the model's limit; results are given with "
-                   "and without it");
+                   "Report none without running the network while there are fewer events than the model's limit; results are "
+                   "given with and without the gate");
   add_engine_option(command, args->engine);
   const Option run =
       command

@@ -21,11 +21,10 @@ using NamedTable = std::pair<std::string, const results::DelayTable*>;
 constexpr double shown_ms[] = {0, 10, 20, 50, 100, 200, 500};  // eval.json has more
 
 constexpr const char* curve_legend =
-    "Kaplan-Meier: an interval that ends undetected, or is undetected for 500 ms, counts until then. 0 ms: predicted ahead of "
-    "the "
-    "onset. median, 90 %: the time within which so many of all intervals are detected, a miss with the time until which it could "
-    "be; \u2265: longer, because misses fall below it. early: predicted more than 10 ms ahead of the onset; head start: less. In "
-    "brackets: trivial detectors, which ignore the events; fast detection by chance costs false alarms.";
+    "Kaplan-Meier: a missed interval counts as undetected until its end, at most 500 ms. 0 ms: predicted ahead of the onset. "
+    "median, 90 %: the time within which half and 90 % of all intervals are detected; \u2265: the true time is longer, because "
+    "misses are below it. early: predicted more than 10 ms ahead of the onset; head start: less. In brackets: trivial detectors, "
+    "which ignore the events. They are fast by chance, at the price of false alarms.";
 
 constexpr const char* delay_legend =
     "The best possible delay is one tick. Mean and median here are over detected intervals, as in the paper: misses and early "
@@ -35,11 +34,11 @@ constexpr const char* delay_legend =
     "it.";
 
 constexpr const char* false_alarm_legend =
-    "Outside labels: every episode that begins in no labelled interval, over all time outside of them; what a laboratory sees. "
-    "No unlabelled: not those in true motion that has no label, which only simulated runs know. None in alarm: "
-    "the share of ticks without any motion, and not just after one, at which press or slip is predicted. An episode counts again "
-    "for each further 500 ms. Wrong class: episodes of another class that begin in a labelled interval, or hold longer than the "
-    "guard in it. The interval per minute also allows for few alarms in a short time.";
+    "Outside labels: all episodes that begin outside labelled intervals, as one sees them in a laboratory. No unlabelled: the "
+    "same without true motion that has no label; only in simulated runs. None in alarm: the share of press and slip among the "
+    "ticks without motion, and not just after it. An episode counts again for each further 500 ms. Wrong class: episodes of "
+    "another class that begin in a labelled interval, or last longer than the guard in it. The interval per minute is wider if "
+    "there are few alarms in a short time.";
 
 constexpr const char* labels_legend =
     "Onsets and ends are drawn {} times from their own 95 % intervals in labels.json. labels alone: the middle 95 % of these "

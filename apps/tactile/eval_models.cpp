@@ -118,10 +118,10 @@ model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& 
   if (settings.from) {
     const bool holds_out = settings.split.kind == windows::SplitKind::unseen;
     throw Error(
-        fmt::format("{}: no model of these settings that goes on from another{}, and such a one is not trained by itself; "
-                    "expected it, run '{}' first{}",
+        fmt::format("{}: no model of these settings that starts from another{}. It is not trained automatically; expected it, "
+                    "run '{}' first{}",
                     args.models, holds_out ? " and never saw the objects held out" : "", command,
-                    holds_out ? ", where MODEL never saw them either" : ""));
+                    holds_out ? ", with a MODEL that never saw them either" : ""));
   }
   if (args.no_train)
     throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));

@@ -37,11 +37,12 @@ std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const win
 /// The same settings with another split. @param held_out  for the split unseen
 model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind, const std::vector<std::string>& held_out);
 
-/// The settings of another training of the same: `training` runs further, with a seed that is greater by as much.
+/// The settings of a further training: it learns from the run that is `training` runs later, and its seed is greater by
+/// `training`.
 model::ModelSettings with_training(model::ModelSettings settings, const windows::Dataset& dataset, unsigned training);
 
 /// The model with the same settings and the other split. Trains it if it is missing.
-/// @param exactly  else a model with other held-out objects will do where the user named none
+/// @param exactly  false: if the user named no objects, a model with other held-out objects is accepted
 model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
                               const model::ModelSettings& settings, bool exactly = false);
 

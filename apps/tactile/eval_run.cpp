@@ -95,10 +95,10 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   picture.remarks.push_back(settings + ".");
   if (picture.has_labels) {
     const results::FalseAlarms& alarms = prediction.false_alarms;
-    picture.remarks.push_back(fmt::format(
-        "Over each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in motion "
-        "without labels: {}.",
-        alarms.alarms, alarms.after_intervals, alarms.unlabelled));
+    picture.remarks.push_back(
+        fmt::format("Above each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in "
+                    "motion without labels: {}.",
+                    alarms.alarms, alarms.after_intervals, alarms.unlabelled));
   }
   return picture;
 }

@@ -5,7 +5,7 @@
 
 namespace tactile::cli {
 
-/// `tactile eval --run`: what a model says over the whole of each run, as CSV, PNG and SVG.
+/// `tactile eval --run`: what a model predicts over each whole run, as CSV, PNG and SVG.
 void show_runs(const EvalArguments& args, const CommonArguments& common);
 
 }  // namespace tactile::cli

@@ -143,8 +143,8 @@ std::string gate_text(const results::Evaluation& evaluation) {
 }
 
 constexpr const char* operating_legend =
-    "threshold: press or slip, whichever is likelier, is predicted from this probability on. m + e: missed + early intervals; "
-    "alarms: false alarms outside labels; wrong: episodes of the wrong class per minute of labelled time.";
+    "threshold: the more probable of press and slip is predicted if its probability reaches this value. m + e: missed + early "
+    "intervals; alarms: false alarms outside labels; wrong: episodes of the wrong class per minute of labelled time.";
 
 std::string operating_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
@@ -162,10 +162,9 @@ std::string operating_text(const results::Evaluation& evaluation) {
 
 std::string engine_text(const results::Evaluation& evaluation) {
   return "\n" +
-         wrapped(fmt::format(
-             "Engine {}: at {} of {} ticks the two largest logits differ by less than 0.0001; there another engine can predict "
-             "another class.",
-             evaluation.engine, evaluation.close_ticks, evaluation.ticks)) +
+         wrapped(fmt::format("Engine {}: at {} of {} ticks the two largest logits differ by less than 0.0001. At these ticks "
+                             "another engine can predict another class.",
+                             evaluation.engine, evaluation.close_ticks, evaluation.ticks)) +
          "\n";
 }
 

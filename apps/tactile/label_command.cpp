@@ -118,15 +118,14 @@ RunsBelow runs_in(const std::vector<std::string>& places) {
     RunsBelow found = look_for_runs(place);
     for (const std::string& misnamed : found.misnamed) spdlog::warn("{}", misnamed);
     if (const auto names = without_recording(place); !names.empty())
-      spdlog::warn("without events.aedat4, and left out: {}", fmt::join(names, ", "));
+      spdlog::warn("left out, because events.aedat4 is missing: {}", fmt::join(names, ", "));
     if (found.runs.empty()) found.runs = runs_of_object(place);
     if (found.runs.empty()) {
       for (const std::string& unreadable : found.unreadable) spdlog::error("{}", unreadable);
       throw Error(place +
                   (found.misnamed.empty() && found.unreadable.empty()
                        ? ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them"
-                       : ": holds no run that can be used; expected DATA/<object>/<run>/events.aedat4, named and readable as "
-                         "told above"));
+                       : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
     }
     append(all.runs, found.runs);
     append(all.misnamed, found.misnamed);
@@ -141,7 +140,7 @@ RunsBelow runs_in(const std::vector<std::string>& places) {
   return all;
 }
 
-/// What came of the runs, told and checked.
+/// The results of the runs, to print and to check.
 struct Outcome {
   std::vector<LabelledRun> labelled;
   std::vector<std::string> kept;      ///< names of runs whose labels were left as they were: nothing has changed
@@ -150,7 +149,7 @@ struct Outcome {
 
 fs::path picture_file_of(const RunFolder& run) { return run.folder / "labels.png"; }
 
-/// Draws what was labelled beside the labels. Where one cannot be drawn the run goes without, for the labels are what counts.
+/// Draws labels.png next to the labels of each run. A picture that cannot be drawn is left out, because the labels matter more.
 class Pictures {
  public:
   void draw(const alignment::RunSignals& signals, const labels::Labels& labels) {
@@ -196,7 +195,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!arguments.mask.empty()) options.label.signals.rate.mask = events::read_mask(arguments.mask);
   Pictures pictures;
   if (!arguments.no_pictures) {
-    // A picture that is older than the labels shows what they were before somebody edited them.
+    // A picture that is older than the labels shows them as they were before an edit.
     options.has_companions = [](const RunFolder& run) {
       std::error_code missing;
       const auto drawn = fs::last_write_time(picture_file_of(run), missing);
@@ -220,7 +219,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   pictures.tell();
   const auto so_many = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
   if (!outcome.kept.empty())
-    spdlog::info("{} unchanged since labelled; --force labels again, and forgets what a person did to labels",
+    spdlog::info("{} unchanged and not labelled again; --force labels again, and discards a person's edits",
                  so_many(outcome.kept.size()));
   spdlog::info("{} labelled; {} flagged", so_many(labelled),
                so_many(static_cast<std::size_t>(std::count_if(outcome.labelled.begin(), outcome.labelled.end(), is_flagged))));
@@ -235,8 +234,8 @@ Outcome read_runs(std::vector<RunFolder> runs) {
     without.push_back(run.name());
     return true;
   });
-  if (runs.empty()) throw Error("--summary: none of the runs has labels; expected 'tactile label' to have made them");
-  if (!without.empty()) spdlog::warn("without labels, and left out: {}", fmt::join(without, ", "));
+  if (runs.empty()) throw Error("--summary: none of the runs has labels; expected labels, run 'tactile label' first");
+  if (!without.empty()) spdlog::warn("left out, because they have no labels: {}", fmt::join(without, ", "));
   Outcome outcome;
   for (const RunFolder& run : runs) {
     try {

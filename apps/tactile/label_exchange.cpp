@@ -36,7 +36,7 @@ std::optional<labels::TimeOrigin> origin_in(const LabelExchangeArguments& argume
   return labels::time_origin_named(arguments.origin);
 }
 
-/// A file of an export: its runs follow each other, and once it is made it has a text.
+/// A file of an export: its range of runs, and its text once it is made.
 struct FileToWrite {
   fs::path path;
   std::size_t first_run = 0, runs = 0;
@@ -80,7 +80,7 @@ bool holds(const FileToWrite& file) {
 
 void check_free(const FileToWrite& file, bool replace) {
   if (replace || !is_there(file.path) || holds(file)) return;
-  throw Error(fmt::format("{}: is there already, perhaps with somebody's edits; expected another name, or --force to replace it",
+  throw Error(fmt::format("{}: exists already, perhaps with a person's edits; expected another name, or --force to replace it",
                           file.path.string()));
 }
 
@@ -98,12 +98,12 @@ std::string text_of(labels::ExchangeFormat format, std::span<const labels::Label
   return {};
 }
 
-/// Label Studio's configuration lies beside the tasks.
+/// Label Studio's configuration is next to the tasks.
 fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
   return tasks.path == to ? fs::path(to).replace_extension(".xml") : to / "label-studio.xml";
 }
 
-/// What --import names: files, and folders as all of their files that are of a known format and named as a run's.
+/// The files that --import names. A folder stands for all of its files with a known format and the name of a run.
 std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
   const std::optional<labels::ExchangeFormat> format = format_in(arguments);
   std::vector<fs::path> files;
@@ -160,7 +160,7 @@ void check_exchange(const LabelExchangeArguments& arguments) {
   if (arguments.exports() || arguments.imports()) return;
   for (const auto& [option, value] : {std::pair{"--format", &arguments.format}, std::pair{"--origin", &arguments.origin}}) {
     if (!value->empty())
-      throw Error(fmt::format("{} {}: says how labels are exchanged; expected --export or --import beside it", option, *value));
+      throw Error(fmt::format("{} {}: is only for exchanged labels; expected --export or --import too", option, *value));
   }
 }
 
@@ -171,10 +171,10 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   const std::optional<labels::ExchangeFormat> known =
       format_in(arguments) ? format_in(arguments) : labels::exchange_format_by_ending(to);
   if (!known) {
-    throw Error(fmt::format(
-        "--export {}: its ending says no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, "
-        "or a folder and --format",
-        arguments.to));
+    throw Error(
+        fmt::format("--export {}: its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or "
+                    ".csv, or a folder and --format",
+                    arguments.to));
   }
   const labels::ExchangeFormat format = *known;
   for (const FileToWrite& file : files_of(to, format, runs)) check_place(file.path, runs);
@@ -265,7 +265,7 @@ void import_labels(const CommonArguments& common, const LabelExchangeArguments& 
     rows.push_back({run.run.name(), std::to_string(counts.kept), std::to_string(counts.confirmed), std::to_string(counts.moved),
                     std::to_string(counts.added), std::to_string(counts.rejected), run.file});
   }
-  if (!unseen.empty()) spdlog::info("nobody has answered for {}: unchanged", fmt::join(unseen, ", "));
+  if (!unseen.empty()) spdlog::info("without an answer, unchanged: {}", fmt::join(unseen, ", "));
   print_result(common, {{"imported", imported}},
                text_table({"run", "as before", "newly confirmed", "moved", "added", "rejected", ""}, rows));
   end_with(found.unreadable);

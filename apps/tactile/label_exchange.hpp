@@ -20,11 +20,11 @@ struct LabelExchangeArguments {
   bool imports() const { return !from.empty(); }
 };
 
-/// `compare_truth` and `force` are the command's own options, which do not go with all of these.
+/// `compare_truth` and `force` are the command's own options, which cannot be combined with all of these.
 void add_label_exchange_options(Command command, LabelExchangeArguments& arguments, const Option compare_truth,
                                 const Option force);
 
-/// @throws Error  if --format or --origin is given, which say nothing without --export or --import
+/// @throws Error  if --format or --origin is given, which have no meaning without --export or --import
 void check_exchange(const LabelExchangeArguments& arguments);
 
 /// Writes the labels of the runs for another tool. Those that have none are labelled before by `label_first`, which returns what
@@ -34,7 +34,7 @@ void check_exchange(const LabelExchangeArguments& arguments);
 void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found, bool replace,
                    const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first);
 
-/// Takes what a person edited in another tool into the runs' labels: all of it, or after an `Error` none.
+/// Writes a person's edits from another tool into the labels of the runs: all edits, or none after an `Error`.
 void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found);
 
 }  // namespace tactile::cli

@@ -63,7 +63,7 @@ const alignment::FittedClock* robot_clock_of(const labels::Labels& labels) {
   return labels.robot_clocks.empty() ? nullptr : &labels.robot_clocks.front();
 }
 
-/// Ways in which clocks were found, each with a letter, for they are too long for a table's cells.
+/// Methods by which clocks were found. Each has a letter, because the names are too long for a table.
 class ClockMethods {
  public:
   explicit ClockMethods(const std::vector<LabelledRun>& runs) {
@@ -85,7 +85,7 @@ class ClockMethods {
     for (const auto& [method, uses] : uses_) text += line("Clock " + letter_of(method), method, uses);
     return text;
   }
-  /// Likewise of the video's.
+  /// The same for the video's clock.
   std::string video_legend() const {
     std::string text;
     for (const auto& [method, uses] : video_uses_) text += line("Video clock", method, uses);
@@ -94,7 +94,7 @@ class ClockMethods {
 
  private:
   static std::string line(const std::string& clock, const std::string& method, std::size_t uses) {
-    return wrapped(fmt::format("{}: {} ({}).", clock, method.empty() ? "method not told" : method,
+    return wrapped(fmt::format("{}: {} ({}).", clock, method.empty() ? "method not known" : method,
                                uses == 1 ? "1 run" : fmt::format("{} runs", uses)),
                    2) +
            "\n";
@@ -194,7 +194,7 @@ std::size_t presses_of(const labels::Labels& labels) {
                     [](const labels::LabelledInterval& interval) { return interval.touch == Touch::press; }));
 }
 
-/// What would make clocks better that were fitted to one run each.
+/// Advice on clocks that were fitted to one run each.
 std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   const auto is_alone = [](const LabelledRun& labelled) {
     const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
@@ -202,9 +202,8 @@ std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   };
   if (std::count_if(runs.begin(), runs.end(), is_alone) < 2) return {};
   return wrapped(
-             "Runs that were recorded without a restart of camera and controller share their clocks: name the same session in "
-             "their "
-             "run.json, and all of them together give one clock.") +
+             "Runs that were recorded without a restart of camera and controller share their clocks. Give them the same session "
+             "in run.json; then one clock is fitted to all of them.") +
          "\n";
 }
 
@@ -238,7 +237,7 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
   }
   for (const LabelledRun& labelled : runs) {
     if (const std::size_t presses = presses_of(labelled.labels); presses > 1)
-      text += wrapped(fmt::format("{}: {} presses, of which the first is shown", labelled.run.name(), presses), 2) + "\n";
+      text += wrapped(fmt::format("{}: {} presses; the first is shown", labelled.run.name(), presses), 2) + "\n";
     for (const labels::LabelFlag& flag : labelled.labels.flags) {
       text += wrapped(fmt::format("{}{}: {}{}", labelled.run.name(),
                                   flag.interval_index ? " " + labelled.labels.intervals.at(*flag.interval_index).id : "",
@@ -249,9 +248,9 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
   }
   return text +
          wrapped(
-             "Times in ms; onsets count from a run's first event, ± is half of their 95 % interval, or of the robot clock's "
-             "offset's. "
-             "Lift to slip holds the robot clock's error, which alone makes it negative.") +
+             "Times in ms. Onsets count from a run's first event; ± is half of their 95 % interval. For a clock, ± is half of "
+             "its offset's 95 % interval. Lift to slip includes the robot clock's error. It is negative only because of this "
+             "error.") +
          "\n" + methods.legend() + advice_on_sessions(runs);
 }
 
@@ -261,7 +260,7 @@ std::string remarks_text(const std::vector<LabelledRun>& runs) {
     for (const std::string& remark : labelled.labels.remarks) runs_of[remark].push_back(labelled.run.name());
   }
   if (runs_of.empty()) return {};
-  std::string text = "Remarks, which nobody needs to look at:\n";
+  std::string text = "Remarks, which need no check:\n";
   for (const auto& [remark, names] : runs_of) text += wrapped(fmt::format("  {}: {}", fmt::join(names, ", "), remark), 4) + "\n";
   return text;
 }
@@ -309,8 +308,7 @@ std::string objects_table(const std::vector<LabelledRun>& runs) {
   }
   return text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows) +
          wrapped(
-             "Lift to slip is measured: slip onset less lift start, through the robot's clock, whose error it holds. Spread is "
-             "1.48 "
+             "Lift to slip is the slip onset minus the lift start. It includes the error of the robot's clock. Spread is 1.48 "
              "times the median distance from the median.") +
          "\n";
 }
@@ -327,7 +325,7 @@ nlohmann::json objects_json(const std::vector<LabelledRun>& runs) {
 
 std::string differences_table(const std::vector<LabelledRun>& runs) {
   const auto differences = differences_of(runs);
-  if (differences.empty()) return wrapped("No onset is told by more than one source, so that none can be compared.") + "\n";
+  if (differences.empty()) return wrapped("No onset has more than one source, so none can be compared.") + "\n";
   const ClockMethods methods(runs);
   std::vector<std::vector<std::string>> rows;
   for (const auto& [kind, values] : differences) {
@@ -339,11 +337,9 @@ std::string differences_table(const std::vector<LabelledRun>& runs) {
   }
   return text_table({"onsets apart [ms]", "clock", "n", "median", "spread", "least", "largest"}, rows) +
          wrapped(
-             "Robot says when a stage command (press) or the lift (slip) began, and video when the stage or the arm began to "
-             "move, so that their differences hold the lag of what follows. A "
-             "clock that was fitted to events, as its method tells, makes its source follow the events: that they agree then "
-             "proves "
-             "little.") +
+             "Robot: when a stage command (press) or the lift (slip) began. Video: when the stage or the arm began to move. "
+             "Their differences therefore include the lag from there to the onset. If a clock was fitted to events, its source "
+             "follows the events, and their agreement proves little. The method shows this.") +
          "\n" + methods.legend() + methods.video_legend();
 }
 

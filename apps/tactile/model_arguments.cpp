@@ -19,7 +19,7 @@
 namespace tactile::cli {
 namespace {
 
-/// @throws Error  if no object has the training run, in the dataset or beside it: most likely a mistyped run
+/// @throws Error  if no object has the training run, in the dataset or next to it: most likely a mistyped run
 void check_train_run(const windows::Dataset& dataset, const std::string& wanted) {
   std::set<std::string> ids;
   for (const windows::DatasetRun& run : dataset.runs()) {

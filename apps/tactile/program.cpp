@@ -63,7 +63,7 @@ int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
   spdlog::set_pattern("%^%l%$: %v");
 
-  CLI::App app("Event-camera tactile sensing: from recordings of a sensor skin to verdicts a robot can act on.", "tactile");
+  CLI::App app("Detects press and slip with an event-camera tactile sensor, in recordings and live.", "tactile");
   app.set_help_flag("-h,--help", "Show this help");
   app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()), "Show version and revision");
   app.require_subcommand(1);

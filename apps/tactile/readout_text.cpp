@@ -27,8 +27,8 @@ std::string precision_text(const events::Readout& readout) {
   if (readout.kind == events::Readout::Kind::none) return fmt::format("in steps of {} us", readout.stamp_step_us);
   return fmt::format("up to {:.0f} us after the change{}", readout.precision_us(),
                      readout.scan == events::Scan::none      ? ""
-                     : readout.scan == events::Scan::columns ? "; the digits below tell only the column"
-                                                             : "; the digits below tell only the row");
+                     : readout.scan == events::Scan::columns ? "; the digits below depend only on the column"
+                                                             : "; the digits below depend only on the row");
 }
 
 }  // namespace tactile::cli

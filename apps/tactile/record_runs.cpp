@@ -194,10 +194,10 @@ void Walk::walk() {
 }
 
 std::string Walk::question() const {
-  const std::string redo = done_.empty() ? "" : fmt::format(" r redoes {},", done_.back().run.name());
+  const std::string redo = done_.empty() ? "" : fmt::format(" r repeats {},", done_.back().run.name());
   if (object_index_ == plan_.objects.size())
     return done_.empty() ? "End of the list. Enter ends."
-                         : fmt::format("End of the list. Enter ends, r and Enter redoes {}.", done_.back().run.name());
+                         : fmt::format("End of the list. Enter ends, r and Enter repeats {}.", done_.back().run.name());
   const capture::SessionPlan::Object& object = plan_.objects[object_index_];
   const std::string start = plan_.start_on ? plan_.start_on->text() + " starts" : "Enter starts";
   return fmt::format("{}, run {} of {}: {}; followed by Enter,{} s skips the object, q ends.", object.name,
@@ -274,7 +274,7 @@ bool Walk::record_one() {
   capture::RisingEdge stop;
   if (plan_.stop_on) stop.rises(newest(recorder_, *plan_.stop_on).value_or(false));
   if (recorder_.robot() != nullptr && !recorder_.robot()->state().connected)
-    line_.warn(request.run.name() + " begins without the robot: what it does until it is back is not in the log");
+    line_.warn(request.run.name() + " begins without the robot: its motion is not in the log until it is connected again");
   recorder_.begin(request);
   drawn_ = Steady::now();
   drawn_events_ = 0;
@@ -289,7 +289,7 @@ bool Walk::record_one() {
     draw(request.run, state);
     if (!told_of_drops && state.drops.queue_full.packets > 0) {
       told_of_drops = true;
-      line_.warn(request.run.name() + ": writing falls behind, packets are being dropped and counted");
+      line_.warn(request.run.name() + ": writing is too slow, packets are dropped and counted");
     }
     why = state.ended;
     if (!why.empty()) break;

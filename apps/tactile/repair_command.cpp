@@ -31,7 +31,7 @@ std::vector<std::string> losses(const events::RepairSummary& summary) {
     lines.push_back(counted(problems.truncated_bytes, "byte") + " after the last whole packet: the recording was cut off");
   if (problems.skipped_bytes > 0) lines.push_back(counted(problems.skipped_bytes, "byte") + " between packets: damaged");
   if (summary.packets_damaged > 0)
-    lines.push_back(counted(summary.packets_damaged, "packet") + " changed, according to the checksums beside the recording");
+    lines.push_back(counted(summary.packets_damaged, "packet") + " changed, according to the checksums next to the recording");
   if (problems.broken_packets > 0) lines.push_back(counted(problems.broken_packets, "packet") + " that could not be decoded");
   if (problems.mismatched_packets > 0)
     lines.push_back(counted(problems.mismatched_packets, "packet") + " of another type than the stream's");

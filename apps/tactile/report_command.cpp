@@ -108,8 +108,8 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(
-        fmt::format("{}: contains neither a study, a model, a trade nor a dataset; expected a folder that 'tactile reproduce', "
-                    "'train', 'trade' or 'windows' wrote",
+        fmt::format("{}: contains no study, model, trade or dataset; expected a folder that 'tactile reproduce', 'train', "
+                    "'trade' or 'windows' wrote",
                     what.string()));
   }
   const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args.models);
@@ -134,7 +134,7 @@ void report(const ReportArguments& args, const CommonArguments& common) {
       });
   std::string text = summary.title + "\n\n";
   if (summary.claims > 0) {
-    text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} have no verdict.\n\n", summary.claims,
+    text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} cannot be decided.\n\n", summary.claims,
                         summary.hold, summary.do_not, summary.claims - summary.hold - summary.do_not);
   }
   if (!summary.missing.empty()) {

@@ -14,7 +14,6 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "experiment_output.hpp"
-#include "model_arguments.hpp"
 #include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -155,7 +154,7 @@ std::string text_of(const study::StudySummary& summary) {
     rows.push_back({claim.at("id").get<std::string>(), kept_text(claim), claim.at("verdict").get<std::string>(),
                     claim.at("all_test").at("verdict").get<std::string>()});
   }
-  text += "The paper's claims\n\n" + text_table({"claim", "true for", "verdict", "as in the paper"}, rows) + "\n";
+  text += "The paper's claims\n\n" + text_table({"claim", "true for", "outcome", "as in the paper"}, rows) + "\n";
   for (const auto& claim : study.at("claims")) {
     std::string words = claim.at("id").get<std::string>() + ":";
     if (const auto measured = claim.at("in_words").get<std::string>(); !measured.empty()) words += " " + measured;
@@ -283,9 +282,11 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
       .check(is_seed())
       .show_default();
-  command.add_option("--splits", args->splits, "Random leave-out splits to train, or all of them; default: the preset's")
+  command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
       .check(Check{check_splits, "N|all"});
-  add_engine_option(command, args->engine);
+  command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
+      .check(one_of({"fast", "libtorch"}))
+      .show_default();
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   command.add_flag("--no-report", args->without_report, "Do not write the report");

@@ -142,13 +142,13 @@ void add_simulate_command(CLI::App& app) {
   command.add_option("data", args->data, "Folder of runs").show_default();
   command
       .add_option("--physics", args->physics,
-                  "JSON file with the distributions of runs, instead of configs/simulation.json and configs/objects.json")
+                  "JSON file with values that replace those of configs/simulation.json, cameras.json and objects.json")
       .check(is_existing_file())
       .type_name("FILE.json");
   command
       .add_option("--camera", args->camera,
-                  "quiet: few and regular events without cause; measured: noise and stamps of a real camera; noisy: more of "
-                  "both. Default: that of --physics, else measured")
+                  "quiet: little noise, one stamp per read-out; measured: noise and stamps of a real camera; noisy: more noise, "
+                  "a slower and darker sensor. Default: that of --physics, else measured")
       .check(one_of({"measured", "noisy", "quiet"}));
   command
       .add_option("--preset", args->preset,

@@ -217,18 +217,19 @@ std::string text_of(const trade::TradeSummary& summary) {
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
       wrapped(trade.at("judged_by").get<std::string>()) + "\n\n" +
       wrapped(
-          "Of each setting: accuracy with its 95 % interval, the delay that half and 90 % of the presses and slips do not exceed "
-          "(missed ones count with the time in which they could be detected) [ms], share missed or early [%], false alarms per "
-          "minute outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
-          "objects and runs drawn again, and a star if it is; D: the same of delay, misses and false alarms. Fronts are those of "
-          "the runs to choose on, all else is of the runs to report on.") +
+          "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] (a "
+          "missed one counts with the time in which it could be detected), share missed or early [%], false alarms per minute "
+          "outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
+          "objects and runs drawn again; a star: on the front. D: the same for delay, misses and false alarms. Fronts are found "
+          "on the runs to choose on. All other figures are of the runs to report on.") +
       "\n\n" + settings_text(trade) + growth_text(trade);
   if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
     std::string list;
     for (const auto& pair : trade.at("left_out"))
       list +=
           fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
-    text += wrapped(fmt::format("Left out, as the history is no whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
+    text +=
+        wrapped(fmt::format("Left out, because the history is not a whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
   }
   for (const auto& one : trade.at("not_measured"))
     text +=
@@ -274,8 +275,8 @@ void warn_of_another_dataset(const TradeArguments& args) {
     std::vector<std::string> differing;
     if (before.contains("settings"))
       differing = windows::differing_settings(windows::dataset_settings_in(dataset.settings()), before.at("settings"));
-    spdlog::warn("{} is another dataset than {} was measured on ({}): all is measured again", dataset.file().string(), args.out,
-                 differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
+    spdlog::warn("{} is not the dataset that {} was measured on ({}): everything is measured again", dataset.file().string(),
+                 args.out, differing.empty() ? "of other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
   } catch (const nlohmann::json::exception&) {
   } catch (const Error&) {  // run_trade reports what is wrong with the dataset
   }
@@ -306,8 +307,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
       options, [&] { return progress_line(common); }, log_step);
   if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
     spdlog::warn(
-        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run "
-        "this again on a quiet one",
+        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run this "
+        "again on an idle machine",
         busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
   }
   nlohmann::json result = summary.trade;
@@ -355,7 +356,7 @@ void add_trade_command(CLI::App& app) {
       .type_name("SHARE");
   command
       .add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms,
-                  "Constraint: most false alarms per minute outside labels")
+                  "Constraint: highest number of false alarms per minute outside labels")
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
@@ -401,7 +402,7 @@ void add_trade_command(CLI::App& app) {
                   "runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N");
-  command.add_option("--timed-ticks", args->timed_ticks, "Ticks of each setting that are timed at least")
+  command.add_option("--timed-ticks", args->timed_ticks, "Lowest number of ticks to time for each setting")
       .check(in_range(std::uint64_t{1}, std::uint64_t{1'000'000'000}))
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();

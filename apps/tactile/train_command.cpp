@@ -242,7 +242,8 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const std::string outcome = state == model::BundleState::missing ? "trained" : "replaced";
   const model::ModelDescription model = model::read_description(bundle);
   if (resumes && model.threads != common.threads)
-    spdlog::info("resumed with {} threads, as it began: another number changes the last bits", model.threads);
+    spdlog::info("resumed with {} threads, as it began: another number of threads changes the last bits of the weights",
+                 model.threads);
   warn_of_nothing_learned(bundle, settings, summary);
   const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
   print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary, temperature),

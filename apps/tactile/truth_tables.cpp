@@ -243,8 +243,8 @@ std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
   return "\n" +
          text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
          wrapped(
-             "Symmetric anchors: the IMU, sync taps or the arm's ring-down. Others follow from when something was touched or "
-             "dragged; their intervals are wider.") +
+             "Symmetric anchors: the IMU, sync taps or the arm's ring-down. The others follow from the times of touches and "
+             "drags; their intervals are wider.") +
          "\n";
 }
 
@@ -339,7 +339,7 @@ std::vector<std::vector<std::string>> error_rows(const std::vector<Group>& group
 }
 
 std::string flagged_text(const Totals& totals, std::size_t runs) {
-  std::string text = fmt::format("Flagged: {} of {} undamaged runs; {} of {} of them that hold press and slip",
+  std::string text = fmt::format("Flagged: {} of {} undamaged runs; {} of {} of them with press and slip",
                                  totals.undamaged_flagged, runs - totals.damaged, totals.plain_flagged, totals.plain);
   if (totals.damaged > 0) text += fmt::format("; {} of {} damaged runs", totals.damaged_flagged, totals.damaged);
   return wrapped(text + ".") + "\n";
@@ -349,7 +349,8 @@ std::string silent_text(const std::vector<std::string>& silent) {
   const auto limit_ms = far_off.count() / 1000;
   if (silent.empty())
     return wrapped(fmt::format("No unflagged onset is missed, spurious or off by more than {} ms.", limit_ms)) + "\n";
-  std::string text = wrapped(fmt::format("Onsets not flagged, yet missed, spurious or off by more than {} ms:", limit_ms)) + "\n";
+  std::string text =
+      wrapped(fmt::format("Onsets without a flag that are missed, spurious or off by more than {} ms:", limit_ms)) + "\n";
   for (const std::string& sentence : silent) text += wrapped("  " + sentence, 4) + "\n";
   return text;
 }

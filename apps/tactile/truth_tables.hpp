@@ -8,7 +8,7 @@
 
 namespace tactile::cli {
 
-/// Errors of labels over all simulated runs, and over groups of them that differ in what their labels can be taken from.
+/// Errors of labels over all simulated runs, and over groups of them with different sources for labels.
 struct TruthTables {
   nlohmann::json json;
   std::string text;

@@ -39,7 +39,7 @@ Form form_of(const std::string& out) {
   if (extension == ".png") return Form::sheet;
   if (extension == ".mp4") return Form::mp4;
   throw Error(
-      fmt::format("{}: {} is no form of view; expected .png for a contact sheet, .mp4 for a film, or a folder for single "
+      fmt::format("{}: {} is not a form of view; expected .png for a contact sheet, .mp4 for a film, or a folder for single "
                   "pictures, {}/ if it is one",
                   out, extension, out));
 }

@@ -80,7 +80,7 @@ TickRange ViewedRecording::ticks(const heatmaps::HeatmapOptions& options) const 
   const TickRange range = full_ticks(first_, last_, options.history, options.tick);
   if (range.count == 0) {
     throw Error(
-        fmt::format("{}: {:.1f} ms long, which holds no full history of {:g} ms; expected a longer recording or a smaller --th",
+        fmt::format("{}: is {:.1f} ms long, less than one full history of {:g} ms; expected a longer recording or a smaller --th",
                     reader_.file().string(), ms_from_first(last_), in_ms(options.history)));
   }
   return range;

@@ -95,7 +95,7 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
   if (verified) {
     verdict = fmt::format(
         "{}: every sample, interval and event agrees with the runs and labels below {}, and no event in a window of one run is "
-        "in another, for any split; ",
+        "in another run, so every split is clean; ",
         file, args.data);
     verdict += check.pairs_at_one_time == 0
                    ? "no two recordings overlap in camera time"
@@ -141,7 +141,7 @@ void add_windows_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { write_windows(*args, common); });
   command.add_option("data", args->data, "Folder of runs, DATA/<object>/<run>").show_default();
   command.add_option("--out", args->out, "Dataset to write; default: DATA/dataset.h5").type_name("FILE.h5");
-  command.add_option("--window-ms", args->window_ms, "Longest part of each press and slip to use, from its onset [ms]")
+  command.add_option("--window-ms", args->window_ms, "Part of each press and slip to use, from its onset [ms]")
       .check(in_range(0.001, 1e6))
       .show_default();
   command.add_option("--guard-ms", args->guard_ms, "Distance of none samples from every press and slip [ms]")

@@ -294,7 +294,7 @@ TEST(ClockAnchors, ARestingArmLeavesTheStagesCommands) {
   found = session.anchors();
   ASSERT_EQ(count_of(found, AnchorKind::stage_output), 2U);
   EXPECT_LT(std::abs(error_ms(found.anchors[0])), 300.0);
-  EXPECT_GT(found.anchors[0].sigma_us, 100'000) << "nobody knows how far the stage travels";
+  EXPECT_GT(found.anchors[0].sigma_us, 100'000) << "how far the stage travels is not known";
   EXPECT_NEAR(error_ms(found.anchors[1]), 0.0, 15.0) << "what opens is seen at once";
   const ClockFit fit = fit_clock(found.anchors, robot_zero_us);
   ASSERT_TRUE(fit.clock);
@@ -323,7 +323,7 @@ TEST(ClockAnchors, HostTimesOfBothDevices) {
     EXPECT_NEAR(error_ms(anchor), 0.0, 6.0);
     EXPECT_GT(anchor.bias_us, 2'000);
   }
-  ASSERT_EQ(count_of(found, AnchorKind::first_shear), 1U) << "content goes on from there";
+  ASSERT_EQ(count_of(found, AnchorKind::first_shear), 1U) << "content continues from there";
 }
 
 TEST(ClockAnchors, EachPieceOfARestartedControllerHasItsOwn) {

@@ -18,7 +18,7 @@ class MadeArm {
  public:
   double ringing_share = 0, ringing_hz = 18, ringing_decay_s = 0.08;
 
-  /// Speeds up, goes on, brakes.
+  /// Speeds up, moves evenly, brakes.
   void lift(double start_s, double lasts_s, double speed, double acceleration = 1.2) {
     const double ramp_s = speed / acceleration;
     change(start_s, acceleration);

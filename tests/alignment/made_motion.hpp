@@ -34,7 +34,7 @@ inline void add_move(MadeMotion& motion, double start_s, double lasts_s, double 
   motion.speeds.insert(motion.speeds.end(), {0, speed, speed, 0});
 }
 
-/// Down and up again: speeds up, brakes, comes back likewise.
+/// Down and up again: speeds up, brakes, comes back in the same way.
 inline void add_tap(MadeMotion& motion, double start_s, double lasts_s, double peak_speed) {
   motion.knots_s.insert(motion.knots_s.end(), {start_s, start_s + 0.25 * lasts_s, start_s + 0.75 * lasts_s, start_s + lasts_s});
   motion.speeds.insert(motion.speeds.end(), {0, -peak_speed, peak_speed, 0});

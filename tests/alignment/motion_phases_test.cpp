@@ -196,7 +196,7 @@ TEST(MotionPhases, DoNotKnowTheStartOfAnArmThatAlreadyMoved) {
   EXPECT_NEAR(ms(whole, phases[0].start), 1000, 2.0);
 
   phases = motion_phases(torn);
-  ASSERT_EQ(kinds(phases), "lift lift") << "nobody knows what was in the gap";
+  ASSERT_EQ(kinds(phases), "lift lift") << "what was in the gap is not known";
   EXPECT_NEAR(ms(whole, phases[0].start), 1000, 2.0);
   EXPECT_TRUE(std::isinf(phases[0].end_sigma_us) && std::isinf(phases[1].start_sigma_us));
   EXPECT_NEAR(ms(whole, phases[1].end), 1800, 2.0);

@@ -13,7 +13,7 @@
 namespace tactile::alignment {
 namespace {
 
-/// A motion along a straight line: speeds up, goes on, slows down.
+/// A motion along a straight line: speeds up, moves evenly, slows down.
 struct MadeMotion {
   double start_s = 0, end_s = 0, speed = 1, ramp_s = 0.06;
 

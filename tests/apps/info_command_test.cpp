@@ -36,7 +36,7 @@ const nlohmann::json& stream_of_type(const nlohmann::json& recording, const std:
   throw std::runtime_error("no stream of " + type);
 }
 
-TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
+TEST(InfoCommand, ShowsWhatTheVendorsFilesContain) {
   const nlohmann::json truth = read_json(vendor_files + "truth.json");
   for (const auto& [name, expected] : truth.items()) {
     const nlohmann::json recording = info_of(vendor_files + name + ".aedat4").at(0);
@@ -63,7 +63,7 @@ TEST(InfoCommand, TellsWhatTheVendorsFilesHold) {
 }
 
 // What is in them was found by decoders of other projects.
-TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
+TEST(InfoCommand, ShowsWhatARealDvxplorerRecordingContains) {
   const std::string file = test::real_recording("tonic-sample.aedat4").string();
   if (file.empty()) GTEST_SKIP() << test::not_tested_without("tonic-sample.aedat4");
   const nlohmann::json recording = info_of("'" + file + "'").at(0);
@@ -90,7 +90,7 @@ TEST(InfoCommand, TellsWhatARealDvxplorerRecordingHolds) {
   EXPECT_EQ(recording.at("healthy"), true) << recording.at("reasons");
 }
 
-TEST(InfoCommand, TellsWhatARealDavisRecordingHolds) {
+TEST(InfoCommand, ShowsWhatARealDavisRecordingContains) {
   const std::string file = test::real_recording("aestream-sample.aedat4").string();
   if (file.empty()) GTEST_SKIP() << test::not_tested_without("aestream-sample.aedat4");
   const nlohmann::json recording = info_of("'" + file + "'").at(0);
@@ -160,7 +160,7 @@ TEST(InfoCommand, TakesARecordingThatWasNeverClosedForHealthy) {
   EXPECT_NE(result.out.find("never closed"), std::string::npos) << result.out;
 }
 
-TEST(InfoCommand, ReportsTheRestBesideAFileThatCannotBeRead) {
+TEST(InfoCommand, ReportsTheRestIfAFileCannotBeRead) {
   const test::TemporaryFolder folder;
   write_whole(folder / "text.aedat4", "no recording at all");
   const test::CommandResult result =
@@ -209,7 +209,7 @@ class InfoOfARun : public testing::Test {
   RunFolder run{folder / "data" / "fan" / "03", "fan", "03"};
 };
 
-TEST_F(InfoOfARun, TellsWhatRunJsonSays) {
+TEST_F(InfoOfARun, ShowsWhatRunJsonContains) {
   describe(true, 160, 120);
   const test::CommandResult result = run_tactile("info --check data/fan/03", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -218,7 +218,7 @@ TEST_F(InfoOfARun, TellsWhatRunJsonSays) {
   EXPECT_EQ(json.at("recordings").at(0).at("run").at("session"), "monday");
 }
 
-TEST_F(InfoOfARun, TellsWhatTheLogsBesideItHold) {
+TEST_F(InfoOfARun, ShowsWhatTheOtherLogsContain) {
   describe(true, 160, 120);
   const nlohmann::json without = info_of("'" + run.folder.string() + "'").at(0);
   EXPECT_TRUE(without.at("robot").is_null());
@@ -261,7 +261,7 @@ TEST_F(InfoOfARun, ComparesItsFilesWithWhatRunJsonLists) {
 
   fs::remove(run.robot());
   const test::CommandResult missing = run_tactile("info data/fan/03", folder.path());
-  EXPECT_EQ(missing.exit_code, 0) << "without --check it only tells";
+  EXPECT_EQ(missing.exit_code, 0) << "without --check it only reports";
   EXPECT_NE(missing.out.find("robot.csv: is missing"), std::string::npos) << missing.out;
 }
 
@@ -307,7 +307,7 @@ TEST_F(InfoOfARun, FailsTheCheckWhereARunIsMisnamed) {
   EXPECT_EQ(run_tactile("info --check data/fan/03.discarded-1", folder.path()).exit_code, 0);
 }
 
-TEST_F(InfoOfARun, ReportsTheOthersBesideALinkThatLeadsToItself) {
+TEST_F(InfoOfARun, ReportsTheOthersIfALinkLeadsToItself) {
   fs::create_symlink("04", folder / "data/fan/04");
   fs::create_symlink("loop", folder / "data/loop");
   const auto result = run_tactile("info --json data data/loop", folder.path());

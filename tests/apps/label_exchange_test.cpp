@@ -128,7 +128,7 @@ TEST_F(LabelExchange, WhatIsThereAlreadyIsReplacedOnlyIfForced) {
   ASSERT_EQ(label("data/fan/01 --export labels.txt").exit_code, 0);
   ASSERT_EQ(label("data/fan/01 --export labels.txt").exit_code, 0) << "the same again is no loss";
   write_whole(folder / "labels.txt", "somebody's work");
-  expect_refused("data/fan/01 --export labels.txt", "labels.txt: is there already");
+  expect_refused("data/fan/01 --export labels.txt", "labels.txt: exists already");
   EXPECT_EQ(text_of("labels.txt"), "somebody's work");
   ASSERT_EQ(label("data/fan/01 --export labels.txt --force").exit_code, 0);
   EXPECT_NE(text_of("labels.txt"), "somebody's work");
@@ -150,7 +150,7 @@ TEST_F(LabelExchange, WhatCannotBeImportedChangesNothing) {
   expect_refused("--import all.xls", "its ending names no format");
   expect_refused("--import data", "holds no file of the runs");
   expect_refused("--export one.eaf", "holds one run, and there are 2");
-  expect_refused("--export folder", "its ending says no format");
+  expect_refused("--export folder", "its ending names no format");
   std::filesystem::remove(folder / "data/fan/01/video.mp4");
   ASSERT_EQ(label("data/fan/01").exit_code, 0);
   expect_refused("data/fan/01 --export labels.txt --origin video", "its video clock is unknown");

@@ -154,7 +154,7 @@ std::size_t longest_line_in(const std::string& text) {
   return longest;
 }
 
-TEST_F(LabelCommand, DrawsAPictureOfEachRunUnlessToldNotTo) {
+TEST_F(LabelCommand, DrawsAPictureOfEachRunByDefault) {
   ASSERT_EQ(run_tactile("label data/fan/01", folder.path()).exit_code, 0);
   const std::string first = read_text(folder.path() / "data/fan/01/labels.png");
   EXPECT_EQ(first.substr(1, 3), "PNG");
@@ -188,7 +188,7 @@ TEST_F(LabelCommand, SumsUpTheLabelsThatAreThereAndMakesNone) {
   const auto result = run_tactile("label --summary --json", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("usb-hub/01"), std::string::npos) << "has no labels: " << result.err;
-  EXPECT_EQ(read_text(file), labels.dump()) << "nothing is labelled anew";
+  EXPECT_EQ(read_text(file), labels.dump()) << "nothing is labelled again";
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/usb-hub/01/labels.json"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.png"));
 
@@ -288,7 +288,7 @@ TEST_F(LabelCommand, RefusesAFormatThatNothingIsExchangedIn) {
   for (const std::string wrong : {"--format elan", "--origin camera"}) {
     const auto result = run_tactile("label " + wrong, folder.path());
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_NE(result.err.find("expected --export or --import beside it"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("expected --export or --import too"), std::string::npos) << result.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "data/fan/01/labels.json"));
 }
@@ -297,10 +297,10 @@ TEST_F(LabelCommand, NamesRunsThatHaveNoRecording) {
   std::filesystem::remove(folder.path() / "data/fan/01/events.aedat4");
   const auto result = run_tactile("label --no-pictures", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("without events.aedat4, and left out: data/fan/01"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("left out, because events.aedat4 is missing: data/fan/01"), std::string::npos) << result.err;
 }
 
-TEST_F(LabelCommand, TellsRemarksInTheSummary) {
+TEST_F(LabelCommand, PrintsRemarksInTheSummary) {
   std::filesystem::remove(folder.path() / "data/fan/01/video.mp4");
   ASSERT_EQ(run_tactile("label --no-pictures", folder.path()).exit_code, 0);
   const auto summary = run_tactile("label --summary", folder.path());

@@ -90,7 +90,7 @@ TEST_F(RecordCommand, RecordsAReplayWithAllItsStreams) {
   EXPECT_NE(run_json("fan", "01").at("session"), run_json("fan", "02").at("session"));
 }
 
-TEST_F(RecordCommand, TellsWhatItRecordedBesideTheEvents) {
+TEST_F(RecordCommand, ReportsWhatItRecordedBesidesTheEvents) {
   const std::vector<events::Event> events = test::steady_events(1001, 5'000'000, 100, size);  // 0.1 s of events
   {
     const events::Stream imu = test::stream_of(1, events::StreamType::imu, "IMUS", "DVXplorer_DXM00001");
@@ -319,7 +319,7 @@ TEST_F(RecordCommand, WalksASession) {
   EXPECT_TRUE(fs::exists(folder / "data/fan/02.discarded-1/events.aedat4"));
   EXPECT_EQ(run("info --check data").exit_code, 0);
 
-  // A broken-off session goes on where it was left.
+  // An interrupted session resumes where it stopped.
   write_whole(folder / "longer.json", R"({"objects": [{"name": "fan", "runs": 3}, {"name": "usb-hub"}], "duration": 0.1})");
   RunningCommand command("record --json --session longer.json --from sim --speed 0", folder.path());
   command.type("\n\n");
@@ -368,7 +368,7 @@ TEST_F(RecordCommand, SaysThatNothingCameFromTheRobot) {
   EXPECT_NE(result.err.find("unnamed/01: no data came from the robot"), std::string::npos) << result.err;
 }
 
-TEST_F(RecordCommand, GoesOnWithoutTheRobotAndTakesItBack) {
+TEST_F(RecordCommand, ContinuesWithoutTheRobotAndTakesItBack) {
   test::FakeController controller;
   make_long_recording();
   RunningCommand command("record --json --from file:long.aedat4 --robot 127.0.0.1:" + std::to_string(controller.port()),
@@ -425,8 +425,8 @@ TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
   ASSERT_EQ(runs.size(), 4U);
   const auto session = [&](std::size_t index) { return runs.at(index).at("session").get<std::string>(); };
   EXPECT_EQ(session(1), session(0)) << "the network alone was gone";
-  EXPECT_EQ(session(2), session(0) + "-2") << "the clock began anew on an open connection";
-  EXPECT_EQ(session(3), session(0) + "-3") << "nobody knows its clock";
+  EXPECT_EQ(session(2), session(0) + "-2") << "the clock started again on an open connection";
+  EXPECT_EQ(session(3), session(0) + "-3") << "its clock is not known";
   EXPECT_NE(result.err.find("fan/04 begins without the robot"), std::string::npos) << result.err;
   EXPECT_EQ(run_json("fan", "04").at("dropped").at("robot_gaps"), 1);
 }
@@ -585,7 +585,7 @@ TEST_F(RecordCommand, LeavesAReadableRunWheneverItIsKilled) {
   EXPECT_GE(with_film, 5U) << "too few kills came while a film was written";
 }
 
-TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
+TEST_F(RecordCommand, HasChecksumsNextToARecordingUntilItHasItsHash) {
   ASSERT_EQ(run("record --from file:recordings/dv-lz4.aedat4 --speed 0 --object fan").exit_code, 0);
   const RunFolder whole = run_folder("fan", "01"), killed = run_folder("fan", "02");
   EXPECT_FALSE(fs::exists(events::checksums_beside(whole.events())));
@@ -619,7 +619,7 @@ TEST_F(RecordCommand, HasChecksumsBesideARecordingUntilItHasItsHash) {
   EXPECT_FALSE(fs::exists(events::checksums_beside(run_folder("fan", "03").events())));
   EXPECT_GE(test::packets_of(run_folder("fan", "03").events()).size(), packets - 1);
 
-  // A kill after run.json was written leaves them beside a recording that has its hash: they are not asked any more.
+  // A kill after run.json was written leaves them next to a recording that has its hash: they are no longer used.
   fs::copy_file(events::checksums_beside(killed.events()), events::checksums_beside(whole.events()));
   const CommandResult left = run("info --check --json data/fan/01");
   EXPECT_EQ(left.exit_code, 0) << left.err;

@@ -47,7 +47,7 @@ TEST(CameraBroadcast, CutsWhereAPacketWouldLastTooLongHoldTooMuchOrGoBack) {
   EXPECT_EQ(broadcast.counts().events, 10U);
 }
 
-TEST(CameraBroadcast, HandsEachStreamToItsServersAndTheRestToNobody) {
+TEST(CameraBroadcast, HandsEachStreamToItsServersAndDropsTheRest) {
   events::Stream imu = stream_of(2, events::StreamType::imu, "IMUS");
   transport::DvStreamServer events(any_port, events::event_stream_declaration({640, 480}, "A")),
       again(any_port, events::event_stream_declaration({640, 480}, "A")), samples(any_port, imu);

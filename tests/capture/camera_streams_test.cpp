@@ -70,7 +70,7 @@ TEST(AscendingTimes, ThrowsWhereTheClockWasSetBack) {
   EXPECT_EQ(drops.back_in_time, (LostElements{.packets = 1, .events = 3, .others = 0})) << "the packet is lost whole";
 }
 
-TEST(CameraJson, TellsWhatTheStreamsSay) {
+TEST(CameraJson, HasWhatTheStreamsDeclare) {
   events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   EXPECT_EQ(camera_json({&stream, 1}), nlohmann::json({{"source", "DVXplorer_DXM00001"}}));
   EXPECT_FALSE(events::is_simulated({&stream, 1}));

@@ -48,7 +48,7 @@ TEST_F(FindSources, FindsNothingWhereNothingIs) {
   EXPECT_TRUE(find_video_devices(places_).empty());
 }
 
-TEST_F(FindSources, TellsTheVendorsCamerasApartAndHowToReachThem) {
+TEST_F(FindSources, DistinguishesTheVendorsCamerasAndShowsHowToReachThem) {
   add_usb("1-1", "152a", "8419", "0409", "DXM00017");
   add_usb("1-2", "152a", "8419", "040a", "DXM00018");
   add_usb("2-1", "152a", "8419", "0108", "DXA00003");

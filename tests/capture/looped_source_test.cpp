@@ -45,7 +45,7 @@ class ShortSource final : public capture::CameraSource {
   std::size_t next_ = 0;
 };
 
-TEST(LoopedSource, BeginsAgainBehindTheLatestOfAllStreams) {
+TEST(LoopedSource, BeginsAgainAfterTheLatestOfAllStreams) {
   int opened = 0;
   const auto source = capture::looped_source(
       [&]() -> std::unique_ptr<capture::CameraSource> {

@@ -40,7 +40,7 @@ TEST(PacketQueue, HandsPacketsOverInOrder) {
   EXPECT_EQ(queue.waiting_bytes(), 0U);
 }
 
-TEST(PacketQueue, MakesNothingAnewOnceItIsWarm) {
+TEST(PacketQueue, AllocatesNothingOnceItIsWarm) {
   PacketQueue queue(1 << 20);
   const events::Event* buffer = nullptr;
   for (int i = 0; i < 1000; ++i) {
@@ -113,7 +113,7 @@ TEST(PacketQueue, KeepsNoMoreSpareBuffersThanItsLimit) {
   EXPECT_EQ(kept, 100'000 / (1000 * sizeof(events::Event) + sizeof(QueuedPacket)));
 }
 
-TEST(PacketQueue, LetsGoOfWhatABurstLeftAndNobodyTookSince) {
+TEST(PacketQueue, FreesWhatABurstLeftAndNothingHasUsedSince) {
   PacketQueue queue(1 << 20);
   const auto burst = [&queue](std::size_t count) {
     std::vector<Packet> packets;
@@ -180,7 +180,7 @@ TEST(PacketQueue, ClosingReleasesThoseWhoWaitAndKeepsWhatIsIn) {
   EXPECT_TRUE(queue.push(packet, false));
 }
 
-TEST(PacketQueue, TellsSilenceFromTheEnd) {
+TEST(PacketQueue, DistinguishesSilenceFromTheEnd) {
   PacketQueue queue(1000);
   Packet packet;
   EXPECT_TRUE(queue.pop(packet, 1ms));

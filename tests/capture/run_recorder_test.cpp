@@ -311,7 +311,7 @@ TEST_F(RunRecorderTest, RefusesTheSameStreamTwiceAndSourcesWithoutEvents) {
   EXPECT_THROW(RunRecorder({}, nullptr, nullptr), Error);
 }
 
-TEST_F(RunRecorderTest, TellsSimulatedStreams) {
+TEST_F(RunRecorderTest, MarksSimulatedStreams) {
   events::Stream stream = event_stream();
   stream.info.emplace_back("simulated", "true");
   RunRecorder recorder(
@@ -391,7 +391,7 @@ TEST_F(RunRecorderTest, BeginsOnceTheSourcesAreReady) {
   EXPECT_GE(read_json(summary.run.info()).at("host_time_us").at("begin").get<std::int64_t>(), slow.ready);
 }
 
-TEST_F(RunRecorderTest, TellsOnceOfAStreamThatEndsWhileEventsGoOn) {
+TEST_F(RunRecorderTest, ReportsOnceAStreamThatEndsWhileEventsContinue) {
   auto imu = std::make_unique<MadeSource>("made:imu", std::vector{imu_stream()},
                                           [](CameraPacket&, std::chrono::milliseconds) { return CameraSource::Received::ended; });
   const auto silent = [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); };

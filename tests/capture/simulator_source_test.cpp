@@ -160,7 +160,7 @@ TEST(SimulatorSource, RunsOneClockThroughASession) {
   EXPECT_LT(labelled.at(1).interval.end, second.back().t);
 }
 
-TEST(SimulatorSource, GoesOnForEverWhereNothingIsRecorded) {
+TEST(SimulatorSource, NeverEndsIfNothingIsRecorded) {
   const auto source = open_simulator_source("sim", std::nullopt, 0, 1);
   CameraPacket packet;
   CameraTime last{};

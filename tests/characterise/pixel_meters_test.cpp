@@ -67,7 +67,7 @@ TEST(Intervals, HaveTheDeadTimeAsTheirShortest) {
   EXPECT_NEAR(shortest->value, 340, std::max(2.0, 2 * shortest->uncertainty));
 }
 
-TEST(Intervals, OfFewEventsTellNothing) {
+TEST(Intervals, OfFewEventsDecideNothing) {
   IntervalMeter meter(2);
   EXPECT_FALSE(meter.add(0, 100));
   EXPECT_EQ(meter.add(0, 350), 250);

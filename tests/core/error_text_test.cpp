@@ -39,7 +39,7 @@ TEST(SentenceOf, NamesThePathAndTheReasonOfAFileSystemsError) {
   EXPECT_EQ(sentence_after([&] { return std::filesystem::is_directory(folder / "loop"); }),
             (folder / "loop").string() +
                 ": cannot be used (Too many levels of symbolic links); expected a file or folder that can be read, and written "
-                "where it is an output");
+                "if it is an output");
 }
 
 TEST(SentenceOf, PutsMemoryAndJsonIntoPlainWords) {

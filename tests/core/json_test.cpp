@@ -13,7 +13,7 @@
 namespace tactile {
 namespace {
 
-TEST(Json, DifferencesAreToldByTheirMembers) {
+TEST(Json, DifferencesAreNamedByTheirMembers) {
   const auto before = nlohmann::json::parse(R"({"a": {"b": 10, "c": "x"}, "list": [1, 2], "gone": true})");
   EXPECT_EQ(differences(before, before), "");
   auto now = before;

@@ -77,7 +77,7 @@ TEST_F(LookForRuns, PassesOverHiddenFoldersDiscardedRunsAndThoseWithoutARecordin
   EXPECT_EQ(found().misnamed.size(), 1U) << "this is none of record's names";
 }
 
-TEST_F(LookForRuns, TellsOfARecordingThatLiesAFolderTooHigh) {
+TEST_F(LookForRuns, ReportsARecordingThatLiesAFolderTooHigh) {
   make({"fan/01", "Take", "07"});
   const std::string rule = ": is left out, because it has a recording where an object's runs belong; move it to ";
   EXPECT_EQ(found().misnamed, (std::vector<std::string>{sentence("Take", rule + (data / "take/01").string()),

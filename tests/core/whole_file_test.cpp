@@ -153,7 +153,7 @@ TEST(RemoveLeftovers, LeavesWhatIsBeingWrittenHereOrInAnotherProcess) {
   ::close(pipe[1]);
 }
 
-TEST(WholeFile, IsMadeManyTimesAtOnceBesideProcessesThatRemoveLeftovers) {
+TEST(WholeFile, IsMadeManyTimesAtOnceWhileProcessesRemoveLeftovers) {
   const test::TemporaryFolder folder;
   std::vector<std::thread> threads;
   std::atomic<int> lost{0};

@@ -75,7 +75,7 @@ TEST(DeadlineMonitor, MissesWhatIsSkippedOrMoreThanATickLate) {
   EXPECT_EQ(monitor.whole().max(), microseconds{2701});
 }
 
-TEST(DeadlineMonitor, TellsNoWaitingOfWhatIsPlayed) {
+TEST(DeadlineMonitor, ReportsNoWaitingOfAReplay) {
   DeadlineMonitor monitor(microseconds{2000});
   monitor.add({.waiting = {}, .queued = {}, .rendering = microseconds{5000}}, 0);
   EXPECT_EQ(monitor.counts().late, 0U);

@@ -128,7 +128,7 @@ TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   ASSERT_EQ(live.exit_code, 0) << live.err;
   const auto json = nlohmann::json::parse(live.out);
   EXPECT_EQ(json.at("ended"), "source ended");
-  // On a machine that stood still the detector drops what waited and begins a new history: such ticks are not told.
+  // On a machine that stood still the detector drops what waited and begins a new history: such ticks are not reported.
   const nlohmann::json& faults = json.at("faults").at("kinds");
   if (!faults.contains("behind") && !faults.contains("stopped")) {
     EXPECT_EQ(json.at("events").at("dropped"), 0);

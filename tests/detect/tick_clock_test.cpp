@@ -48,7 +48,7 @@ TEST(TickClock, WaitsAsLongAsTheLongestPacketIs) {
   EXPECT_TRUE(clock.next(host_time(base + 50'010)));
 }
 
-TEST(TickClock, ClosesByEventsAloneWhereItIsTold) {
+TEST(TickClock, ClosesByEventsAloneIfRequested) {
   TickClock clock({.tick = 2ms, .history = 40ms, .slack = 2ms, .by_events_alone = true});
   clock.arrived(camera_time(0), camera_time(1'000), host_time(base));
   EXPECT_FALSE(clock.next(host_time(base + 3'600'000'000)));
@@ -137,7 +137,7 @@ TEST(TickClock, BeginsAtTheLowestTimeThereIs) {
   EXPECT_LT(us_of(tick->t), lowest + 6'000);
 }
 
-TEST(TickClock, ForgetsAStreamThatBeganAnew) {
+TEST(TickClock, ForgetsAStreamThatBeganAgain) {
   TickClock clock(usual);
   clock.arrived(camera_time(9'000'000), camera_time(9'060'000), host_time(base));
   clock.reported(*clock.newest(host_time(base)));
@@ -150,7 +150,7 @@ TEST(TickClock, ForgetsAStreamThatBeganAnew) {
   EXPECT_EQ(clock.next(host_time(base + 1))->t, camera_time(42'000));
 }
 
-TEST(TickClock, GoesOnAcrossTheEndsOf31And32Bits) {
+TEST(TickClock, ContinuesAcrossTheEndsOf31And32Bits) {
   for (const std::int64_t end : {std::int64_t{1} << 31, std::int64_t{1} << 32}) {
     TickClock clock(usual);
     std::vector<CameraTime> told;

@@ -33,7 +33,7 @@ TEST(OverTime, CountsTheTicksOfAnIntervalByTheirDistanceToBothEnds) {
   // The press holds 6, 8, 10, 12, 14 ms: 2, 4, 6, 8, 10 ms after its onset at 4 ms, and 8, 6, 4, 2, 0 ms before its end.
   const OverTimeCounts counts = counts_in("pp.pp.s.pp", {interval_ms(Touch::press, 4, 14)}, Touch::press);
   expect_counts(counts.first, 3, 2, 1);  // 6 and 8 ms right, 10 ms none
-  expect_counts(counts.later, 2, 0, 1);  // 12 ms said slip, 14 ms none
+  expect_counts(counts.later, 2, 0, 1);  // 12 ms predicted slip, 14 ms none
   expect_counts(counts.last, 2, 0, 1);   // 12 and 14 ms: less than 4 ms before the end
   expect_counts(counts.since_onset[0], 2, 2, 1);
   expect_counts(counts.since_onset[1], 2, 0, 1);
@@ -53,7 +53,7 @@ TEST(OverTime, ComparesTheEndWithWhatIsAheadOfItInTheSameIntervalAlone) {
   expect_counts(counts.before_last, 3, 3, 1);
 }
 
-TEST(OverTime, CountsWhatIsStillSaidBehindAnIntervalWhereNothingElseIs) {
+TEST(OverTime, CountsWhatIsStillPredictedAfterAnInterval) {
   // Behind the end at 5 ms lie 6, 8, 10 ms; the slip holds 10 ms.
   const auto verdicts = verdict_row(".pppss..");
   results::OverTimeOptions options = small;

@@ -10,14 +10,14 @@ namespace {
 
 using test::verdict_row;
 
-/// `correct` of `samples` presses said right, the others taken for none.
+/// `correct` of `samples` presses predicted right, the others taken for none.
 results::RunConfusion run_with(const std::string& object, std::uint64_t correct, std::uint64_t samples) {
   results::RunConfusion run{{object}, {}};
   for (std::uint64_t i = 0; i < samples; ++i) run.confusion.add(Touch::press, i < correct ? Touch::press : Touch::none);
   return run;
 }
 
-TEST(Confusion, HasTheTruthInRowsAndWhatWasSaidInColumns) {
+TEST(Confusion, HasTheTruthInRowsAndThePredictionInColumns) {
   const results::Confusion confusion = confusion_of(verdict_row("..pppsss"), verdict_row(".pppss.s"));
   const nlohmann::json json = confusion;
   EXPECT_EQ(json, nlohmann::json::parse("[[1, 1, 0], [0, 2, 1], [1, 0, 2]]"));

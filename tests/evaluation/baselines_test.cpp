@@ -51,7 +51,7 @@ TEST(EventCount, FindsThresholdsBetweenSeparateCounts) {
   EXPECT_EQ(baseline.verdict(21), Touch::slip);
 }
 
-TEST(EventCount, SaysAsManyRightAsEveryPairOfThresholdsTried) {
+TEST(EventCount, PredictsAsManyRightAsTheBestPairOfThresholdsTried) {
   Random random(3);
   for (int round = 0; round < 20; ++round) {
     std::vector<std::uint64_t> events(25);
@@ -81,7 +81,7 @@ TEST(EventCount, SaysAsManyRightAsEveryPairOfThresholdsTried) {
   }
 }
 
-TEST(EventCount, OfOneCountSaysTheMajority) {
+TEST(EventCount, OfOneCountPredictsTheMajority) {
   const std::vector<std::uint64_t> events{5, 5, 5};
   const EventCountBaseline baseline = fit_event_count(events, verdict_row("ss."));
   EXPECT_EQ(baseline.verdict(5), Touch::slip);

@@ -16,7 +16,7 @@ TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
                                                 run_with("box", {{{9, 0, 1}, {0, 10, 0}, {3, 3, 4}}})};
   const results::ClassScores scores = class_scores_of(runs);
   const results::ClassScore& press = scores.all[static_cast<std::size_t>(Touch::press)];
-  EXPECT_DOUBLE_EQ(press.precision.value, 17.0 / 21);  // said press: 1 + 7 + 10 + 3
+  EXPECT_DOUBLE_EQ(press.precision.value, 17.0 / 21);  // predicted press: 1 + 7 + 10 + 3
   EXPECT_DOUBLE_EQ(press.recall.value, 17.0 / 20);
   EXPECT_DOUBLE_EQ(press.f1.value, 34.0 / 41);
   EXPECT_EQ(press.f1.n, 2U);
@@ -25,7 +25,7 @@ TEST(ClassScores, AreThoseOfTheCountsOfAllRunsTogether) {
   EXPECT_DOUBLE_EQ(scores.objects.at("box")[2].recall.value, 0.4);
 }
 
-TEST(ClassScores, AreUnknownWhereNothingWasSaidOrIs) {
+TEST(ClassScores, AreUnknownWhereNothingIsPredictedOrTrue) {
   const std::vector<results::RunConfusion> runs{run_with("fan", {{{5, 0, 0}, {5, 0, 0}, {0, 0, 0}}}), run_with("empty", {})};
   const results::ClassScores scores = class_scores_of(runs);
   EXPECT_TRUE(std::isnan(scores.all[1].precision.value));
@@ -46,7 +46,7 @@ TEST(ClassScores, OfAClassOfOneSampleAreAllOrNothing) {
     const results::ClassScores scores = class_scores_of(runs);
     const results::ClassScore& slip = scores.all[static_cast<std::size_t>(Touch::slip)];
     EXPECT_EQ(slip.recall.value, right ? 1.0 : 0.0);
-    EXPECT_EQ(std::isnan(slip.precision.value), !right) << "where it is never said there is nothing to be precise in";
+    EXPECT_EQ(std::isnan(slip.precision.value), !right) << "a class that is never predicted has no precision";
     EXPECT_EQ(slip.f1.value, right ? 1.0 : 0.0);
     if (slip.recall.low) {
       EXPECT_LE(*slip.recall.low, slip.recall.value);

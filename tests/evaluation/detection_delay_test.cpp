@@ -38,8 +38,8 @@ TEST(DetectionDelay, CountsTicksFromTheFirstAfterTheOnset) {
   EXPECT_EQ(detection.delay, 8ms);  // k0 = 3, k = 6
 }
 
-TEST(DetectionDelay, BeginsBehindATickThatLiesExactlyOnTheOnset) {
-  // Onset at 6 ms: tick 3 is not after it, k0 is tick 4; the press said at tick 3 alone led to nothing.
+TEST(DetectionDelay, BeginsAfterATickThatLiesExactlyOnTheOnset) {
+  // Onset at 6 ms: tick 3 is not after it, k0 is tick 4; the press predicted at tick 3 alone led to nothing.
   EXPECT_EQ(detection_in("....p", interval_ms(Touch::press, 6, 100)).delay, 2ms);
   EXPECT_EQ(detection_in("...p.p", interval_ms(Touch::press, 6, 100)).delay, 4ms);
 }
@@ -64,7 +64,7 @@ TEST(DetectionDelay, IsEarlyWhereTheEpisodeBeginsFurtherAhead) {
 }
 
 TEST(DetectionDelay, OfAnEpisodeThatEndsBeforeTheFirstTickIsCountedAsUsual) {
-  // Press said until tick 10, not at k0 = 11; said again at tick 12.
+  // Press predicted until tick 10, not at k0 = 11; predicted again at tick 12.
   const results::Detection detection = detection_in("ppppppppppp.p", interval_ms(Touch::press, 21, 100));
   EXPECT_EQ(detection.outcome, results::DetectionOutcome::detected);
   EXPECT_EQ(detection.delay, 4ms);
@@ -83,7 +83,7 @@ TEST(DetectionDelay, IsAMissWithoutARightVerdict) {
 }
 
 TEST(DetectionDelay, StillCountsATickExactlyAtTheEnd) {
-  // Ends at 12 ms, the time of tick 6; tick 7 is behind it.
+  // Ends at 12 ms, the time of tick 6; tick 7 is after it.
   EXPECT_EQ(detection_in("......p", interval_ms(Touch::press, 5, 12)).delay, 8ms);
   EXPECT_EQ(detection_in(".......p", interval_ms(Touch::press, 5, 12)).outcome, results::DetectionOutcome::missed);
 }
@@ -105,7 +105,7 @@ TEST(DetectionDelay, OfAnIntervalShorterThanATickIsAMiss) {
 }
 
 TEST(DetectionDelay, CountsFromTheOnsetAlsoWhereTheFirstTicksAreMissing) {
-  // Full ticks begin at 40 ms only; onset at 31 ms, so k0 would have been at 32 ms and the first verdict is 4 ticks behind it.
+  // Full ticks begin at 40 ms only; onset at 31 ms, so k0 would have been at 32 ms and the first verdict is 4 ticks after it.
   const auto verdicts = verdict_row("pp");
   const TouchInterval interval = interval_ms(Touch::press, 31, 100);
   const results::Detection detection = detections_of(ticks_of(verdicts, 40), verdicts, {&interval, 1}).front();
@@ -113,7 +113,7 @@ TEST(DetectionDelay, CountsFromTheOnsetAlsoWhereTheFirstTicksAreMissing) {
   EXPECT_EQ(detection.delay, 10ms);
 }
 
-TEST(DetectionDelay, OfAnIntervalBehindTheLastTickIsAMiss) {
+TEST(DetectionDelay, OfAnIntervalAfterTheLastTickIsAMiss) {
   EXPECT_EQ(detection_in("pppp", interval_ms(Touch::press, 50, 100)).outcome, results::DetectionOutcome::missed);
 }
 
@@ -147,7 +147,7 @@ TEST(DetectionDelay, NeedsOneVerdictForEachTick) {
 }
 
 TEST(DetectionDelay, CountedFromALaterOnsetMayBeNegative) {
-  const auto verdicts = verdict_row("....s");  // said at 8 ms
+  const auto verdicts = verdict_row("....s");  // predicted at 8 ms
   const TouchInterval interval = interval_ms(Touch::slip, 5, 100);
   const results::Detection detection = detections_of(ticks_of(verdicts), verdicts, {&interval, 1}).front();
   EXPECT_EQ(detection.delay, 4ms);

@@ -19,7 +19,7 @@ TEST(Episodes, ReachBothEndsOfTheRun) {
   EXPECT_EQ(episodes_in(verdict_row("ssss")), expected);
 }
 
-TEST(Episodes, AreNoneWhereNothingIsSaid) {
+TEST(Episodes, AreNoneIfNothingIsPredicted) {
   EXPECT_TRUE(episodes_in(verdict_row("....")).empty());
   EXPECT_TRUE(episodes_in({}).empty());
 }

@@ -120,7 +120,7 @@ TEST(EvalCommand, WritesTheSameFiguresAsATidyTable) {
                json.at("delay_true_ms").at("slip").at("objects").at("usb-hub").at("mean").at("value"));
 }
 
-TEST(EvalCommand, ConfirmsVerdictsAndSaysSo) {
+TEST(EvalCommand, ConfirmsVerdictsAndReportsIt) {
   const Trained trained({"fan", "small-box", "usb-hub"});
   const auto result = run_tactile("eval --json --confirm 12/20", trained.folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -171,7 +171,7 @@ void make_odd(const std::filesystem::path& data) {
     time = {after(time.at, by), after(time.low, by), after(time.high, by)};
   };
   alter("fan/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, -37ms); });
-  alter("fan/03", [&](labels::Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: said long before
+  alter("fan/03", [&](labels::Labels& labels) { shift(labels.intervals[1].start, 63ms); });       // early: predicted long before
   alter("small-box/02", [&](labels::Labels& labels) { shift(labels.intervals[0].start, 7ms); });  // a head start
   alter("small-box/03", [&](labels::Labels& labels) { shift(labels.intervals[0].end, -120ms); });
   alter("usb-hub/02", [](labels::Labels& labels) { labels.flags.push_back({1, "in doubt", false}); });
@@ -273,7 +273,7 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   EXPECT_NE(one_missing.err.find("nowhere/01: no such run"), std::string::npos) << one_missing.err;
   EXPECT_EQ(nlohmann::json::parse(one_missing.out).at("runs").size(), 1U) << "the others are shown";
 
-  // With fan held out, a start that saw it would tell; one that did not, may be gone on from.
+  // With fan held out, a start that saw it must not be used. One that did not see it may be.
   const auto leaking =
       run_tactile("train --epochs 1 --split unseen --held-out fan --from small --name leaking", trained.folder.path());
   EXPECT_EQ(leaking.exit_code, 1);

@@ -20,7 +20,7 @@ using test::Trained;
 
 std::vector<std::uint32_t> test_runs(const windows::Dataset& dataset) { return model::split_of(dataset, {}).test_runs; }
 
-TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
+TEST(FullRun, PredictsAtASamplesTickWhatTheDatasetsHeatmapGives) {
   const Trained trained;
   const windows::Dataset dataset(trained.file);
   const model::Classifier classifier(trained.bundle.folder, 1);
@@ -40,7 +40,7 @@ TEST(FullRun, SaysAtASamplesTickWhatTheDatasetsHeatmapSays) {
   }
 }
 
-TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
+TEST(FullRun, PredictsTheSameByBothEnginesExceptAtCloseTicks) {
   const Trained trained;
   const windows::Dataset dataset(trained.file);
   const model::Classifier fast(trained.bundle.folder, 1),
@@ -60,7 +60,7 @@ TEST(FullRun, SaysTheSameByBothEnginesButWhereItIsClose) {
   EXPECT_LT(by_fast.close, by_fast.verdicts.size() / 10);
 }
 
-TEST(Evaluation, TellsItsEngineAndCloseTicks) {
+TEST(Evaluation, ReportsItsEngineAndCloseTicks) {
   const Trained trained({"fan", "small-box"});
   const windows::Dataset dataset(trained.file);
   const auto by = [&](model::EngineKind engine) -> nlohmann::json {

@@ -32,13 +32,13 @@ TEST(FalseAlarms, AreEpisodesThatBeginInNoInterval) {
 
 TEST(FalseAlarms, ChangingTheClassBeginsAnotherEpisode) { EXPECT_EQ(alarms_in(".ps.", {}).alarms, 2U); }
 
-TEST(FalseAlarms, AnEpisodeThatBeginsInAnIntervalIsNoneWhateverItSays) {
-  // The interval holds ticks 3 to 6 (6 to 12 ms); a slip said in a press is wrong, but no false alarm, nor is what outlasts the
-  // interval.
+TEST(FalseAlarms, AnEpisodeThatBeginsInAnIntervalIsNoFalseAlarmOfAnyClass) {
+  // The interval holds ticks 3 to 6 (6 to 12 ms); a slip predicted in a press is wrong, but no false alarm, nor is what outlasts
+  // the interval.
   EXPECT_EQ(alarms_in("...ps.ppp.", {interval_ms(Touch::press, 5, 12)}).alarms, 0U);
 }
 
-TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesBehindItsStart) {
+TEST(FalseAlarms, TheFirstTickOfAnIntervalLiesAfterItsStart) {
   // Start at 6 ms: tick 3 is not in it yet, and a slip that begins there is a false alarm.
   EXPECT_EQ(alarms_in("...s......", {interval_ms(Touch::press, 6, 20)}).alarms, 1U);
   EXPECT_EQ(alarms_in("....s.....", {interval_ms(Touch::press, 6, 20)}).alarms, 0U);
@@ -86,7 +86,7 @@ TEST(FalseAlarms, AnEpisodeThatEndsJustBeforeTheOnsetIsOne) {
 }
 
 TEST(FalseAlarms, AnEarlyEpisodeThatBeganInAnotherIntervalIsOneToo) {
-  // Slip is said from within the first slip until the second, 20 ms later.
+  // Slip is predicted from within the first slip until the second, 20 ms later.
   const std::vector<TouchInterval> slips{interval_ms(Touch::slip, 1, 6), interval_ms(Touch::slip, 25, 30)};
   EXPECT_EQ(alarms_in(".ssssssssssssss", slips).alarms, 1U);
 }
@@ -96,7 +96,7 @@ TEST(FalseAlarms, AreCountedAtBothEndsOfTheClock) {
   const auto verdicts = verdict_row("p..ss.p");
   for (const std::int64_t first : {lowest, highest - 12'000}) {
     const TickRange ticks{camera_time(first), 7, 2ms};
-    // The slip lies where it is said; the guard behind the last press ends with the clock.
+    // The slip lies where it is predicted; the guard after the last press ends with the clock.
     const std::vector<TouchInterval> intervals{{Touch::slip, camera_time(first + 5'000), camera_time(first + 9'000)}};
     const results::FalseAlarms found =
         false_alarms_of(ticks, verdicts, {intervals, {}, {}, microseconds::max()}, detections_of(ticks, verdicts, intervals));
@@ -193,7 +193,7 @@ TEST(FalseAlarmForms, OutsideLabelsHaveWhatIsLeftOutOfNone) {
   EXPECT_EQ(found.none_in_alarm, 10ms);
 }
 
-TEST(FalseAlarmForms, CountSlipSaidInsideAPress) {
+TEST(FalseAlarmForms, CountSlipPredictedInsideAPress) {
   const results::FalseAlarms found = LongRun().alarms_of(LongRun::only(Touch::slip, {{2'500, 2'568}}));
   EXPECT_EQ(found.alarms, 0U);
   EXPECT_EQ(found.outside_labels, 0U);

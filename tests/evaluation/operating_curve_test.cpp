@@ -9,7 +9,7 @@ namespace {
 
 using test::verdict_row;
 
-TEST(VerdictsAbove, SayTheLikelierTouchFromTheThresholdOn) {
+TEST(VerdictsAbove, AreTheMoreProbableTouchFromTheThresholdOn) {
   const std::vector<model::Probabilities> probabilities{
       {0.8F, 0.15F, 0.05F}, {0.4F, 0.25F, 0.35F}, {0.0F, 0.5F, 0.5F}, {0.0F, 0.25F, 0.75F}, {1.0F, 0.0F, 0.0F}};
   EXPECT_EQ(verdicts_above(probabilities, 0.1), verdict_row("psps."));

@@ -186,7 +186,7 @@ TEST(Lz4Blocks, ThatAreBrokenAreRefused) {
             6U);  // as all of these might have been
 }
 
-TEST(Lz4Blocks, ThatWereDamagedTouchNothingBesideTheirRoom) {
+TEST(Lz4Blocks, ThatWereDamagedTouchNothingOutsideTheirRoom) {
   std::mt19937 random(2);
   int sound = 0, broken = 0;
   const std::string whole = compressed(events_like(random, 3'000), false);

@@ -55,7 +55,7 @@ TEST(Readout, FindsColumnsThatAreStampedOneAfterAnother) {
   EXPECT_NEAR(readout.period_us.value, 195.163, 1e-4);
   EXPECT_NEAR(readout.step_us.value, -2.9, 1e-3);
   EXPECT_GT(readout.coherence, 0.9999);
-  EXPECT_NEAR(readout.precision_us(), 195.163, 1e-3) << "the digits below a period tell only the column";
+  EXPECT_NEAR(readout.precision_us(), 195.163, 1e-3) << "the digits below a period depend only on the column";
   EXPECT_EQ(readout.stamp_step_us, 1);
 }
 

@@ -186,7 +186,7 @@ TEST(Extremes, ARobotLogThatBeginsAfterThePressStillShowsTheLift) {
   expect_lift_as_true(labels, made);
 }
 
-/// A controller that starts anew at `reset` counts from here: the power came back a while ago.
+/// A controller that starts again at `reset` counts from here: the power came back a while ago.
 constexpr microseconds up_since = 12s;
 
 /// @return the second piece's clock, in truth

@@ -62,7 +62,7 @@ TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
   const test::TemporaryFolder data;
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
   ASSERT_EQ(labels.robot_clocks.size(), 1U);
-  // Events that do not follow the arm's speed, as no skin's do: the interval says how little they tell.
+  // Events that do not follow the arm's speed, as no skin's do: the interval shows how little they decide.
   EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
   EXPECT_GE(labels.robot_clocks[0].offset_high_us, -123'456'789);
   EXPECT_LE(labels.robot_clocks[0].uncertainty(), 40ms);

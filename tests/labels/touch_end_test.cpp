@@ -16,7 +16,7 @@ CameraTime time_of(double us) { return camera_time(std::llround(begin_us + us));
 
 alignment::UncertainTime exactly(double us) { return {time_of(us), time_of(us), time_of(us)}; }
 
-/// A press that slows down as (1 - t)^power, with creeping behind it.
+/// A press that slows down as (1 - t)^power, with creeping after it.
 double press_rate(double t_us, double power, double peak, double creeping) {
   if (t_us < onset_us) return 0.2;
   if (t_us >= still_us) return 0.2 + creeping;
@@ -71,7 +71,7 @@ TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
 }
 
 TEST(PressEnd, IsThatOfTheMotionBeforeTheStillHold) {
-  // 60 ms behind the still hold some tips spring back: more events for an instant than the press ever has.
+  // 60 ms after the still hold some tips spring back: more events for an instant than the press ever has.
   const LitRate lit = test::lit_rate_of(
       5'000,
       [](double t_us) {

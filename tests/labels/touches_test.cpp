@@ -10,7 +10,7 @@ namespace {
 using Kinds = std::vector<BurstKind>;
 using Moves = std::vector<ArmMove>;
 
-// A recording of 4 s in bins of 1 ms, quiet but for what is asked for.
+// A recording of 4 s in bins of 1 ms, quiet except for what is requested.
 const alignment::EventRate rate{.begin = camera_time(1'000'000),
                                 .bin = 1ms,
                                 .counts = std::vector<std::uint32_t>(4'000),
@@ -104,7 +104,7 @@ TEST(KindsOf, TakesASlowBurstForAPressOnlyWhereNoneStands) {
   spring_back.slow = true;
   EXPECT_EQ(kinds({spring_back, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other}),
             (Kinds{BurstKind::brief, BurstKind::slip}))
-      << "no stage presses slowly for so short a time";
+      << "no stage presses slowly for such a short time";
 }
 
 TEST(KindsOf, OfAnArmThatNeverRoseNoneIsASlip) {

@@ -87,7 +87,7 @@ TEST(TruthComparison, ComparesTheLiftThroughTheFittedClocks) {
   Truth truth;
   truth.lift_start = camera_time(5'000);
   TruthComparison comparison = compare_with_truth(labels, truth);
-  EXPECT_EQ(comparison.robot_clock, std::nullopt) << "a real robot, whose clock nobody knows";
+  EXPECT_EQ(comparison.robot_clock, std::nullopt) << "a real robot, whose clock is not known";
   EXPECT_FALSE(comparison.robot_clock_sought);
   truth.robot_clock = {.offset_us = 1'000, .drift_ppm = 0, .reference_us = 0};
   truth.video_clock = {.offset_us = 510, .drift_ppm = 0, .reference_us = 0};

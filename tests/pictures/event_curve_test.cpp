@@ -42,7 +42,7 @@ TEST(EventCurve, MakesLongerBinsOfNeighboursRatherThanMoreBins) {
   EXPECT_EQ(std::accumulate(widest.counts().begin(), widest.counts().end(), std::uint64_t{0}), 2U);
 }
 
-TEST(EventCurve, TellsTheHighestRateOfAStretch) {
+TEST(EventCurve, GivesTheHighestRateOfAStretch) {
   EventCurve curve(camera_time(0), 500us);
   curve.add(events_at({0, 1, 2, 600, 1700}));
   EXPECT_EQ(curve.most_per_ms(camera_time(0), camera_time(500)), 6);

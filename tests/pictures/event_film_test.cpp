@@ -132,7 +132,7 @@ TEST(EventFilm, HasEvenSidesAndClipsNothingForAnySensor) {
   }
 }
 
-TEST(EventFilm, SaysNothingOfWhatNobodyLabelled) {
+TEST(EventFilm, ShowsNoLabelForWhatIsNotLabelled) {
   EventFilmOptions options = options_of();
   options.intervals.clear();
   options.is_labelled = false;

@@ -129,7 +129,7 @@ TEST(LabelPicture, NamesWhatItLeavesOut) {
   EXPECT_TRUE(says(picture, "clock is not fitted: robot, stage output, video."));
 }
 
-TEST(LabelPicture, TellsFlagsClocksAndWhatSourcesSay) {
+TEST(LabelPicture, ShowsFlagsClocksAndTheTimesOfSources) {
   const LabelPicture picture = whole_picture();
   EXPECT_TRUE(says(picture, "Flagged: slip-1: events and video differ by 21 ms; expected at most 20"));
   EXPECT_TRUE(says(picture, "Flag lifted by a person: the robot log has a gap"));
@@ -157,7 +157,7 @@ TEST(LabelPicture, WrapsAndCutsWhatIsLong) {
   draw_label_picture(picture, folder / "labels.png");
 }
 
-TEST(LabelPicture, TellsTimesAsItsAxisDoes) {
+TEST(LabelPicture, WritesTimesAsItsAxisDoes) {
   LabelPicture picture = whole_picture();
   picture.remarks = {"the press at 1700000001000000 us: its end is doubtful",
                      "a gap of 21000 us from 1.2 s behind its first event on (1700000001200000 us)"};

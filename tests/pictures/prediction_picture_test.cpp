@@ -44,7 +44,7 @@ std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour, int bot
 
 const cv::Vec3b blue(0xC8, 0x5A, 0x00), orange(0x00, 0x5A, 0xE6), grey(0xB8, 0xB8, 0xB8);
 
-TEST(PredictionPicture, DrawsWhatWasSaidWhereItWasSaid) {
+TEST(PredictionPicture, DrawsPredictionsAtTheirTicks) {
   const test::TemporaryFolder folder;
   draw_prediction(small_picture(), folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
@@ -69,7 +69,7 @@ TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   EXPECT_NEAR(columns_of(picture, grey, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
 }
 
-TEST(PredictionPicture, ASingleTickThatIsSaidIsSeen) {
+TEST(PredictionPicture, ASingleTickOfAClassIsSeen) {
   PredictionPicture lone = small_picture();
   lone.labels.clear();
   lone.ticks.resize(100);

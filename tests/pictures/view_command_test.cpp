@@ -121,7 +121,7 @@ TEST_F(ViewCommand, ShowsALabelledRunAroundItsOnsets) {
   EXPECT_EQ(frames_of(sheet, Touch::none), 3 * 6);
 }
 
-TEST_F(ViewCommand, NamesASheetForItsRecordingWhereNobodyDoes) {
+TEST_F(ViewCommand, NamesASheetForItsRecordingByDefault) {
   EXPECT_EQ(json_of(view("data/fan/01 --json")).at("out"), "fan-01.png");
   EXPECT_EQ(json_of(view("data/fan/01/events.aedat4 --json")).at("out"), "events.png");
   EXPECT_TRUE(fs::exists(folder / "fan-01.png"));
@@ -181,7 +181,7 @@ TEST_F(ViewCommand, FilmsWhatItIsAskedForAndStandsStillBetweenTicks) {
   EXPECT_NEAR(slow.at("pictures"), 98, 4);  // of 20 ticks, 5 pictures each
   EXPECT_GT(slow.at("seconds"), 3.5);
   const auto fast = json_of(view("data/fan/01/events.aedat4 --out fast.mp4 --speed 4 --fps 10 --json"));
-  EXPECT_EQ(fast.at("pictures"), 4) << "0, 400, 800 and 1200 ms behind the first full tick";
+  EXPECT_EQ(fast.at("pictures"), 4) << "0, 400, 800 and 1200 ms after the first full tick";
 }
 
 TEST_F(ViewCommand, WritesAPictureForEachTickInOrder) {
@@ -272,10 +272,10 @@ TEST_F(ViewCommand, GivesTheSameBytesWhateverTheThreads) {
 
 TEST_F(ViewCommand, RefusesInWordsWhatCannotBeShown) {
   const std::vector<std::pair<std::string, std::string>> wrong{
-      {recordings + "dv-lz4.aedat4' --th 40 --out sheet.png", "no full history of 40 ms"},
+      {recordings + "dv-lz4.aedat4' --th 40 --out sheet.png", "less than one full history of 40 ms"},
       {recordings + "dv-lz4.aedat4' --th 10 --stream 99 --out sheet.png", "99"},
       {recordings + "truth.json' --out sheet.png", "truth.json"},
-      {"data/fan/01 --out film.avi", ".avi is no form of view; expected .png for a contact sheet, .mp4 for a film"},
+      {"data/fan/01 --out film.avi", ".avi is not a form of view; expected .png for a contact sheet, .mp4 for a film"},
       {"data/fan/01 --out sheet.png --fps 30", "--fps: sheet.png is a contact sheet; expected it for films"},
       {"data/fan/01 --speed 0.1", "--speed: the output is a contact sheet"},
       {"data/fan/01 --out film.mp4 --tiles 3", "--tiles: film.mp4 is a film; expected it for contact sheets"},

@@ -9,7 +9,7 @@ namespace {
 
 constexpr PlotBox panel{.left = 0, .top = 0, .right = 400, .bottom = 300};
 
-TEST(WordPlaces, StandBesideAMarkWithoutCoveringIt) {
+TEST(WordPlaces, AreNextToAMarkWithoutCoveringIt) {
   WordPlaces places(panel);
   places.take(194, 144, 206, 156);
   const WordPlaces::Place place = places.near(200, 150, 40);
@@ -63,7 +63,7 @@ TEST(WordPlaces, PutWordsOnABarRatherThanOnWords) {
   EXPECT_GE(place.y - 8, 18);
 }
 
-TEST(WordPlaces, OfNoPlaceAreNeitherFreeNorBeside) {
+TEST(WordPlaces, OfNoPlaceAreNeitherFreeNorNextToTheMark) {
   const WordPlaces places(panel);
   for (const WordPlaces::Place& place : {places.near(NAN, 10, 10), places.near(10, INFINITY, 10), places.near(200, 150, 500)})
     EXPECT_FALSE(place.is_free || place.is_beside);

@@ -15,7 +15,7 @@ using test::contains;
 using test::drawn;
 using test::has_row;
 
-TEST(ConfusionPlot, TellsCountsAndSharesOfTheRow) {
+TEST(ConfusionPlot, ShowsCountsAndSharesOfTheRow) {
   const std::string svg = drawn(confusion_plot("Confusion", {.counts = {{{90, 10, 0}, {1, 3, 0}, {0, 0, 0}}}}));
   for (const char* words : {"90.0 %", "10.0 %", "75.0 %", "25.0 %", "no sample", "predicted", "true", ">90<", ">3<"})
     EXPECT_TRUE(contains(svg, words)) << words;

@@ -36,7 +36,7 @@ TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
   drawn(operating_curve_plot("Nothing", {}));
 }
 
-TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndTellsThresholdsBesideThePoints) {
+TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndWritesThresholdsNextToThePoints) {
   const results::OperatingPoint own = operating_point(NAN, 100, 4, 1, 5, 2);
   std::vector<results::OperatingPoint> points;
   for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})

@@ -27,7 +27,7 @@ TEST(Base64, IsThatOfTheRfc) {
   EXPECT_EQ(base64_of(std::string("\xFF\xFE\0", 3)), "//4A");
 }
 
-TEST(HtmlPage, NeedsNothingBesideItAndEscapesWhateverItIsGiven) {
+TEST(HtmlPage, NeedsNoOtherFileAndEscapesWhateverItIsGiven) {
   const std::string hostile = "<script>alert(\"1\")</script>'";
   HtmlPage page(hostile);
   page.warning(hostile);

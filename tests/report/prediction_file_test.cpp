@@ -31,7 +31,7 @@ TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
   EXPECT_EQ(picture.ticks[1].press, 0.8);
   EXPECT_TRUE(picture.has_labels && picture.has_truth);
   ASSERT_EQ(picture.labels.size(), 1U);
-  EXPECT_EQ(picture.labels[0].interval.start, camera_time(1000));  // a tick is in if it lies behind the start
+  EXPECT_EQ(picture.labels[0].interval.start, camera_time(1000));  // a tick is in it if it lies after the start
   EXPECT_EQ(picture.labels[0].interval.end, camera_time(5000));
   ASSERT_EQ(picture.truth.size(), 1U);
   EXPECT_EQ(picture.truth[0].start, camera_time(3000));

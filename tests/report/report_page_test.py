@@ -192,7 +192,7 @@ def main():
     keep = sys.argv[sys.argv.index("--keep") + 1] if "--keep" in sys.argv else None
     binary = next((path for name in ("chromium", "chromium-headless-shell", "google-chrome") if (path := shutil.which(name))), None)
     if not binary:
-        print("SKIPPED LOUDLY: there is no Chromium; 'apt install chromium' puts it in place (scripts/setup does so)")
+        print("SKIPPED LOUDLY: there is no Chromium; 'apt install chromium' or scripts/setup installs it")
         return 77
     home = keep or tempfile.mkdtemp(prefix="tactile-page-")
     os.makedirs(home, exist_ok=True)

@@ -323,7 +323,7 @@ TEST(Report, RefusesInWordsWhatIsNoStudyAndLeavesTheReportThatIsThere) {
   EXPECT_TRUE(tells(error_of([&] { read_study(folder / "nowhere"); }), "study.json"));
 }
 
-TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
+TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   const TemporaryFolder folder;
   const auto write_model = [&](const std::string& name, int history_ms, const std::string& trained_at) {
     const fs::path model = folder / ("models/" + name);
@@ -363,7 +363,7 @@ TEST(ReportCommand, TellsOfAModelAloneAndOfAllOfADataset) {
 
   const auto nothing = run_tactile("report models", folder.path());
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_TRUE(tells(nothing.err, "contains neither a study, a model, a trade nor a dataset")) << nothing.err;
+  EXPECT_TRUE(tells(nothing.err, "contains no study, model, trade or dataset")) << nothing.err;
   write_whole(folder / "models/a/eval.json", "{\"accuracy\": 3}");
   const auto damaged = run_tactile("report models/a", folder.path());
   EXPECT_EQ(damaged.exit_code, 1);

@@ -21,10 +21,10 @@ TEST(Confusion, ComesBackAsItWasWritten) {
 
 TEST(Confusion, IsRefusedWhereItIsNoTableOfCounts) {
   EXPECT_EQ(test::error_of([] { confusion_in("[[1, 2, 3], [1, 2], [1, 2, 3]]"); }),
-            "eval.json holds other than three rows of three counts");
-  EXPECT_EQ(test::error_of([] { confusion_in("[]"); }), "eval.json holds other than three rows of three counts");
+            "eval.json does not have three rows of three counts");
+  EXPECT_EQ(test::error_of([] { confusion_in("[]"); }), "eval.json does not have three rows of three counts");
   EXPECT_EQ(test::error_of([] { confusion_in("[[1, 2, 3], [1, -2, 3], [1, 2, 3]]"); }),
-            "eval.json holds what is no whole number from 0");
+            "eval.json has a value that is not a whole number from 0 on");
 }
 
 }  // namespace

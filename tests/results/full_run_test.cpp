@@ -28,9 +28,9 @@ TEST(FullRun, IsRefusedByFileAndMember) {
   const auto error_of = [](const char* text) { return test::error_of([&] { run_in(nlohmann::json::parse(text)); }); };
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0})"), "said.json: 'tick_us' is missing");
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "03", "events": [1, 2]})"),
-            "said.json: 'said' holds another digit than 0, 1 and 2");
+            "said.json: 'said' has a digit other than 0, 1 and 2");
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1, -2]})"),
-            "said.json: 'events' holds what is no whole number from 0");
+            "said.json: 'events' has a value that is not a whole number from 0 on");
   EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1]})"),
             "said.json: the numbers of verdicts and event counts differ; expected a full run of a model");
 }

@@ -94,7 +94,7 @@ const std::map<std::string, robot::RtdeFieldType>& plain_outputs() {
   return outputs;
 }
 
-/// The number behind `prefix`, below `count`.
+/// The number after `prefix`, below `count`.
 std::optional<int> register_in(const std::string& name, const std::string& prefix, int first, int count) {
   if (!name.starts_with(prefix)) return std::nullopt;
   for (int i = first; i < first + count; ++i) {

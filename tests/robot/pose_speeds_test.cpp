@@ -23,7 +23,7 @@ std::vector<RobotState> speeding_up(const std::vector<int>& at_ms) {
   return states;
 }
 
-TEST(SpeedsFromPoses, AreExactAtAConstantAccelerationEvenBesideLostRows) {
+TEST(SpeedsFromPoses, AreExactAtAConstantAccelerationEvenNextToLostRows) {
   for (const std::vector<int>& at_ms :
        {std::vector<int>{0, 8, 16, 24, 32, 40, 48}, {0, 8, 24, 32, 56, 64}, {0, 2, 4, 6, 10, 12, 14, 16, 20}}) {
     std::vector<RobotState> states = speeding_up(at_ms);

@@ -170,14 +170,14 @@ TEST(RobotLog, TakesAnEmptyLineOfALogWithHostTimesAsALostConnection) {
   ASSERT_EQ(log.gaps.size(), 1U);
   EXPECT_EQ(us_of(log.gaps[0].last_before), 1'008'000);
   EXPECT_EQ(us_of(log.gaps[0].first_after), 4'000'000);
-  // However short it was, since nobody knows what was lost.
+  // However short it was, since what was lost is not known.
   EXPECT_EQ(read(header_with_host_time + row_at("1", "1") + "\n" + row_at("1.008", "8001")).gaps.size(), 1U);
   EXPECT_TRUE(read(header_with_host_time + "\n" + row_at("1", "1") + row_at("1.008", "8001") + "\n").gaps.empty())
-      << "ahead of all rows and behind them nothing is between two";
+      << "before all rows and after them there is no gap between two";
 }
 
 TEST(RobotLog, FindsARebootThatTheTimestampAloneDoesNotShow) {
-  // Away for 60 s by the host's clock, but only 2 s by the controller's, which must have started anew.
+  // Away for 60 s by the host's clock, but only 2 s by the controller's, which must have started again.
   const std::string rows = row_at("10", "1000000") + row_at("10.008", "1008000") + "\n" + row_at("12", "61000000");
   const RobotLogFile file = read_file(header_with_host_time + rows);
   EXPECT_EQ(file.restarts(), 1U);
@@ -411,7 +411,7 @@ TEST(RobotLog, DropsWhatUrRtdeWritesTwiceOrMixes) {
   auto at_rest = whole;
   at_rest[10].second -= 1;
   EXPECT_EQ(read(ur_rtde_log(at_rest)).mixed_rows, 0U)
-      << "of an arm at rest nothing tells it from a true row, nor does it matter";
+      << "at rest it cannot be distinguished from a true row, and does not matter";
 }
 
 TEST(RobotLog, KeepsRowsWhoseSpeedHardlyChanges) {
@@ -514,7 +514,7 @@ TEST(RobotLog, RefusesWhatRecordPyWritesInBytesAndExplainsHowToConvertIt) {
   std::string types = "DOUBLE";
   for (int i = 0; i < 12; ++i) types += " DOUBLE";
   const std::string complaint = complaint_about(header_of_all + "\n" + types + " INT32 UINT64\n" + text);
-  EXPECT_NE(complaint.find("row 2 names types, so that bytes follow, as record.py --binary writes them"), std::string::npos)
+  EXPECT_NE(complaint.find("row 2 names types, so bytes follow, as record.py --binary writes them"), std::string::npos)
       << complaint;
   EXPECT_NE(complaint.find("struct.iter_unpack('>13diQ', rest)"), std::string::npos) << complaint;
 }

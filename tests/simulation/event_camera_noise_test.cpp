@@ -294,7 +294,7 @@ TEST(ReadOutLimit, LosesWhatComesLastButResetsItsPixels) {
   EXPECT_GT(cut, 20U);
 }
 
-TEST(EventCamera, IsSilentBeforeAStillSkinButForItsNoise) {
+TEST(EventCamera, IsSilentBeforeAStillSkinExceptForItsNoise) {
   const EventCameraOptions options;
   const SkinPose rest = skin_at_rest(view_of(options));
   const CameraPixels pixels = draw_camera_pixels(options, 5);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t none = -1;
 
-/// The line of time, in ms, that a clock makes of what the source told and when each frame came, both in ms.
+/// The line of time, in ms, that a clock makes of the times of the source and the arrival of each frame, both in ms.
 std::vector<std::int64_t> line_of(bool live, const std::vector<std::pair<double, std::int64_t>>& frames) {
   FrameClock clock(live, 40ms);
   std::vector<std::int64_t> line;
@@ -51,7 +51,7 @@ TEST(FrameClock, ContinuesWhereAFileRestartsOrLeapsAhead) {
 
 TEST(FrameClock, TakesTheHostsStepsWhereALiveSourcesTimeIsImpossible) {
   EXPECT_EQ(line_of(true, {{0, 100}, {0, 133}, {0, 166}}), (Line{0, 33, 66})) << "it tells none";
-  EXPECT_EQ(line_of(true, {{7'000, 100}, {7'033, 133}, {0, 166}, {30, 200}}), (Line{0, 33, 66, 96})) << "it begins anew";
+  EXPECT_EQ(line_of(true, {{7'000, 100}, {7'033, 133}, {0, 166}, {30, 200}}), (Line{0, 33, 66, 96})) << "it begins again";
   EXPECT_EQ(line_of(true, {{0, 0}, {1e12, 33}, {1e12 + 30, 66}}), (Line{0, 33, 63})) << "it leaps ahead";
   EXPECT_EQ(line_of(true, {{nan, 0}, {nan, 33}, {5, 66}, {40, 99}}), (Line{0, 33, 66, 101}));
   EXPECT_EQ(line_of(true, {{0, 0}, {2'000, 1}, {2'033, 2}}), (Line{0, 2'000, 2'033})) << "frames that waited come at once";

@@ -102,7 +102,7 @@ def check_run(f, index, name, runs, events_folder, settings):
 
 
 def check_splits(f, names):
-    """No event of a window of one run is one of another's, but for a few that are equal by chance; so none is in any split by run."""
+    """No event of a window of one run is one of another run, except for a few that are equal by chance; so no split by run shares events."""
     kind = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("on", "u1")])
     events = []
     for index in range(len(names)):

@@ -55,17 +55,17 @@ TEST_F(VerifyDataset, FindsAPieceOfARecordingThatTwoRunsShare) {
   const DatasetCheck check = verify_dataset(data(), file());
   EXPECT_EQ(check.pairs_at_one_time, 1U);
   ASSERT_FALSE(check.differences.empty());
-  EXPECT_TRUE(mentions(check.differences, "events that its windows hold of the time of fan/")) << check.differences.front();
-  EXPECT_TRUE(mentions(check.differences, "training windows lie in test windows"));
+  EXPECT_TRUE(mentions(check.differences, "events in its windows during the recording of fan/")) << check.differences.front();
+  EXPECT_TRUE(mentions(check.differences, "training windows share events with test windows"));
   const auto result = test::run_tactile("windows --verify", folder.path());
   EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
 }
 
-TEST_F(VerifyDataset, FindsItThoughSomebodyFilteredOneOfThem) {
+TEST_F(VerifyDataset, FindsItIfOneOfThemWasFiltered) {
   make_piece("01", 0, 2'000'000, 300'000, 1'600'000);
   make_piece("02", 1'500'000, 4'000'000, 2'500'000, 3'300'000, 5);
   write_dataset(data(), file());
-  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "events that its windows hold of the time of fan/"));
+  EXPECT_TRUE(mentions(verify_dataset(data(), file()).differences, "events in its windows during the recording of fan/"));
 }
 
 TEST_F(VerifyDataset, LetsRecordingsOverlapWhereNoWindowLies) {

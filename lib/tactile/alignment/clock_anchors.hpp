@@ -10,8 +10,8 @@ namespace tactile::alignment {
 /// - Without an IMU, the activity of the skin against the motion of the arm (`event_anchors.hpp`).
 /// - Sync taps, each placed by its lowest point: speed and rate are zero between contact and release.
 /// - The first shear of a lift. While the tips follow the arm, the rate grows with the arm's speed. It shows when the speed was
-///   zero, not when the first tip moved: the slack between the two does not enter. Where the shear is too short for that, the
-///   lift began up to 0.5 mm of slack before the onset, and the anchor is as wide.
+///   zero, not when the first tip moved: the slack between the two does not enter. If the shear is too short for this, the lift
+///   began up to 0.5 mm of slack before the onset, and the anchor has this width.
 /// - The ring-down after a lift's stop, where the rate clearly follows the ringing of the log.
 /// - The stage's output (`stage_anchors.hpp`).
 /// - Host times (`host_anchors.hpp`).

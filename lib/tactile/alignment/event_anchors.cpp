@@ -149,8 +149,8 @@ bool EventAnchors::is_left_by_imu(double shift_s) const {
          std::any_of(left_s.begin(), left_s.end(), [&](double by_imu_s) { return std::abs(by_imu_s - shift_s) < near_s; });
 }
 
-/// What speaks against a lift of something that no press holds: the skin did not move before. It may be held when the recording
-/// begins; but not if the skin moves later, when the arm rests again.
+/// Evidence against a lift without a press before it: the skin did not move before. The object may be held when the recording
+/// begins, but not if the skin moves later, when the arm rests again.
 double EventAnchors::worth_without_press(double first_start_s, double last_end_s) const {
   constexpr double slack_s = 0.1, held_before = 0.75, pressed_later = 0.6;
   const auto starts = [&](auto&& when) {

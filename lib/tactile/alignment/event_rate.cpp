@@ -95,7 +95,7 @@ std::vector<bool> hot_pixels(events::RecordingReader& recording, const events::S
   return hot;
 }
 
-/// The number of bins with the greatest count, if that number is no chance: without a limit, few counts as high occur twice.
+/// The number of bins with the greatest count, unless it is due to chance: without a limit, few such high counts occur twice.
 std::size_t saturated_bins_of(const std::vector<std::uint32_t>& counts) {
   constexpr std::size_t least = 20;
   const std::uint32_t most = *std::max_element(counts.begin(), counts.end());

@@ -146,7 +146,7 @@ struct Window {
   double middle_s = 0;  ///< robot seconds
 };
 
-/// A motion and the rest beside it. Motions that are close are one window. None takes much more than ten seconds.
+/// A motion and the rest around it. Motions that are close are one window. None takes much more than ten seconds.
 std::vector<Window> windows_of(const AnchorInputs& inputs, const ClockOrigins& origins) {
   constexpr double longest_s = 10.0, before_s = 0.08, after_s = 0.15, close_s = 0.25, longest_gap_s = 0.1;
   constexpr std::size_t fewest_rows = 12;

@@ -71,7 +71,7 @@ CameraTime last_time(const CameraPacket& packet) {
   return packet.frame ? packet.frame->t : CameraTime{};
 }
 
-/// `run.json` beside a recording; an empty object if there is none, or it cannot be read.
+/// `run.json` next to a recording; an empty object if there is none, or it cannot be read.
 nlohmann::json run_info_beside(const fs::path& file) {
   const fs::path info = file.parent_path() / "run.json";
   if (file.filename() != "events.aedat4" || !fs::exists(info)) return nlohmann::json::object();

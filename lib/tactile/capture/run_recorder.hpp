@@ -73,8 +73,8 @@ struct RunSummary {
 /// step back in time or do not fit their stream are left out and counted. The recording, the robot's log and the film have their
 /// final names from the first byte on. A separate thread syncs them every second.
 ///
-/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Until then
-/// a file beside the recording has the packets' checksums. After any failure the data so far is kept and readable.
+/// `run.json` is written when the run begins, with `complete: false`, and again once all files are closed and hashed. Until
+/// then a file next to the recording has the packets' checksums. After any failure the data so far is kept and readable.
 class RunRecorder {
  public:
   /// `robot` and `video` may be null.

@@ -26,8 +26,8 @@ struct RunWriterOptions {
 };
 
 /// Writes the packets of the queue into a run's recording, on its own thread. Another thread syncs the disk, however long that
-/// takes. A file beside the recording has the packets' checksums until it is removed. Elements that step back in time or do not
-/// fit their stream are left out and counted.
+/// takes. A file next to the recording has the packets' checksums until it is removed. Elements that step back in time or do
+/// not fit their stream are left out and counted.
 class RunWriter {
  public:
   /// Creates the file. @throws Error  as RecordingWriter does

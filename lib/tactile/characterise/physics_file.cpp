@@ -86,7 +86,7 @@ nlohmann::json physics_of(const Sensor& sensor) {
   std::string why =
       fmt::format("measured by tactile characterise on {} quiet recording{} of {} in {:.3f} s", sensor.quiet.size(),
                   sensor.quiet.size() == 1 ? "" : "s", sensor.camera.empty() ? "a camera" : sensor.camera, sensor.seconds);
-  if (sensor.readout.kind == events::Readout::Kind::none) why += "; it has no read-outs, so that those of the simulator stay";
+  if (sensor.readout.kind == events::Readout::Kind::none) why += "; it has no read-outs, so those of the simulator stay";
   return {{"why", why}, {"camera", camera}, {"sessions", {{"vary", false}}}, {"variation", {{"noise_spread", 0}}}};
 }
 

@@ -76,8 +76,8 @@ class IntervalMeter {
     if (interval <= static_cast<std::int64_t>(longest_us)) ++counts_[static_cast<std::size_t>(interval)];
     return interval;
   }
-  /// The shortest interval, but for the shortest 1 in 10'000, which are taken for damage. Its uncertainty is the distance to ten
-  /// times this rank, over 3, and at least the rounding. Nothing with fewer than 100 intervals.
+  /// The shortest interval, except for the shortest 1 in 10'000, which are taken for damage. Its uncertainty is the distance to
+  /// ten times this rank, over 3, and at least the rounding. Nothing with fewer than 100 intervals.
   std::optional<Measured> shortest_us() const;
   std::span<const std::uint64_t> counts() const { return counts_; }  ///< by interval [us]
   void prefetch(std::size_t pixel) const { __builtin_prefetch(&latest_[pixel], 1); }

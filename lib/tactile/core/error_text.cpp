@@ -53,7 +53,7 @@ std::string sentence_of(const std::exception& error, std::string_view about) {
   if (dynamic_cast<const Error*>(&error) != nullptr) return error.what();
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     return file->path1().string() + ": cannot be used (" + file->code().message() +
-           "); expected a file or folder that can be read, and written where it is an output";
+           "); expected a file or folder that can be read, and written if it is an output";
   }
   const std::string begin = about.empty() ? std::string() : std::string(about) + ": ";
   if (dynamic_cast<const nlohmann::json::exception*>(&error) != nullptr)

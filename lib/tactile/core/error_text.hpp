@@ -6,8 +6,8 @@
 
 namespace tactile {
 
-/// What went wrong, as a sentence for people. The text of an `Error` is one already; what the standard library and the JSON
-/// library throw names files and members, if at all, in words of their own.
+/// What went wrong, as a sentence for people. The text of an `Error` is one already; exceptions of the standard library and of
+/// the JSON library name files and members in their own words, or not at all.
 /// @param about  the run or file that was worked on: begins the sentence where the error itself names none
 std::string sentence_of(const std::exception& error, std::string_view about = {});
 

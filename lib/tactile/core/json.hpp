@@ -29,13 +29,13 @@ std::string hash_of(const nlohmann::json& json);
 template <class T>
 T member(const nlohmann::json& json, std::string_view key, std::string_view where);
 
-/// What is other in `now` than it was, member by member: "training.epochs: 10 before, 6 now; ..."; four at most, and how many
+/// What differs in `now` from before, member by member: "training.epochs: 10 before, 6 now; ..."; four at most, and how many
 /// more there are. Empty where nothing is.
 std::string differences(const nlohmann::json& before, const nlohmann::json& now);
 
-/// The one of `names` that `name` may have been meant to be: of those in which one letter in three at most is another, or of
-/// which one is a piece of the other, that which takes the fewest edits (a letter more, less, other, or two swapped); dashes in
-/// front do not count. Empty if none is near.
+/// The one of `names` that was probably meant by `name`: the one that needs the fewest edits (a letter more, less, other, or
+/// two swapped). It differs in at most one letter in three, or one of the two contains the other. Dashes in front do not count.
+/// Empty if none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 
 [[noreturn]] void throw_bad_member(std::string_view key, std::string_view where, std::string_view why);

@@ -18,7 +18,7 @@
 
 namespace tactile {
 
-// A struct of settings names its members once, by a function beside it:
+// A struct of settings names its members once, by a function next to it:
 //
 //   template <class Fields>
 //   void list_fields(Fields& fields, RobotPhysics& robot) {

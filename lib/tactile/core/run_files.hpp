@@ -30,7 +30,7 @@ struct RunFiles {
 
 /// Compares what `info` lists under `files` with what is there. `labels.json` and `run.json` change after a run is recorded and
 /// are never compared.
-/// @param progress  told of the bytes read; may throw to end the comparison
+/// @param progress  called with the bytes read; may throw to end the comparison
 RunFiles check_files(const RunFolder& run, const RunInfo& info, FileComparison comparison, const ProgressCallback& progress = {});
 
 }  // namespace tactile

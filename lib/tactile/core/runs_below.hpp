@@ -35,7 +35,7 @@ std::string what_is_misnamed(const std::filesystem::path& folder);
 /// As `run_folder_at`. @throws Error too where `what_is_misnamed` has a sentence
 RunFolder named_run_at(const std::filesystem::path& folder);
 
-/// Whether something is there by this name. True also where that cannot be found out: who opens it says why.
+/// Whether something has this name. Also true if that cannot be found out: an attempt to open it then gives the reason.
 bool is_there(const std::filesystem::path& path);
 
 }  // namespace tactile

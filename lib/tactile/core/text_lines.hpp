@@ -16,10 +16,10 @@ std::size_t character_at(std::string_view text);
 /// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.
 std::string wrapped(const std::string& text, std::size_t indent = 0, std::size_t width = 80);
 
-/// The lines of `text` without their ends: one more than it has of '\n', so never none.
+/// The lines of `text` without their ends: one more than its number of '\n', so at least one.
 std::vector<std::string> lines_of(std::string_view text);
 
-/// `text` as one word of a command that a shell reads: as it is where that does, else in quotes.
+/// `text` as one word of a shell command, in quotes if it needs them.
 std::string shell_word(const std::string& text);
 
 }  // namespace tactile

@@ -118,7 +118,7 @@ int exchange_folders(const fs::path& from, const fs::path& to) {
 
 [[noreturn]] void throw_not_in_place(const fs::path& target, int error) {
   throw Error(target.string() + ": cannot be put in place (" + std::strerror(error) + "); expected a writable folder" +
-              (error == EISDIR || error == ENOTDIR ? ", and no folder in place of a file, or the reverse" : ""));
+              (error == EISDIR || error == ENOTDIR ? ", and no folder where a file belongs, or the reverse" : ""));
 }
 
 fs::path without_slash(fs::path target) {

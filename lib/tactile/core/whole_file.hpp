@@ -10,7 +10,7 @@ namespace tactile {
 /// What happens to a file or folder that already has an output's name when the output is complete.
 enum class IfThere : std::uint8_t { refuse, replace };
 
-/// A hidden folder `.NAME.part-XXXXXX` beside a target, of a random name that no other process has, removed when this goes.
+/// A hidden folder `.NAME.part-XXXXXX` next to a target, with a random name that no other process has, removed when this goes.
 /// A lock in it dies with the process, so that others can tell a folder in use from one that a killed process left.
 class PartFolder {
  public:
@@ -67,7 +67,7 @@ std::string read_text(const std::filesystem::path& file, std::size_t limit = std
 /// Flushes a file's data, or a folder's list of names, to the disk. @throws Error if that fails
 void sync_to_disk(const std::filesystem::path& path);
 
-/// Lets the system forget what it holds in memory of a file that was synced, but for its last `kept` bytes. Only a hint.
+/// Lets the system forget what it holds in memory of a file that was synced, except for its last `kept` bytes. Only a hint.
 void release_memory_of(const std::filesystem::path& file, std::uint64_t kept);
 
 }  // namespace tactile

@@ -37,12 +37,12 @@ void LateEvents::add(std::span<const events::Event> events, std::size_t late, co
   window_late_ += late;
   if (at - window_begin_ < share_window) return;
   if (100 * window_late_ > window_events_ && some_late_.occurred(at) > 0) {
-    report_({"late events",
-             fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left "
-                         "out; expected a source that sends in time, or a slack (--slack-us) that is larger than {:.1f} ms by "
-                         "this time",
-                         window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), in_ms(slack_)),
-             at});
+    report_(
+        {"late events",
+         fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left out; "
+                     "expected a source that sends in time, or a slack (--slack-us) that is longer than {:.1f} ms by this time",
+                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), in_ms(slack_)),
+         at});
   }
   window_begin_ = at;
   window_events_ = window_late_ = 0;
@@ -60,7 +60,7 @@ std::optional<std::string> LateEvents::all_late(HostTime at) {
   if (times == 1) return text + "the stream's delay has grown, and the history starts again";
   return text + fmt::format(
                     "the stream's delay keeps growing, and the history started again {} times: the stream's time runs slower "
-                    "than ours, as of a sender that cannot keep up, or a file served at a --speed below 1",
+                    "than ours, as with a sender that is too slow, or a file served at a --speed below 1",
                     times);
 }
 

@@ -94,7 +94,7 @@ struct TouchDetections {
   std::map<std::string, CrossedObject> objects;
 };
 
-/// @param one_run  how much of what is drawn one run is: 1 where runs are drawn
+/// @param one_run  the share of one run in what is drawn: 1 if runs are drawn
 template <class MakeFigure>
 results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& chosen, double one_run, MakeFigure make_figure) {
   results::DelaySummary summary;

@@ -20,12 +20,12 @@ struct MotionZones {
   microseconds guard{0};                      ///< after an interval or a release, >= 0
 };
 
-/// Counts the episodes whose first tick is in no interval. One that ran into an onset at most the head start before it is that
-/// onset's detection and counts nowhere; one that made an interval early is a false alarm wherever it began. Those that begin
-/// within the guard after an interval (end < t_c <= end + guard), else in a release or within the guard after it, else in an
-/// unlabelled true interval are counted under these names.
+/// Counts the episodes whose first tick is in no interval. An episode that begins at most the head start before an onset, and
+/// lasts into it, is that onset's detection and is not counted. An episode that made an interval early is a false alarm
+/// wherever it began. Episodes that begin within the guard after an interval (end < t_c <= end + guard), in a release or within
+/// the guard after it, or in an unlabelled true interval are counted under the first of these names that fits.
 ///
-/// Three forms count an episode again for each further 500 ms, so that a detector that stays on one class has many in any
+/// Three forms count an episode again for each further 500 ms. A detector that stays on one class therefore has many in any
 /// recording:
 ///
 ///   outside_labels   ticks in no labelled interval. An episode counts once where its first tick is one of them, as above, and
@@ -46,13 +46,12 @@ struct RunFalseAlarms : results::JudgedRun {
   results::FalseAlarms counts{};
 };
 
-/// Widens the interval of false alarms per minute to where it ends no lower than that of the alarms counted, over the none time
-/// they were counted in:
+/// Widens the interval of false alarms per minute. It then ends no lower than the interval of their count over the none time:
 ///
 ///   high = max(high, poisson_upper_bound(alarms) / none time)
 ///
-/// Runs drawn from runs without an alarm have none either, however short they are: for 20 s without an alarm, the draws give at
-/// most 0 per minute, the count gives up to 11.
+/// Draws of runs without an alarm have no alarm either, however short the runs are. For 20 s without an alarm, the draws give
+/// at most 0 per minute, the count gives up to 11.
 ///
 /// @param per_min  left as it is where it has no interval
 /// @param counted  of all that was drawn from

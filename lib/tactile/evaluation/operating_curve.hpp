@@ -11,10 +11,10 @@
 
 namespace tactile::evaluation {
 
-/// Thresholds from 0.01 to 0.9999, close together at both ends, where a network's probabilities lie.
+/// Thresholds from 0.01 to 0.9999, close together at both ends, where most probabilities are.
 const std::vector<double>& default_thresholds();
 
-/// The likelier of press and slip where its probability is at least `threshold`, else none; press where they are alike.
+/// The more probable of press and slip if its probability is at least `threshold`, else none; press if they are equal.
 std::vector<Touch> verdicts_above(std::span<const model::Probabilities> probabilities, double threshold);
 
 /// @param detections, alarms  at this threshold, one entry a run

@@ -11,7 +11,7 @@
 
 namespace tactile::events {
 
-/// A recording that is being written has no hash yet. A file beside it has a checksum of its header and of each packet:
+/// A recording that is being written has no hash yet. A file next to it has a checksum of its header and of each packet:
 ///
 ///   the line "#!TACTILE-CRC1\r\n", then records of 24 bytes, little-endian:
 ///   uint64 position   packet: its begin [B]; header: the place of the data table's position; end: the end of the packets

@@ -38,8 +38,8 @@ struct RepairSummary {
 };
 
 /// Writes the sound packets of `in` to `out` and adds a data table. Sound packets are copied bit for bit. Events outside the
-/// sensor are removed. Packets with a wrong checksum, in the file beside `in`, are omitted. Streams keep their ids, sources and
-/// attributes. Steps back in time stay and are counted, because the true times are unknown.
+/// sensor are removed. Packets with a wrong checksum, in the file next to `in`, are omitted. Streams keep their ids, sources
+/// and attributes. Steps back in time stay and are counted, because the true times are unknown.
 /// @param threads  threads that read, > 0
 /// @throws Error  if `out` is `in`, `out` exists and `replace` is false, `in` is not AEDAT4, or none of its packets is sound
 RepairSummary repair_recording(const std::filesystem::path& in, const std::filesystem::path& out, bool replace = false,

@@ -16,8 +16,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& c
   if (file_ < 0) throw Error(folder.string() + ": cannot be written; expected a writable folder");
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
     ::close(file_);
-    throw Error(fmt::format("{}: another '{}' is at work in it; expected to be the only one, or another --out", folder.string(),
-                            command));
+    throw Error(fmt::format("{}: another '{}' is running in it; expected only one, or another --out", folder.string(), command));
   }
 }
 

@@ -163,8 +163,8 @@ class Labeller {
     }
   }
 
-  /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long.
-  /// Whether the object then slid over a face too smooth to see, a person must say.
+  /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long. A
+  /// person must decide whether the object then slid over a face that is too smooth to see.
   bool flag_if_firm(const alignment::Burst& burst, const alignment::UncertainTime& seen_until) {
     constexpr double longest_shear_m = 2.5e-3, least_rest_m = 5e-3;
     const ArmMove* lift = lift_around(moves_.lifts, signals_.rate, burst);
@@ -180,8 +180,8 @@ class Labeller {
     return true;
   }
 
-  /// What moves the skin like a press, and is none, may be a touch without a label. A tip that springs back or touches once more
-  /// is shorter, or smaller, than a press.
+  /// A burst that moves the skin like a press, but is none, may be a touch without a label. A tip that springs back or touches
+  /// once more is shorter, or smaller, than a press.
   void flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
     const alignment::Burst& burst = bursts[i];
     double pressed = 0;

@@ -108,13 +108,13 @@ std::vector<alignment::FittedClock> clocks_in(const json& clocks, const char* ke
   return pieces;
 }
 
-/// Press or slip: nobody labels anything else.
+/// Press or slip: no other class is labelled.
 Touch touch_in(const json& object, const std::string& where) {
   const auto name = member<std::string>(object, "class", where);
   for (const Touch touch : {Touch::press, Touch::slip}) {
     if (name == name_of(touch)) return touch;
   }
-  throw Error(where + ": class '" + name + "' is none of labels; expected press or slip");
+  throw Error(where + ": class '" + name + "' is not a class of labels; expected press or slip");
 }
 
 TouchInterval stretch_in(const json& object, Touch touch, const std::string& where) {

@@ -55,7 +55,7 @@ std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const Ce
   const double mean = quiet_events / static_cast<double>(quiet.size());
   std::vector<bool> lit(burst.size());
   for (std::size_t cell = 0; cell < burst.size(); ++cell) {
-    // A cell's own count only where it is noisier than the mean: one that was quiet by chance is no quieter than others.
+    // A cell's own count only if it is noisier than the mean: a cell that was quiet by chance is not quieter than others.
     const double noise = quiet_bins > 0 ? std::max<double>(quiet[cell], mean) * burst_bins / quiet_bins : 0.0;
     lit[cell] = burst[cell] > noise + stands_out * std::sqrt(noise) + 4.0;
   }

@@ -22,9 +22,8 @@ std::size_t clear_by(Counts counts, double quiet, double dispersion, std::size_t
   return counts.size();
 }
 
-/// The rate of what precedes an onset: the quiet one, unless every part of it has more. Markers that stand elsewhere since the
-/// touch before have another noise, and tips may creep on. Then a standard deviation is added, since the least part is low by
-/// chance.
+/// The rate of what precedes an onset: the quiet one, unless every part of it has more. Markers that were moved by the touch
+/// before have another noise, and tips may creep on. Then a standard deviation is added, since the least part is low by chance.
 double rate_before(Counts counts, double quiet, std::size_t part) {
   double least = infinite;
   for (std::size_t i = 0; i + part <= counts.size(); i += part) {
@@ -55,7 +54,7 @@ struct Step {
 
 /// @param from  not earlier than this
 Step step_before(const Candidate& candidate, std::size_t from, std::size_t until) {
-  // A place untouched has the rate of just before, where that is more.
+  // For an untouched place, the rate just before, if that is higher.
   double quiet = candidate.quiet;
   if (from > 0) quiet = std::max(quiet, candidate.sums.of(0, from) / static_cast<double>(from));
   std::vector<double> gain(until, -infinite);

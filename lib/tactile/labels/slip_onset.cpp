@@ -62,8 +62,8 @@ struct SlipRange {
   double dragged = 0;  ///< events per bin: the rate of a drag
 };
 
-/// Up to where the rate first has 0.3 of what the first drag reaches: the drag is on by then. That drag is looked for from where
-/// more than ringing is on; what later jerks reach does not matter.
+/// Up to where the rate first has 0.3 of what the first drag reaches: the drag has begun by then. That drag is searched from
+/// where the rate exceeds ringing. Later jerks do not matter.
 SlipRange slip_range(const LitRate& lit, std::size_t width, const OnsetOptions& options,
                      const std::optional<alignment::UncertainTime>& lift_start) {
   const alignment::EventRate& rate = lit.rate;

@@ -18,9 +18,9 @@ struct SlowBurstOptions {
   microseconds fades_within{150'000};  ///< so long after a burst its own decline is not looked at
 };
 
-/// Rises that the rate of the whole image hides: a slow press moves few markers, for a long time, at a few events per millisecond
-/// each. Looks at 3 x 3 cells over 100 ms, 300 ms and 1 s outside the known bursts. Noise is the mean of the same cells in quiet
-/// time; where the whole image is brighter in events, as under a drifting light, that mean is raised with it.
+/// Rises that the rate of the whole image hides: a slow press moves few markers, for a long time, at a few events per
+/// millisecond each. Looks at 3 x 3 cells over 100 ms, 300 ms and 1 s outside the known bursts. Noise is the mean of the same
+/// cells in quiet time; if the event rate of the whole image is higher, as when the light drifts, that mean is raised with it.
 ///
 /// Reads the recording twice. Memory is that of 20 slots of cells.
 /// @param rate   of the same stream of this recording

@@ -95,7 +95,7 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
     }
   }
   for (const ArmMove& lift : lifts.value_or(std::vector<ArmMove>())) {
-    // What is held may slip so smoothly that a few places only show it.
+    // A held object may slip so smoothly that only a few places show it.
     const auto slow = slip_of(rate, bursts, lift, true);
     if (slip_of(rate, bursts, lift, false) || !slow) continue;
     const auto is_hold = [](BurstKind kind) { return kind == BurstKind::press || kind == BurstKind::release; };

@@ -42,9 +42,9 @@ struct TouchesOptions {
 /// - A burst during a tap of the arm is the tap.
 /// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
-///   than a stage takes or slow: tips that spring back or creep. It is none of these if it lasts more than half as long as that
-///   press and reverses what it did to the picture, or more than a third and repeats it: a fast stage opens, or presses deeper.
-///   A slow one that is short is brief too, unless it is a release.
+///   than a stage takes or slow: tips that spring back or creep. It is not brief if it lasts more than half as long as that press
+///   and reverses its effect on the picture (a fast stage opens), or more than a third as long and repeats it (a fast stage
+///   presses deeper). A slow one that is short is brief too, unless it is a release.
 /// - Any other burst is a press, unless a press stands and the burst reverses it: a marker that moves back leaves dark where
 ///   it had left bright.
 ///

@@ -51,7 +51,7 @@ class Descriptor {
 };
 
 [[noreturn]] void fail_to_run(int error) {
-  throw Error(fmt::format("gnuplot: cannot be run ({}); expected a system with processes and files to spare",
+  throw Error(fmt::format("gnuplot: cannot be run ({}); expected a system with free processes and files",
                           std::error_code(error, std::generic_category()).message()));
 }
 
@@ -93,7 +93,7 @@ class Gnuplot {
                                       .own_group = true});
     } catch (const std::system_error& e) {
       if (e.code().value() == ENOENT)
-        throw Error("gnuplot: is not installed; expected it for pictures, as 'apt install gnuplot-nox' puts it in place");
+        throw Error("gnuplot: is not installed; expected it for pictures; 'apt install gnuplot-nox' installs it");
       fail_to_run(e.code().value());
     }
     from_child_ = std::move(from_child);

@@ -113,7 +113,7 @@ std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const Tr
   return lines;
 }
 
-/// The panels one under the other, with the enlarged onsets beside them.
+/// The panels one under the other, with the enlarged onsets at their side.
 class LabelPanels : public LabelScript {
  public:
   explicit LabelPanels(const LabelPicture& picture) : LabelScript(picture) {}
@@ -344,7 +344,7 @@ class LabelPanels : public LabelScript {
     add("set tics scale 0.5");
   }
 
-  /// A name that fits beside the panel.
+  /// A name that fits next to the panel.
   static std::string short_name(const std::string& name) {
     constexpr std::array<std::pair<std::string_view, std::string_view>, 4> shorter{{{"digital output ", "output "},
                                                                                     {"output_bit_register_", "bit reg. "},

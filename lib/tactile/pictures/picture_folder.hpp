@@ -10,9 +10,9 @@
 
 namespace tactile::pictures {
 
-/// A folder of pictures with a list of them, `pictures.csv`, that appears under its name only once all are in it. One that is
-/// there already is replaced as a whole, but only if it is empty or holds nothing but the pictures that its list names: nobody's
-/// other files are touched.
+/// A folder of pictures with a list of them, `pictures.csv`, that appears under its name only once all are in it. An existing
+/// folder is replaced as a whole, but only if it is empty or contains only pictures that its list names. So no other files are
+/// lost.
 class PictureFolder {
  public:
   /// @param columns  of the list, separated by commas, after `file`

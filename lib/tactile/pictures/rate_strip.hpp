@@ -10,8 +10,8 @@
 namespace tactile::pictures {
 
 /// The event rate over a stretch of camera time as a strip of a picture, with the labels above it: presses blue, slips orange,
-/// each named where there is room. The square root of the rate is drawn, so that quiet and motion are both seen; the highest of
-/// what falls into a column of pixels stands for it.
+/// each named where there is room. The square root of the rate is drawn, so that quiet and motion are both seen; a column of
+/// pixels shows the highest value in it.
 class RateStrip {
  public:
   static constexpr int height = 160;  ///< [px]

@@ -6,8 +6,8 @@
 
 namespace tactile::pictures {
 
-/// Finds places for words beside the marks of a panel, where they cover as little as possible. All in pixels from the
-/// figure's top left corner; a line of words is taken to be 16 px high, as at 10 or 11 points.
+/// Finds places for words next to the marks of a panel, where they cover as little as possible. All in pixels from the figure's
+/// top left corner; a line of words is taken to be 16 px high, as at 10 or 11 points.
 class WordPlaces {
  public:
   explicit WordPlaces(const PlotBox& panel) : panel_(panel) {}
@@ -26,8 +26,8 @@ class WordPlaces {
     bool is_plain() const { return is_free && is_beside; }
   };
 
-  /// The best place near (x, y) for a line of this width, within the panel: as close as one is free, at most some 120 px off. Of
-  /// a point that is not finite, or where the panel is too small, one that is neither free nor beside.
+  /// The best place near (x, y) for a line of this width, within the panel: as close as one is free, at most some 120 px off.
+  /// Of a point that is not finite, or where the panel is too small, one that is neither free nor next to the mark.
   Place near(double x, double y, double width) const;
 
   /// A thin line covers this place.

@@ -76,7 +76,7 @@ struct CurveAxes {
   }
 };
 
-/// Writes some thresholds beside their points, only where nothing else is.
+/// Writes some thresholds next to their points, only where there is room.
 void add_thresholds(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
                     const std::optional<results::OperatingPoint>& own) {
   constexpr double word_character = 8.5, half_mark = 7;  // [px]

@@ -19,8 +19,8 @@ pictures::Plot detection_curve_plot(const std::string& title, const std::vector<
                                     const std::vector<results::DetectedWithin>& slip);
 
 /// Delay, and the share of intervals that it leaves out, against false alarms over the thresholds. Some thresholds are written
-/// beside the points of each curve, in its colour, where there is room. False alarms are those outside labels, where the points
-/// have them: there, a detector that stays on one class has many.
+/// next to the points of each curve, in its colour, where there is room. False alarms are those outside labels, where the
+/// points have them: there, a detector that stays on one class has many.
 /// @param own  of the network's own verdicts, without a threshold: hollow diamonds
 pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
                                     const std::optional<results::OperatingPoint>& own = {});

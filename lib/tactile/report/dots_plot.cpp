@@ -203,7 +203,7 @@ std::vector<Crowd> crowds_of(std::vector<const Dot*> dots, std::size_t first_num
   return crowds;
 }
 
-/// Labels beside the marks.
+/// Labels next to the marks.
 class DotLabels {
  public:
   DotLabels(pictures::PlotScript& script, const DotPanel& panel) : script_(script), panel_(panel), places_(panel.box) {}

@@ -154,10 +154,8 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
                     static_cast<double>(scores.tick.count()) / 1000));
     HtmlTable table = delay_table(
         "Detection delay from the labelled onset. Median and 90 % are of all intervals: a miss counts with the time until which "
-        "it "
-        "could be detected, and where misses fall below the quantile, it is a lower bound. The mean is over detected intervals, "
-        "as "
-        "in the paper. Trivial detectors ignore the events; they are scored on the same intervals");
+        "it could be detected. If misses are below the quantile, it is a lower bound. The mean is over detected intervals, as in "
+        "the paper. Trivial detectors ignore the events; they are scored on the same intervals");
     add_delays(table, "press", press);
     add_delays(table, "slip", slip);
     for (const auto& [name, trivial] : scores.trivial) {
@@ -209,11 +207,10 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
     page.html.heading("False alarms");
     HtmlTable table{
         .caption =
-            "False alarms over every tick of the runs. Outside labels: all episodes that begin in no labelled interval, "
-            "those after intervals, in releases and in unlabelled motion too. Without unlabelled motion: not those in "
-            "true motion without a label, which only simulated runs know. None: time without any motion. An episode "
-            "counts again for each further 500 ms. Wrong class: episodes of another class in a labelled interval. "
-            "Trivial detectors ignore the events",
+            "False alarms over every tick of the runs. Outside labels: all episodes that begin outside labelled intervals, also "
+            "after intervals, in releases and in unlabelled motion. Without unlabelled motion: the same without true motion that "
+            "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms. "
+            "Wrong class: episodes of another class in a labelled interval. Trivial detectors ignore the events",
         .head = {"detector", "per minute outside labels", "without unlabelled motion", "none time in alarm [%]",
                  "wrong class per minute of labels", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
                  "mean delay of slip [ms]"},
@@ -233,13 +230,12 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
                                   .false_alarms_per_min = scores.network.false_alarms.per_min,
                                   .outside_labels_per_min = scores.network.false_alarms.outside_labels_per_min};
   }
-  page.figure(
-      "operating-curve" + suffix,
-      operating_curve_plot(page.titled("Delay against false alarms, " + model), scores.operating_curve, own),
-      "Mean detection delay, and the share of missed or early intervals, against false alarms per minute.",
-      "The price of a higher probability threshold: mean detection delay of press and slip, and the share of missed or early "
-      "intervals, against false alarms per minute. Press or slip is predicted from the threshold on. Diamonds: the network's "
-      "own verdicts, which are the likeliest class, without a threshold.");
+  page.figure("operating-curve" + suffix,
+              operating_curve_plot(page.titled("Delay against false alarms, " + model), scores.operating_curve, own),
+              "Mean detection delay, and the share of missed or early intervals, against false alarms per minute.",
+              "The price of a higher probability threshold: mean detection delay of press and slip, and the share of missed or "
+              "early intervals, against false alarms per minute. Press or slip is predicted from the threshold on. Diamonds: the "
+              "network's own verdicts, the most probable class, without a threshold.");
 }
 
 void add_classes(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
@@ -303,8 +299,8 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
     page.figure("over-time" + suffix,
                 over_time_plot(page.titled("Correct predictions within intervals, " + model), over_time.press, over_time.slip),
                 "Share of ticks predicted correctly since the onset and before the end of presses and slips.",
-                "Predictions over each whole interval: since its onset, and before its end, where the paper finds that they get "
-                "worse. Training uses only the first 500 ms.");
+                "Predictions over each whole interval: since its onset, and before its end, where they get worse in the paper. "
+                "Training uses only the first 500 ms.");
   }
   HtmlTable table{
       .caption =

@@ -182,7 +182,7 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
 pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
   constexpr int left = 40, right = 40, top = 84, bottom = 134;
   pictures::PlotScript script(title, page_width, bottom + 62);
-  script.note("How much of the variance of the mean accuracy comes from each. More of the largest narrows the interval most.");
+  script.note("Shares of the variance of the mean accuracy. To narrow the interval most, add more of the largest.");
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   script.axes({.begin = 0, .end = 100, .label = "share of the variance [%]"},
               {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});

@@ -35,8 +35,8 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
 /// One bar from 0 to 100 %, divided into the shares of trainings, objects and runs.
 pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares);
 
-/// Bars of the mean detection delay with its standard error, presses beside slips, one row for each object. Words beside the bars
-/// count missed and early intervals.
+/// Bars of the mean detection delay with its standard error, presses next to slips, one row for each object. Words next to the
+/// bars count missed and early intervals.
 /// @param objects   in the order of the rows
 /// @param limit_ms  the paper's limit, drawn as a line
 /// Source: Faris et al., arXiv:2403.10120, figure 9.

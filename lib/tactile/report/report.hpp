@@ -15,10 +15,10 @@ struct ReportSummary {
   std::string title;
   bool simulated = false;
   std::filesystem::path page;                    ///< one HTML file, which needs no other
-  std::vector<std::string> figures;              ///< by name: `figures/NAME.svg` and `.png` beside the page
+  std::vector<std::string> figures;              ///< by name: `figures/NAME.svg` and `.png` next to the page
   std::vector<std::string> missing;              ///< sentences: what was not measured or could not be drawn
   std::vector<std::string> errors;               ///< sentences: why runs could not be drawn
-  std::size_t claims = 0, hold = 0, do_not = 0;  ///< of the paper's claims; the others have no verdict
+  std::size_t claims = 0, hold = 0, do_not = 0;  ///< of the paper's claims; the others cannot be decided
 };
 
 /// Called with the name of each figure before it is drawn; may throw to stop.

@@ -11,7 +11,7 @@
 
 namespace tactile::report {
 
-/// A report in the making: its page, and the figures beside it.
+/// A report in the making: its page, and the figures next to it.
 class ReportPage {
  public:
   /// @param out   folder of the report

@@ -40,7 +40,7 @@ void read_claims(ReportInput& input, const results::JsonView& study) {
       std::count_if(input.claims.begin(), input.claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
   if (without_verdict > 0) {
     input.missing.push_back(
-        fmt::format("{} of the {} claims have too few trainings, runs or objects for a verdict; another preset of 'tactile "
+        fmt::format("{} of the {} claims have too few trainings, runs or objects to be decided; another preset of 'tactile "
                     "reproduce' has more.",
                     without_verdict, input.claims.size()));
   }

@@ -35,7 +35,7 @@ std::optional<double> Confusion::accuracy() const {
 void to_json(nlohmann::json& json, const Confusion& confusion) { json = confusion.counts; }
 
 void from_json(const JsonView& json, Confusion& confusion) {
-  const auto refuse = [&] { throw Error(json.where() + " holds other than three rows of three counts"); };
+  const auto refuse = [&] { throw Error(json.where() + " does not have three rows of three counts"); };
   const std::vector<JsonView> rows = json.items();
   if (rows.size() != touch_count) refuse();
   for (std::size_t i = 0; i < touch_count; ++i) {

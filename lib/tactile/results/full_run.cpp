@@ -21,7 +21,7 @@ void from_json(const JsonView& json, FullRun& run) {
   run.events = json["events"].counts();
   const JsonView digits = json["said"];
   for (const char digit : digits.text()) {
-    if (digit < '0' || digit > '2') throw Error(digits.where() + " holds another digit than 0, 1 and 2");
+    if (digit < '0' || digit > '2') throw Error(digits.where() + " has a digit other than 0, 1 and 2");
     run.verdicts.push_back(static_cast<Touch>(digit - '0'));
   }
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());

@@ -89,7 +89,7 @@ std::vector<std::uint64_t> JsonView::counts() const {
   if (json_ == nullptr) return counts;
   if (!json_->is_array()) refuse("a list");
   for (const nlohmann::json& item : *json_) {  // there may be very many: no view of each
-    if (!item.is_number_unsigned()) throw Error(where_ + " holds what is no whole number from 0");
+    if (!item.is_number_unsigned()) throw Error(where_ + " has a value that is not a whole number from 0 on");
     counts.push_back(item.get<std::uint64_t>());
   }
   return counts;

@@ -60,7 +60,7 @@ std::array<double, 3> rotation_vector_of(const RotationMatrix& r) {
     const double factor = sine > 1e-9 ? 0.5 * angle / sine : 0.5;
     return {factor * twice_sine[0], factor * twice_sine[1], factor * twice_sine[2]};
   }
-  // Near half a turn R + R^T = 2 cos I + 2 (1 - cos) axis axis^T tells the axis, but for its sign.
+  // Near half a turn R + R^T = 2 cos I + 2 (1 - cos) axis axis^T gives the axis, except for its sign.
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i) k = r[i][i] > r[k][k] ? i : k;
   std::array<double, 3> axis{};

@@ -159,10 +159,10 @@ std::string binary_format(const LogTable& table) {
 void refuse_binary(const LogTable& table) {
   const std::string format = binary_format(table);
   if (format.empty()) return;
-  throw Error(fmt::format(
-      "{}: row {} names types, so that bytes follow, as record.py --binary writes them; expected text: record without "
-      "--binary, or write row 1 and then, as text, what Python's struct.iter_unpack('{}', rest) gives",
-      table.file(), table.number(), format));
+  throw Error(
+      fmt::format("{}: row {} names types, so bytes follow, as record.py --binary writes them; expected text: record without "
+                  "--binary, or write row 1 and then, as text, what Python's struct.iter_unpack('{}', rest) gives",
+                  table.file(), table.number(), format));
 }
 
 RobotState state_in(const LogTable& table, const Columns& columns) {

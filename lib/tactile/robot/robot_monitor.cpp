@@ -152,7 +152,7 @@ void RobotMonitor::State::first_connection() {
                                 address.text(), required, text_of(agreed.version)));
       }
     }
-    tell(fmt::format("the robot has no {}: the log is without it", fmt::join(agreed.unknown, ", ")));
+    tell(fmt::format("the robot has no {}: the log does not contain it", fmt::join(agreed.unknown, ", ")));
     std::erase_if(fields, [&](const std::string& name) {
       return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
     });
@@ -160,7 +160,7 @@ void RobotMonitor::State::first_connection() {
     session = std::make_unique<RtdeSession>(address, options.patience, told);
     agreed = session->agree(fields, options.frequency_hz);
     if (!agreed.unknown.empty())
-      throw Error(fmt::format("{}: the controller has no {} any more; expected the same answer twice", address.text(),
+      throw Error(fmt::format("{}: the controller no longer has {}; expected the same answer as before", address.text(),
                               fmt::join(agreed.unknown, ", ")));
   }
 

@@ -76,7 +76,7 @@ std::string checked_names(const std::vector<std::string>& names, std::string_vie
   }
   std::string text = joined(names);
   if (text.size() > rtde_longest_field_list) {
-    throw Error(fmt::format("the {} names of the RTDE {}s asked for are {} bytes long; expected at most {}", names.size(), kind,
+    throw Error(fmt::format("the {} names of the requested RTDE {}s are {} bytes long; expected at most {}", names.size(), kind,
                             text.size(), rtde_longest_field_list));
   }
   return text;
@@ -120,7 +120,7 @@ class Payload {
  private:
   std::span<const std::byte> take(std::size_t size) {
     if (size > bytes_.size())
-      throw Error(fmt::format("{} that ends too early: {} bytes are left where {} belong; expected RTDE version 2", what_,
+      throw Error(fmt::format("{} that ends too early: {} bytes are left instead of {}; expected RTDE version 2", what_,
                               bytes_.size(), size));
     const auto taken = bytes_.first(size);
     bytes_ = bytes_.subspan(size);

@@ -89,7 +89,7 @@ RtdeAgreement RtdeSession::agree_on_inputs(const std::vector<std::string>& names
   }
   agreed.recipe.id = reply.recipe_id;
   if (agreed.unknown.empty() && (reply.recipe_id == 0 || reply.types.size() != names.size()))
-    refuse(fmt::format("the controller refuses to take {} inputs{}; expected it to", names.size(), last_words()));
+    refuse(fmt::format("the controller refuses {} inputs{}; expected it to accept them", names.size(), last_words()));
   return agreed;
 }
 
@@ -116,8 +116,8 @@ RtdeAgreement RtdeSession::agree(const std::vector<std::string>& names, double f
   }
   agreed.recipe.id = reply.recipe_id;
   if (agreed.unknown.empty() && (reply.recipe_id == 0 || reply.types.size() != names.size())) {
-    refuse(fmt::format("the controller refuses to send {} outputs at {} Hz; it is of version {}, whose highest is {} Hz{}",
-                       names.size(), agreed.frequency_hz, text_of(agreed.version), highest, last_words()));
+    refuse(fmt::format("the controller refuses to send {} outputs at {} Hz; its version {} allows at most {} Hz{}", names.size(),
+                       agreed.frequency_hz, text_of(agreed.version), highest, last_words()));
   }
   return agreed;
 }
@@ -125,7 +125,7 @@ RtdeAgreement RtdeSession::agree(const std::vector<std::string>& names, double f
 void RtdeSession::start() {
   send(rtde_bare_request(RtdePackageType::start));
   if (!answer_to(RtdePackageType::start, "request to start", accepted_in))
-    refuse(fmt::format("the controller refuses to start sending{}; expected it to", last_words()));
+    refuse(fmt::format("the controller refuses to start sending{}; expected it to send", last_words()));
 }
 
 void RtdeSession::pause() {

@@ -227,7 +227,7 @@ void VideoWriter::write(const cv::Mat& frame, VideoTime t) {
   }
   const std::int64_t us = us_of(t);
   if (state_->last_us < 0 ? us != 0 : us <= state_->last_us) {
-    throw Error(fmt::format("{}: a frame at {} us; expected 0 for the first, and times that ascend", state_->file, us));
+    throw Error(fmt::format("{}: a frame at {} us; expected 0 for the first, then ascending times", state_->file, us));
   }
   state_->convert(frame);
   state_->picture->pts = us;

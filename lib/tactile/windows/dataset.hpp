@@ -89,8 +89,8 @@ std::string name_of(const DatasetRun& run);
 /// @param runs  indexes into `Dataset::runs`
 std::vector<std::string> names_of(const Dataset& dataset, std::span<const std::uint32_t> runs);
 
-/// Writes the heatmaps of one history to a separate file beside the dataset. When that is complete, the dataset links to it. The
-/// dataset's file is replaced in one step, so it is readable at every moment.
+/// Writes the heatmaps of one history to a separate file next to the dataset. When that is complete, the dataset links to it.
+/// The dataset's file is replaced in one step, so it is readable at every moment.
 class HeatmapsWriter {
  public:
   /// @throws Error  if the file cannot be made

@@ -13,7 +13,7 @@ namespace tactile::windows::dataset_layout {
 
 inline constexpr std::int64_t format = 1;
 
-/// "dataset.h5" -> "dataset.events.h5", "dataset.th_040.h5", beside it.
+/// "dataset.h5" -> "dataset.events.h5", "dataset.th_040.h5", next to it.
 inline std::filesystem::path file_beside(const std::filesystem::path& dataset, const std::string& part) {
   return dataset.parent_path() / (dataset.stem().string() + "." + part + ".h5");
 }

@@ -125,7 +125,7 @@ void compare_recordings(const DatasetPlan& plan, microseconds history, unsigned 
     const auto [same_file, is_new] = run_of_file.emplace(run.events_sha256, run.folder.name());
     if (is_new) continue;
     check.differences.push_back(run.folder.name() + ": has the same recording as " + same_file->second +
-                                ", so training windows lie in test windows");
+                                ", so training windows share events with test windows");
   }
   const auto text_of = [](std::uint64_t count) { return std::to_string(count); };
   for (const SharedEvents& pair : shared_events(plan.runs, history, threads, progress)) {
@@ -135,8 +135,8 @@ void compare_recordings(const DatasetPlan& plan, microseconds history, unsigned 
       check.equal_by_chance += pair.shared;
     } else if (run.events_sha256 != other.events_sha256) {
       check.differences.push_back(run.folder.name() + ": " + text_of(pair.shared) + " of the " + text_of(pair.events) +
-                                  " events that its windows hold of the time of " + other.folder.name() +
-                                  " are in that recording too, so training windows lie in test windows");
+                                  " events in its windows during the recording of " + other.folder.name() +
+                                  " are in that recording too, so training windows share events with test windows");
     }
   }
 }

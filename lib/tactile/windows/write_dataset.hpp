@@ -40,8 +40,8 @@ struct DatasetSummary {
   std::uint64_t events = 0;
 };
 
-/// Draws balanced samples from the labelled runs below `data` and writes them, with the events of their histories, to `file` and
-/// to the file of its events beside it.
+/// Draws balanced samples from the labelled runs below `data` and writes them, with the events of their histories, to `file`
+/// and to the file of its events next to it.
 ///
 /// An existing dataset with the same manifest is kept, with its histories. If its runs have moved, their folders are updated. A
 /// dataset with another manifest is replaced: at every moment `file` is either the old or the new dataset, with its events. The

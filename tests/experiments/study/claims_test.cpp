@@ -93,7 +93,7 @@ ClaimInputs with_histories(std::map<microseconds, std::vector<results::RunConfus
   return inputs;
 }
 
-TEST(Verdict, IsSaidOnlyWhereTheWholeIntervalLiesOnOneSide) {
+TEST(Verdict, IsGivenOnlyIfTheWholeIntervalLiesOnOneSide) {
   EXPECT_EQ(below(figure(3, 2, 4), 5), results::Verdict::holds);
   EXPECT_EQ(below(figure(6, 5.1, 7), 5), results::Verdict::does_not);
   EXPECT_EQ(below(figure(6, 5, 7), 5), results::Verdict::cannot_tell) << "a bound at the limit is on neither side";
@@ -213,7 +213,7 @@ TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
   EXPECT_EQ(of_ten.verdict, results::Verdict::cannot_tell);
 }
 
-TEST(Claims, OneRunOfAnObjectTellsNothingOfEveryObject) {
+TEST(Claims, OneRunOfAnObjectDecidesNothingAboutEveryObject) {
   const std::vector<results::RunConfusion> low{run_of("fan", 50), run_of("usb-hub", 50), run_of("white-box", 50)};
   const std::vector<results::RunConfusion> high{run_of("fan", 99), run_of("usb-hub", 99), run_of("white-box", 99)};
   const ClaimInputs inputs = with_histories({{2ms, low}, {20ms, high}, {40ms, high}});

@@ -77,7 +77,7 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
       << "one of the models was trained on it";
   const auto remarks = unseen.at("warnings").get<Names>();
   EXPECT_EQ(std::count(remarks.begin(), remarks.end(),
-                       "plastic-container: not compared, a model has learned from each of its runs that has samples"),
+                       "plastic-container: not compared, each of its runs with samples was used to train one of the models"),
             1);
   EXPECT_TRUE(unseen.at("unseen").at("objects").contains("sprayer"));
 

@@ -27,7 +27,7 @@ std::vector<events::Event> events_of(std::size_t count) {
   return events;
 }
 
-TEST(DenseHeatmaps, AreTheRenderersButForRounding) {
+TEST(DenseHeatmaps, AreTheRenderersExceptForRounding) {
   const std::vector<events::Event> events = events_of(20'000);
   heatmaps::HeatmapRenderer renderer(sensor, {.history = 10ms, .tick = 2ms});
   DenseHeatmaps dense(sensor, 0.2);

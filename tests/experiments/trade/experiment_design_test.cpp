@@ -110,7 +110,7 @@ TEST(PromisingCorners, AreNoMoreThanAskedForOfEachFront) {
   EXPECT_TRUE(promising_corners({}, {}, {}, 3).empty()) << "nothing is known of the usual setting";
 }
 
-TEST(TradeSetting, IsToldByWhatIsOther) {
+TEST(TradeSetting, IsNamedByItsDifferences) {
   TradeSetting setting;
   EXPECT_EQ(text_of(setting), "as usual");
   setting.rendering.history = 2500us;

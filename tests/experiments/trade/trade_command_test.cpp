@@ -181,7 +181,7 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   EXPECT_NE(redrawn.out.find("(seed 2 instead of 1)"), std::string::npos) << redrawn.out;
   const auto other = test::run_tactile(few + "--th 40", folder.path());
   EXPECT_EQ(other.exit_code, 0) << other.err;
-  EXPECT_NE(other.err.find("is another dataset than trade was measured on (seed 2 instead of 1)"), std::string::npos)
+  EXPECT_NE(other.err.find("is not the dataset that trade was measured on (seed 2 instead of 1)"), std::string::npos)
       << other.err;
 }
 

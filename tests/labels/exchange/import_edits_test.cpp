@@ -134,7 +134,7 @@ TEST_F(WithEdits, AMarkConfirmsAndLiftsTheIntervalsFlags) {
   EXPECT_TRUE(labels.run_is_flagged());
 }
 
-TEST_F(WithEdits, KeepsWhatNobodyAnnotated) {
+TEST_F(WithEdits, KeepsWhatIsNotAnnotated) {
   ImportedLabels imported{.where = "tasks.json", .looked_at = false};
   const Labels labels = edited(imported);
   EXPECT_EQ(labels.intervals.size(), 3U);
@@ -142,7 +142,7 @@ TEST_F(WithEdits, KeepsWhatNobodyAnnotated) {
   EXPECT_EQ(counts.edits(), 0U);
 }
 
-TEST_F(WithEdits, EndsThatMeetButForTheRoundingMeet) {
+TEST_F(WithEdits, EndsThatMeetExceptForTheRoundingMeet) {
   ImportedLabels imported = in_milliseconds();
   imported.intervals[1].end_us = 1'485'000;  // where the slip begins, which ELAN shows at 1484 and is at 1484.4
   const Labels labels = edited(imported);

@@ -135,7 +135,7 @@ TEST_F(RefusedFiles, AnIdThatAToolWouldLoseIsNotWritten) {
   for (const char* id : {"my press", "press", "1", "", "a\tb"}) {
     LabelsToExport run = test::exported_run();
     run.labels.intervals[0].id = id;
-    expect(test::error_of([&] { audacity_text(run); }), "does not survive in other tools");
+    expect(test::error_of([&] { audacity_text(run); }), "cannot be kept in other tools");
   }
 }
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* arguments =
     "train --json --epochs 6 --batch 24 --validation 0.2 --augment flip,shift --schedule cosine --save-every 0 ";
 
-/// What a bundle holds but for times, a line each.
+/// What a bundle holds except for times, a line each.
 std::string contents_of(const fs::path& folder) {
   const ModelBundle bundle{folder};
   auto history = read_history(bundle.history());

@@ -19,9 +19,9 @@ struct ObjectFigures {
   std::map<std::string, results::Figure> wide;     ///< all of them hold at once with 95 %: each has 1 - 0.05 / k for k objects
 };
 
-/// The largest (smallest) of several objects' figures, and its interval. High (low) is the largest (smallest) of the objects' 95
-/// % intervals, because all objects must lie on the good side; it is unknown if that of any object is. Low (high) is the largest
-/// (smallest) of the wide intervals, because one of many intervals may miss by chance. n = objects.
+/// The largest (smallest) of several objects' figures, and its interval. High (low) is the largest (smallest) of the objects'
+/// 95 % intervals, because all objects must lie on the claimed side. It is unknown if it is unknown for any object. Low (high)
+/// is the largest (smallest) of the wide intervals, because one of many intervals may miss by chance. n = objects.
 results::Figure largest_of(const ObjectFigures& figures);
 results::Figure smallest_of(const ObjectFigures& figures);
 

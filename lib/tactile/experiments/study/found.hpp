@@ -9,7 +9,7 @@
 
 namespace tactile::study {
 
-/// What a study found, in five sentences: accuracy beside the best baseline; delays and misses; false alarms; objects never seen;
+/// What a study found, in five sentences: accuracy and the best baseline; delays and misses; false alarms; objects never seen;
 /// and the claims.
 /// @param reported  of the reported runs
 /// @param histories  that each training chose

@@ -41,7 +41,7 @@ struct StudyOptions {
   unsigned threads = 0;                                ///< 0: as many as the machine has cores
 };
 
-/// What a preset decides beside the simulation.
+/// What a preset decides besides the simulation.
 struct PresetSettings {
   std::size_t choice_runs;  ///< number of runs of each object to choose a history on: those after the training run
   unsigned epochs;

@@ -59,8 +59,8 @@ std::string rule_of(const HistoryComparison& comparison) {
   const double chosen = accuracies.at(comparison.choice.history).mean.value;
   if (!(best->second.mean.value > chosen)) return " The mean over objects is the highest there, too.";
   return fmt::format(
-      " The mean over objects is higher at {} ms there, {:.2f} % against {:.2f} %; the paper's rule decides: the history that is "
-      "best for the most objects; only among equals, the highest mean.",
+      " The mean over objects is higher at {} ms there, {:.2f} % against {:.2f} %. But the paper's rule decides: the history "
+      "that is best for most objects; among equals, the one with the highest mean.",
       experiments::ms_text(best->first), 100 * best->second.mean.value, 100 * chosen);
 }
 
@@ -76,7 +76,7 @@ json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
                                 experiments::ms_text(trained.history), comparison.choice.counts.at(trained.history),
                                 comparison.choice.of_objects.size(), rule_of(comparison));
   } else {
-    choice["why"] = fmt::format("No run is left to choose a history on beside those reported on, so t_h stays {} ms.",
+    choice["why"] = fmt::format("No run is left to choose a history on besides those reported on, so t_h stays {} ms.",
                                 experiments::ms_text(trained.history));
   }
   for (const microseconds history : trained.chosen) choice["trainings"].push_back(in_ms(history));

@@ -9,9 +9,9 @@
 
 namespace tactile::trade {
 
-/// Heatmaps by OpenCV over every pixel, as fast as possible: `HeatmapRenderer` is compared with it. It keeps its images, updates
-/// the counts by the events that enter and leave the window, and makes no avoidable call. Its bytes equal the renderer's, with
-/// the default denoising, but for float32 rounding.
+/// Heatmaps by OpenCV over every pixel, as fast as possible: `HeatmapRenderer` is compared with it. It keeps its images,
+/// updates the counts by the events that enter and leave the window, and makes no avoidable call. Its bytes equal the
+/// renderer's, with the default denoising, except for float32 rounding.
 class DenseHeatmaps {
  public:
   DenseHeatmaps(events::SensorSize sensor, double factor);

@@ -15,7 +15,7 @@
 
 namespace tactile::trade {
 
-/// Renders and classifies every full tick of these runs, by the classifier's settings but for the tick.
+/// Renders and classifies every full tick of these runs, by the classifier's settings except for the tick.
 /// @return  the runs in their order, without probabilities
 /// @throws Error  as `classify_full_run`
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,

@@ -47,8 +47,9 @@ class LoggedProcess {
     for (std::string line; std::getline(lines, line);) {
       if (!line.empty()) last = line;
     }
-    return Error(fmt::format("the trial of the recommended setting: 'tactile {}' {}; expected it to end well. Its last line: {}",
-                             name_, why, last.empty() ? "none" : last));
+    return Error(fmt::format(
+        "the trial of the recommended setting: 'tactile {}' {}; expected it to end without an error. Its last line: {}", name_,
+        why, last.empty() ? "none" : last));
   }
 
  private:

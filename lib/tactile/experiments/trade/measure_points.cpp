@@ -67,7 +67,8 @@ void take_networks(const Stage& stage, MeasuredPoints& measured) {
       },
       "its network was made without a gate");
   if (measured.points.empty() || !(measured.points.front().setting == usual))
-    throw Error("the usual setting has a gate, and its network none; expected one that this version of 'tactile train' made");
+    throw Error(
+        "the usual setting needs a gate, but its network has none; expected a network that this version of 'tactile train' made");
 }
 
 fs::path file_of(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }

@@ -48,9 +48,10 @@ struct Stage {
 /// @throws Error  if the usual setting cannot be measured, or a step fails
 void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t ticks, MeasuredPoints& measured);
 
-/// Third stage: trains the usual setting and those that may be on a front twice, judges again, and doubles the trainings of those
-/// that still may, until all are there. A setting may be on a front if it is in 2.5 % of the draws or more: there its interval
-/// reaches the front. With too few objects to draw from, those on a front are trained. Times stay.
+/// Third stage: trains the usual setting and those that may be on a front a second time, and judges again. The number of
+/// trainings of those that still may is doubled again, up to the requested number. A setting may be on a front if it is in 2.5
+/// % of the draws or more: its interval then reaches the front. With too few objects to draw from, those on a front are
+/// trained. Times are not measured again.
 void measure_all_trainings(const Stage& stage, MeasuredPoints& measured);
 
 /// "the budget of 2 minutes was used up before its network was trained"

@@ -63,8 +63,8 @@ TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& datase
                               experiments::rotated_division(dataset, options.train_run, options.choice_runs, training)});
     if (plan.trainings.back().runs.choice.empty()) {
       throw Error(
-          fmt::format("{}: no runs ({}) to choose settings on beside others to report on; expected three runs of an object "
-                      "at least, or other --choice-runs",
+          fmt::format("{}: no runs ({}) to choose settings on besides others to report on; expected three runs of an object at "
+                      "least, or other --choice-runs",
                       dataset.file().string(), fmt::join(options.choice_runs, ", ")));
     }
     for (const std::uint32_t run : plan.trainings.back().tested()) {

@@ -99,7 +99,7 @@ struct TradePlan {
 
 /// First stage: divides the runs and reads the truth of those to test on.
 /// @param options  as `completed` returns them
-/// @throws Error  if there are no runs to choose on beside those to report on, or a recording differs from the dataset's
+/// @throws Error  if there are no runs to choose on besides those to report on, or a recording differs from the dataset's
 TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset);
 
 /// The points of the design, the usual setting first: all others are compared with it.

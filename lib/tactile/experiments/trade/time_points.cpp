@@ -116,7 +116,7 @@ void time_points(const Stage& stage, const std::string& step_name, std::uint64_t
   const auto step = [&] { return step_to_time(stage.plan, timed_settings_of(measured.points), step_name, timing); };
   if (!stage.runner.is_done(step())) keep_what_can_be_timed(stage, ticks, measured);
   if (!stage.budget.finishes([&] { stage.runner.run(step()); }))
-    throw Error("the budget ended while ticks were timed; expected time for it. " + stage.trainer.unfinished());
+    throw Error("the budget ended while ticks were timed; expected more time. " + stage.trainer.unfinished());
   const fs::path file = times_file(stage.plan, step_name);
   measured.times = {.settings = timed_settings_of(measured.points), .times = read_times(file)};
   if (measured.times.times.size() != measured.times.settings.size())

@@ -21,7 +21,7 @@ struct TradeSummary {
 /// needs, and those that may be on a front several times, each time on other runs and with another seed. Chooses settings on some
 /// runs and reports them on others. Keeps all that
 /// is done and unchanged. An interrupted call resumes.
-/// @throws Error  if an option is out of its range, there are no runs to choose on beside those to report on, another process
+/// @throws Error  if an option is out of its range, there are no runs to choose on besides those to report on, another process
 ///                works in the same folder, or a step fails
 TradeSummary run_trade(const TradeOptions& options, const experiments::NewProgress& new_progress = {},
                        const experiments::StepCallback& on_step = {});

@@ -51,8 +51,8 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
 /// The durations of a run's ticks; only those of counting if the gate closes.
 TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<std::uint64_t> gate);
 
-/// The episodes outside labels as `alarms`, and the time outside labels as `none_time`: what one sees in a lab, where nobody
-/// knows of releases and of motion without labels. A long episode counts again for each further 500 ms.
+/// The episodes outside labels as `alarms`, and the time outside labels as `none_time`: what one sees in a laboratory, where
+/// releases and motion without labels are not known. A long episode counts again for each further 500 ms.
 results::FalseAlarms outside_labels(const results::FalseAlarms& counts);
 
 /// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a tick

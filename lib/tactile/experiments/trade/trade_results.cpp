@@ -90,7 +90,7 @@ json left_out_json(const TradeLevels& levels) {
   json left_out = json::array();
   for (const LeftOutPair& pair : left_out_pairs(levels)) {
     left_out.push_back(
-        {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is no whole number of ticks"}});
+        {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", "the history is not a whole number of ticks"}});
   }
   return left_out;
 }
@@ -133,11 +133,10 @@ json trade_json(const TradePlan& plan, const TradeFindings& findings) {
       {"title", fmt::format("Speed against accuracy on {} runs", dataset.simulated() ? "simulated" : "real")},
       {"simulated", dataset.simulated()},
       {"times_are",
-       fmt::format(
-           "Time per tick is that of computing: counting events, rendering and network, on one thread of one process. All of "
-           "at least {} ticks of each setting count, over all tested runs. All settings come one after the other in turns, so "
-           "that what else the machine does falls on all alike. 'tactile detect' reports itself how long it waits beside that.",
-           options.timing.ticks)},
+       fmt::format("Time per tick is the computing time of counting events, rendering and network, on one thread of one process. "
+                   "All of at least {} ticks of each setting count, over all tested runs. The settings take turns, so that other "
+                   "load on the machine affects all of them equally. 'tactile detect' reports its own waiting times.",
+                   options.timing.ticks)},
       {"judged_by", judged_by(plan)},
       {"settings", settings_json(options)},
       {"software", experiments::software_json()},

@@ -61,9 +61,10 @@ std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSe
     return fmt::format("{}Better than it by the whole 95 % intervals of their differences: {}.", probability,
                        fmt::join(better, "; "));
   }
-  const std::string none = probability +
-                           "No setting is better by the whole 95 % intervals: faster, at most a point less accurate, 1 ms later, "
-                           "with a point more misses and one more false alarm a minute. This is no evidence for another default.";
+  const std::string none =
+      probability +
+      "No setting is better by the whole 95 % intervals: faster, and at most 1 point less accurate, 1 ms later, with 1 point "
+      "more misses and 1 more false alarm a minute. This is no evidence for another default.";
   if (nearest == nullptr) return none;
   return fmt::format("{} The most accurate of those that are faster for sure: {}.", none, text_of(*nearest, usual));
 }

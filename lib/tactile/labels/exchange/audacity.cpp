@@ -54,7 +54,7 @@ std::string audacity_text(const LabelsToExport& labels) {
   std::string statement = fmt::format("# {} from {}", labels.run, name_of(labels.times.origin));
   if (labels.times.origin == TimeOrigin::video)
     statement += fmt::format(", zero {} s, drift {} ppm", seconds_text(labels.times.zero_us), labels.times.drift_ppm);
-  // With camera time, 0 is decades before the labels, so nobody would see this label.
+  // With camera time, 0 is decades before the labels, so this label would not be seen.
   const std::int64_t begin = labels.times.origin == TimeOrigin::camera ? us_of(labels.first_event) : 0;
   std::string text = line(begin, begin, statement);
   for (const LabelledInterval& interval : labels.labels.intervals) {

@@ -99,7 +99,7 @@ void check_ids(const LabelsToExport& labels) {
   for (const LabelledInterval& interval : labels.labels.intervals) {
     if (is_plain_id(interval.id)) continue;
     throw Error(
-        fmt::format("{}: the id {} does not survive in other tools; expected a letter, then at most 63 letters, digits, '-', '_' "
+        fmt::format("{}: the id {} cannot be kept in other tools; expected a letter, then at most 63 letters, digits, '-', '_' "
                     "and '.', and no class's name",
                     labels.run, shown_text(interval.id)));
   }

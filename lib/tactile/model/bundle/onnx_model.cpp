@@ -23,8 +23,8 @@ constexpr const char* batch = "n";
 void check_weights(const LeNetLayers& layers, const Weights& weights) {
   if (const std::uint64_t bytes = layers.parameter_count() * sizeof(float); bytes > most_weight_bytes) {
     throw Error(
-        fmt::format("ONNX model of heatmaps of {} x {} cells: {} bytes of weights; expected at most {}, for an ONNX file ends "
-                    "at 2 GiB",
+        fmt::format("ONNX model of heatmaps of {} x {} cells: {} bytes of weights; expected at most {}, because an ONNX file has "
+                    "at most 2 GiB",
                     layers.input.width, layers.input.height, bytes, most_weight_bytes));
   }
   const auto shapes = layers.parameters();

@@ -8,7 +8,7 @@
 
 namespace tactile::model {
 
-/// The saved state of a training, beside its bundle until that is complete: the folder `models/<name>.training/`.
+/// The saved state of a training, next to its bundle until that is complete: the folder `models/<name>.training/`.
 ///
 ///   last.safetensors       weights, the optimizer's moments ("optimizer.…"), and the state in the metadata
 ///   best-0003.safetensors  the weights of the best epoch so far
