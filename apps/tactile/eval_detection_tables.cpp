@@ -36,7 +36,8 @@ constexpr const char* delay_legend =
 constexpr const char* false_alarm_legend =
     "Outside labels: all episodes that begin outside labelled intervals, as one sees them in a laboratory. No unlabelled: the "
     "same without true motion that has no label; only in simulated runs. None in alarm: the share of press and slip among the "
-    "ticks without motion, and not just after it. An episode counts again for each further 500 ms. Wrong class: episodes of "
+    "ticks without motion, and not just after it. An episode counts again for each further 500 ms; a detector that stays on one "
+    "class has few of them, and is in alarm all the time. Wrong class: episodes of "
     "another class that begin in a labelled interval, or last longer than the guard in it. The interval per minute is wider if "
     "there are few alarms in a short time.";
 
@@ -149,9 +150,12 @@ std::string false_alarms_text(const results::Evaluation& evaluation) {
   };
   const results::FalseAlarms& total = network.total;
   add_row("outside labels [1/min]", &FalseAlarmTable::outside_labels_per_min, 1);
+  add_row("  in alarm [% of time]", &FalseAlarmTable::outside_labels_share, 100);
   add_row("no unlabelled [1/min]", &FalseAlarmTable::outside_motion_per_min, 1);
+  add_row("  in alarm [% of time]", &FalseAlarmTable::outside_motion_share, 100);
   add_row("none in alarm [%]", &FalseAlarmTable::none_in_alarm_share, 100);
   add_row("wrong class [1/min]", &FalseAlarmTable::wrong_class_per_min, 1);
+  add_row("  wrong [% of time]", &FalseAlarmTable::wrong_class_share, 100);
   const std::string times = fmt::format(
       "Outside labels: {} in {:.3f} min; no unlabelled: {} in {:.3f} min; none: {:.3f} min; labels: {} in {:.3f} min. ",
       total.outside_labels, results::in_minutes(total.outside_labels_time), total.outside_motion,

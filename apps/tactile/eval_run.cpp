@@ -95,10 +95,10 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   picture.remarks.push_back(settings + ".");
   if (picture.has_labels) {
     const results::FalseAlarms& alarms = prediction.false_alarms;
-    picture.remarks.push_back(
-        fmt::format("Above each labelled interval: the detection delay. False alarms: {}; begun just after an interval: {}, in "
-                    "motion without labels: {}.",
-                    alarms.alarms, alarms.after_intervals, alarms.unlabelled));
+    picture.remarks.push_back(fmt::format(
+        "Above each labelled interval: the detection delay. False alarms outside labels: {} ({} of them begun just after "
+        "an interval, {} in motion without labels); of the wrong class: {}.",
+        alarms.outside_labels, alarms.after_intervals, alarms.unlabelled, alarms.wrong_class));
   }
   return picture;
 }
@@ -149,8 +149,9 @@ std::vector<std::string> row_of(const evaluation::RunPrediction& prediction, boo
   std::string outcomes;
   for (const results::Detection& detection : prediction.detections)
     outcomes += fmt::format("{}{} {}", outcomes.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
+  const auto count = [&](std::uint64_t alarms) { return prediction.truth.labels.empty() ? "-" : std::to_string(alarms); };
   return {prediction.run + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
-          prediction.truth.labels.empty() ? "-" : std::to_string(prediction.false_alarms.alarms),
+          count(prediction.false_alarms.outside_labels), count(prediction.false_alarms.wrong_class),
           outcomes.empty() ? "no labels" : outcomes};
 }
 
@@ -235,11 +236,12 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     });
   }
   if (shown.rows.empty()) return end_with(errors);
-  print_result(common,
-               {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", shown.json}},
-               fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
-                   text_table({"run", "ticks", "false alarms", "intervals and their delay"}, shown.rows) + "\nWritten to " +
-                   stem_of(args, bundle, runs.front().folder).parent_path().string() + ": a CSV, JSON, PNG and SVG each\n");
+  print_result(
+      common, {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", shown.json}},
+      fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
+          text_table({"run", "ticks", "alarms outside labels", "of wrong class", "intervals and their delay"}, shown.rows) +
+          "\nWritten to " + stem_of(args, bundle, runs.front().folder).parent_path().string() +
+          ": a CSV, JSON, PNG and SVG each\n");
   end_with(errors);
 }
 

@@ -106,14 +106,20 @@ std::string kept_text(const nlohmann::json& claim) {
   return fmt::format("{} of {} objects", claim.at("kept").get<std::size_t>(), claim.at("of").get<std::size_t>());
 }
 
+/// Whether the study has delays and false alarms of the chosen model: each training is judged with the history that it chose.
+bool is_judged(const nlohmann::json& study) {
+  const double th_ms = study.at("choice").at("th_ms").get<double>();
+  return study.at("trainings").front().at("th_ms").get<double>() == th_ms;
+}
+
 /// Commands that use the chosen model.
 std::string next_commands(const ReproduceArguments& args, const nlohmann::json& study) {
   const std::string model = study.at("choice").at("model").get<std::string>();
   const std::string folder = shell_word((fs::path(args.models) / model).string());
   std::string data = args.data == "data" ? "" : " " + shell_word(args.data), models;
   if (args.models != "models") models = " --models " + shell_word(args.models);
-  return fmt::format("To use the chosen model:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n",
-                     data, folder, models, folder);
+  return fmt::format("To use the chosen model{}:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n",
+                     is_judged(study) ? "" : ", whose delays and false alarms 'eval' measures", data, folder, models, folder);
 }
 
 std::string text_of(const study::StudySummary& summary) {

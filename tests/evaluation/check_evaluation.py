@@ -143,7 +143,9 @@ def alarm_forms(t, tick, predicted, intervals, scored, unlabelled, found, guard)
                 wrong += -(-time // WINDOW)
     forms["wrong_class"] = [wrong, labelled]
     alarm = tick * sum(free and what != "none" for free, what in zip(quiet, predicted))
-    return forms, (alarm, tick * sum(quiet)), wrong_time
+    in_alarm = {name: tick * sum(free and what != "none" for free, what in zip(wanted, predicted))
+                for name, wanted in (("outside_labels", outside), ("outside_motion", without_motion))}
+    return forms, (alarm, tick * sum(quiet)), wrong_time, in_alarm
 
 
 def false_alarms(t, tick, said, intervals, unlabelled, found, guard):
@@ -253,7 +255,13 @@ def compare_forms(check, name, forms, theirs):
         check.same(f"{name}, {form} per minute", share(count, time / 60e6), theirs[form]["per_min"]["value"])
     alarm, quiet = (sum(of_run[1][i] for of_run in forms) for i in (0, 1))
     check.same(f"{name}, none in alarm", share(alarm, quiet), theirs["none_in_alarm"]["share"]["value"])
-    check.same(f"{name}, time of the wrong class", sum(of_run[2] for of_run in forms) / 60e6, theirs["wrong_class"]["wrong_min"])
+    wrong, labelled = sum(of_run[2] for of_run in forms), sum(of_run[0]["wrong_class"][1] for of_run in forms)
+    check.same(f"{name}, time of the wrong class", wrong / 60e6, theirs["wrong_class"]["wrong_min"])
+    check.same(f"{name}, share of the wrong class", share(wrong, labelled), theirs["wrong_class"]["share"]["value"])
+    for form in ("outside_labels", "outside_motion"):
+        time, alarm = sum(of_run[0][form][1] for of_run in forms), sum(of_run[3][form] for of_run in forms)
+        check.same(f"{name}, time of {form} in alarm", alarm / 60e6, theirs[form]["alarm_min"])
+        check.same(f"{name}, share of {form} in alarm", share(alarm, time), theirs[form]["share"]["value"])
 
 
 def compare_over_time(check, name, runs, intervals_of, elsewhere_of, theirs):

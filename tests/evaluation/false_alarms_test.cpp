@@ -133,11 +133,24 @@ TEST(FalseAlarmForms, OfADetectorStuckOnOneClassAreManyInAll) {
     EXPECT_EQ(*found.outside_labels_per_min(), 120);
     EXPECT_EQ(*found.outside_motion_per_min(), 120);
     EXPECT_EQ(*found.none_in_alarm_share(), 1);
+    EXPECT_EQ(*found.outside_labels_share(), 1);
+    EXPECT_EQ(*found.outside_motion_share(), 1);
+    EXPECT_DOUBLE_EQ(*found.wrong_class_share(), stuck == Touch::press ? 2.0 / 3 : 1.0 / 3);
     // Press in the slip of 2 s: four times. Slip in the press of 1 s: twice.
     EXPECT_EQ(found.wrong_class, stuck == Touch::press ? 4U : 2U);
     EXPECT_EQ(found.labelled_time, 3s);
     EXPECT_EQ(found.alarms, 1U) << "the count of episodes alone calls it quiet";
   }
+}
+
+TEST(FalseAlarmForms, DistinguishANervousDetectorFromAStuckOneByTheirTime) {
+  std::vector<std::pair<std::size_t, std::size_t>> flickers;
+  for (std::size_t ms = 0; ms < 2 * LongRun::ticks; ms += 500) flickers.emplace_back(ms, ms + 10);
+  const results::FalseAlarms nervous = LongRun().alarms_of(LongRun::only(Touch::slip, flickers));
+  EXPECT_NEAR(*nervous.outside_labels_per_min(), 120, 10) << "as many as of a stuck one";
+  EXPECT_NEAR(*nervous.outside_labels_share(), 0.02, 0.002);
+  EXPECT_LT(*nervous.outside_motion_share(), 0.03);
+  EXPECT_LT(*nervous.wrong_class_share(), 0.03);
 }
 
 TEST(FalseAlarmForms, OfAPerfectDetectorAreNone) {

@@ -22,6 +22,20 @@ TEST(PoissonUpperBound, IsThatOfTheExactInterval) {
   EXPECT_NEAR(of_many, 100'000 + 1.96 * 316.23, 5);
 }
 
+TEST(BinomialBounds, AreThoseOfTheExactInterval) {
+  // Quantiles of the beta distribution, by SciPy.
+  const auto expect = [](std::size_t count, std::size_t n, double confidence, double low, double high) {
+    const auto bounds = binomial_bounds(count, n, confidence);
+    EXPECT_NEAR(bounds.first, low, 1e-9) << count << " of " << n;
+    EXPECT_NEAR(bounds.second, high, 1e-9) << count << " of " << n;
+  };
+  expect(0, 10, 0.95, 0, 0.3084971078187607);
+  expect(1, 10, 0.95, 0.0025285785444617865, 0.4450161170281954);
+  expect(5, 10, 0.95, 0.18708602844739855, 0.8129139715526015);
+  expect(10, 10, 0.95, 0.6915028921812392, 1);
+  expect(37, 200, 0.99, 0.12003614826512815, 0.26546828326787136);
+}
+
 TEST(MeanOverObjects, LeavesOutObjectsThatGiveNothing) {
   const auto statistic = mean_over_objects([](std::span<const std::size_t> runs) -> std::optional<double> {
     if (runs.empty()) return std::nullopt;

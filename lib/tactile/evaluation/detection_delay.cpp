@@ -39,13 +39,27 @@ double mean_of(std::span<const double> values) {
   return sum / static_cast<double>(values.size());
 }
 
-double standard_error_of(std::span<const double> values) {
-  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+/// Nothing for fewer than two values.
+std::optional<double> standard_error_of(std::span<const double> values) {
+  if (values.size() < 2) return std::nullopt;
   const double mean = mean_of(values);
   double squares = 0;
   for (const double value : values) squares += (value - mean) * (value - mean);
   const auto n = static_cast<double>(values.size());
   return std::sqrt(squares / (n - 1) / n);
+}
+
+/// The mean over trainings: those that are judged on the same intervals do not count them more than once.
+double standard_error_of(std::span<const results::RunDetections> runs, const RunsByObject& chosen, Touch touch) {
+  std::map<std::size_t, RunsByObject> of_trainings;
+  for (const auto& object : chosen) {
+    for (const std::size_t i : object) of_trainings[runs[i].training].push_back({i});
+  }
+  std::vector<double> errors;
+  for (const auto& of_training : of_trainings) {
+    if (const auto error = standard_error_of(delays_ms(runs, of_training.second, touch))) errors.push_back(*error);
+  }
+  return mean_of(errors);
 }
 
 std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const results::RunDetections> runs) {
@@ -61,9 +75,14 @@ Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch)
   std::iota(all.begin(), all.end(), std::size_t{0});
   const std::vector<double> delays = delays_ms(runs, {all}, touch);
   const auto shortest = std::min_element(delays.begin(), delays.end());
-  if (shortest == delays.end() || *shortest <= 0) return {};
+  if (shortest == delays.end()) return {.lowest = 0};
+  if (*shortest <= 0) return {};
   return {.lowest = 0, .step = *shortest};
 }
+
+/// The lower limit of times of all intervals, where an early one counts 0. A tick below 0 is the limit of the scale, so that 0
+/// itself is not infinitely far away.
+double lowest_of_all(const Range& of_delays) { return of_delays.lowest < 0 ? of_delays.lowest : -of_delays.step; }
 
 /// The longest time after an onset in which an interval could be detected.
 double longest_limit_ms(std::span<const results::RunDetections> runs, Touch touch) {
@@ -83,7 +102,7 @@ struct TouchDetections {
         touch(its),
         times(of, its),
         range(range_of_delays(of, its)),
-        range_of_all{.lowest = 0, .highest = longest_limit_ms(of, its), .step = range.step},
+        range_of_all{.lowest = lowest_of_all(range), .highest = longest_limit_ms(of, its), .step = range.step},
         objects(runs_that_have(its, of)) {}
 
   std::span<const results::RunDetections> runs;
@@ -109,7 +128,7 @@ results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& 
       }
     }
   }
-  summary.sem_ms = standard_error_of(delays_ms(of.runs, chosen, of.touch));
+  summary.sem_ms = standard_error_of(of.runs, chosen, of.touch);
   const auto figure = [&](auto of_delays) {
     return make_figure(
         [&of, of_delays](const RunsByObject& drawn) -> std::optional<double> {
@@ -129,6 +148,7 @@ results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& 
           return found ? std::optional(found->ms) : std::nullopt;
         },
         of.range_of_all);
+    if (of.range.lowest >= 0 && of_all->ms.low) of_all->ms.low = std::max(0.0, *of_all->ms.low);
     const auto found = of.times.quantile(chosen, q);
     of_all->is_lower_bound = found && found->is_lower_bound;
   }

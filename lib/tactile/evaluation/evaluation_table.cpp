@@ -77,11 +77,14 @@ class Table {
     figure(group, "all", "", "outside_labels_per_min", table.outside_labels_per_min);
     count(group, "all", "", "outside_labels", table.total.outside_labels);
     number(group, "all", "", "outside_labels_min", results::in_minutes(table.total.outside_labels_time));
+    figure(group, "all", "", "outside_labels_share", table.outside_labels_share);
     figure(group, "all", "", "outside_motion_per_min", table.outside_motion_per_min);
     count(group, "all", "", "outside_motion", table.total.outside_motion);
     number(group, "all", "", "outside_motion_min", results::in_minutes(table.total.outside_motion_time));
+    figure(group, "all", "", "outside_motion_share", table.outside_motion_share);
     figure(group, "all", "", "none_in_alarm_share", table.none_in_alarm_share);
     figure(group, "all", "", "wrong_class_per_min", table.wrong_class_per_min);
+    figure(group, "all", "", "wrong_class_share", table.wrong_class_share);
     count(group, "all", "", "wrong_class", table.total.wrong_class);
     number(group, "all", "", "wrong_class_min", results::in_minutes(table.total.wrong_class_time));
     number(group, "all", "", "labelled_min", results::in_minutes(table.total.labelled_time));

@@ -68,7 +68,10 @@ class TickZones {
       if (zone(i) == Zone::unlabelled) found.unlabelled_time += ticks_.tick;
       if (is_outside_labels(i)) found.outside_labels_time += ticks_.tick;
       if (is_outside_motion(i)) found.outside_motion_time += ticks_.tick;
-      if (zone(i) == Zone::none && verdicts[static_cast<std::size_t>(i)] != Touch::none) found.none_in_alarm += ticks_.tick;
+      if (verdicts[static_cast<std::size_t>(i)] == Touch::none) continue;
+      if (zone(i) == Zone::none) found.none_in_alarm += ticks_.tick;
+      if (is_outside_labels(i)) found.outside_labels_in_alarm += ticks_.tick;
+      if (is_outside_motion(i)) found.outside_motion_in_alarm += ticks_.tick;
     }
   }
 
@@ -197,8 +200,11 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
       per_min(&results::FalseAlarms::outside_labels_per_min, total.outside_labels, total.outside_labels_time);
   table.outside_motion_per_min =
       per_min(&results::FalseAlarms::outside_motion_per_min, total.outside_motion, total.outside_motion_time);
-  table.none_in_alarm_share =
-      figure_over_objects(all, statistic(&results::FalseAlarms::none_in_alarm_share), options, {0, 1, one_run_of(all)});
+  const auto share = [&](auto of_time) { return figure_over_objects(all, statistic(of_time), options, {0, 1, one_run_of(all)}); };
+  table.outside_labels_share = share(&results::FalseAlarms::outside_labels_share);
+  table.outside_motion_share = share(&results::FalseAlarms::outside_motion_share);
+  table.none_in_alarm_share = share(&results::FalseAlarms::none_in_alarm_share);
+  table.wrong_class_share = share(&results::FalseAlarms::wrong_class_share);
   table.wrong_class_per_min = per_min(&results::FalseAlarms::wrong_class_per_min, total.wrong_class, total.labelled_time);
   return table;
 }

@@ -38,4 +38,27 @@ double poisson_upper_bound(std::uint64_t count, double confidence) {
   return high;
 }
 
+std::pair<double, double> binomial_bounds(std::size_t count, std::size_t n, double confidence) {
+  const auto at_least = [n](std::size_t least, double p) {
+    double sum = 0;
+    for (std::size_t k = least; k <= n; ++k) {
+      const auto x = static_cast<double>(k), all = static_cast<double>(n);
+      sum += std::exp(std::lgamma(all + 1) - std::lgamma(x + 1) - std::lgamma(all - x + 1) + x * std::log(p) +
+                      (all - x) * std::log1p(-p));
+    }
+    return sum;
+  };
+  // The probability of at least `least` grows with p.
+  const auto where = [&](std::size_t least, double probability) {
+    double low = 0, high = 1;
+    for (int step = 0; step < 60; ++step) {
+      const double middle = (low + high) / 2;
+      (at_least(least, middle) < probability ? low : high) = middle;
+    }
+    return (low + high) / 2;
+  };
+  const double share = (1 - confidence) / 2;
+  return {count == 0 ? 0 : where(count, share), count == n ? 1 : where(count + 1, 1 - share)};
+}
+
 }  // namespace tactile::evaluation

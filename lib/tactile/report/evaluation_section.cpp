@@ -192,9 +192,12 @@ std::vector<HtmlCell> alarm_row(const std::string& detector, const results::Dete
   const results::FalseAlarmTable& alarms = score.false_alarms;
   return {{.text = detector},
           figure_cell(alarms.outside_labels_per_min),
+          percent_cell(alarms.outside_labels_share),
           figure_cell(alarms.outside_motion_per_min),
+          percent_cell(alarms.outside_motion_share),
           percent_cell(alarms.none_in_alarm_share),
           figure_cell(alarms.wrong_class_per_min),
+          percent_cell(alarms.wrong_class_share),
           has_counts ? number_cell(results::in_minutes(total.outside_labels_time), 3) : number_cell("-"),
           has_counts ? number_cell(results::in_minutes(total.labelled_time), 3) : number_cell("-"),
           delay(score.press.all),
@@ -209,10 +212,12 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
         .caption =
             "False alarms over every tick of the runs. Outside labels: all episodes that begin outside labelled intervals, also "
             "after intervals, in releases and in unlabelled motion. Without unlabelled motion: the same without true motion that "
-            "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms. "
+            "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms; a "
+            "detector that stays on one class has few of them, and is in alarm all the time. "
             "Wrong class: episodes of another class in a labelled interval. Trivial detectors ignore the events",
-        .head = {"detector", "per minute outside labels", "without unlabelled motion", "none time in alarm [%]",
-                 "wrong class per minute of labels", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
+        .head = {"detector", "per minute outside labels", "of that time in alarm [%]", "per minute without unlabelled motion",
+                 "of that time in alarm [%]", "none time in alarm [%]", "wrong class per minute of labels",
+                 "of that time wrong [%]", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
                  "mean delay of slip [ms]"},
         .rows = {}};
     if (has_alarms) table.rows.push_back(alarm_row("network", scores.network));

@@ -24,8 +24,9 @@ void from_json(const JsonView& json, CensoredQuantile& quantile);
 /// Delays of one class over runs. Missed and early intervals are counted, never averaged in; quantiles of all include them.
 struct DelaySummary {
   Figure mean_ms{};
-  double sem_ms =
-      std::numeric_limits<double>::quiet_NaN();  ///< standard deviation / sqrt(number of delays); NaN for fewer than two
+  /// Standard deviation / sqrt(number of delays), the mean over trainings; NaN for fewer than two. It leaves out what the runs of
+  /// an object, or its trainings, have in common, and so is narrower than the interval.
+  double sem_ms = std::numeric_limits<double>::quiet_NaN();
   Figure median_ms{};
   std::uint64_t intervals = 0, misses = 0, early = 0;
   std::uint64_t head_starts = 0;          ///< detected ones that were predicted just before the onset

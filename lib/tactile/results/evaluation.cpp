@@ -1,8 +1,10 @@
 #include "tactile/results/evaluation.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/version.hpp"
@@ -201,12 +203,20 @@ std::optional<bool> Evaluation::above_baselines() const {
 }
 
 std::string title_of(const Evaluation& evaluation) {
+  const char* const kind = evaluation.simulated ? "simulated" : "real";
+  std::set<double> histories_ms;
+  for (const EvaluatedModel& model : evaluation.models)
+    histories_ms.insert(1e-3 * model.settings.value(nlohmann::json::json_pointer("/rendering/history_us"), 0.0));
+  if (histories_ms.size() > 1) {
+    return fmt::format("Evaluation of {} trainings, each with the t_h that it chose ({} ms), on {} runs",
+                       evaluation.models.size(), fmt::join(histories_ms, ", "), kind);
+  }
   const std::size_t more = evaluation.models.size() - 1;
   return fmt::format("Evaluation of {}{} on {} runs", evaluation.models.front().name,
                      more == 0   ? std::string()
                      : more == 1 ? std::string(" and another training")
                                  : fmt::format(" and {} more trainings", more),
-                     evaluation.simulated ? "simulated" : "real");
+                     kind);
 }
 
 }  // namespace tactile::results

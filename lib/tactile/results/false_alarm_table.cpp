@@ -7,6 +7,11 @@ namespace {
 
 microseconds minutes_in(const JsonView& json) { return microseconds{std::llround(60e6 * json.number_if_there().value_or(0))}; }
 
+std::optional<double> share(microseconds part, microseconds time) {
+  if (time <= microseconds{0}) return std::nullopt;
+  return static_cast<double>(part.count()) / static_cast<double>(time.count());
+}
+
 std::optional<double> rate(std::uint64_t count, microseconds time) {
   if (time <= microseconds{0}) return std::nullopt;
   return static_cast<double>(count) / in_minutes(time);
@@ -27,8 +32,10 @@ FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
   unlabelled_time += other.unlabelled_time;
   outside_labels += other.outside_labels;
   outside_labels_time += other.outside_labels_time;
+  outside_labels_in_alarm += other.outside_labels_in_alarm;
   outside_motion += other.outside_motion;
   outside_motion_time += other.outside_motion_time;
+  outside_motion_in_alarm += other.outside_motion_in_alarm;
   none_in_alarm += other.none_in_alarm;
   wrong_class += other.wrong_class;
   wrong_class_time += other.wrong_class_time;
@@ -40,11 +47,10 @@ std::optional<double> FalseAlarms::per_min() const { return rate(alarms, none_ti
 std::optional<double> FalseAlarms::outside_labels_per_min() const { return rate(outside_labels, outside_labels_time); }
 std::optional<double> FalseAlarms::outside_motion_per_min() const { return rate(outside_motion, outside_motion_time); }
 std::optional<double> FalseAlarms::wrong_class_per_min() const { return rate(wrong_class, labelled_time); }
-
-std::optional<double> FalseAlarms::none_in_alarm_share() const {
-  if (none_time <= microseconds{0}) return std::nullopt;
-  return static_cast<double>(none_in_alarm.count()) / static_cast<double>(none_time.count());
-}
+std::optional<double> FalseAlarms::outside_labels_share() const { return share(outside_labels_in_alarm, outside_labels_time); }
+std::optional<double> FalseAlarms::outside_motion_share() const { return share(outside_motion_in_alarm, outside_motion_time); }
+std::optional<double> FalseAlarms::none_in_alarm_share() const { return share(none_in_alarm, none_time); }
+std::optional<double> FalseAlarms::wrong_class_share() const { return share(wrong_class_time, labelled_time); }
 
 void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
   json = {{"count", table.total.alarms},
@@ -57,17 +63,22 @@ void to_json(nlohmann::json& json, const FalseAlarmTable& table) {
           {"outside_labels",
            {{"count", table.total.outside_labels},
             {"min", in_minutes(table.total.outside_labels_time)},
-            {"per_min", table.outside_labels_per_min}}},
+            {"per_min", table.outside_labels_per_min},
+            {"alarm_min", in_minutes(table.total.outside_labels_in_alarm)},
+            {"share", table.outside_labels_share}}},
           {"outside_motion",
            {{"count", table.total.outside_motion},
             {"min", in_minutes(table.total.outside_motion_time)},
-            {"per_min", table.outside_motion_per_min}}},
+            {"per_min", table.outside_motion_per_min},
+            {"alarm_min", in_minutes(table.total.outside_motion_in_alarm)},
+            {"share", table.outside_motion_share}}},
           {"none_in_alarm", {{"min", in_minutes(table.total.none_in_alarm)}, {"share", table.none_in_alarm_share}}},
           {"wrong_class",
            {{"count", table.total.wrong_class},
             {"wrong_min", in_minutes(table.total.wrong_class_time)},
             {"min", in_minutes(table.total.labelled_time)},
-            {"per_min", table.wrong_class_per_min}}}};
+            {"per_min", table.wrong_class_per_min},
+            {"share", table.wrong_class_share}}}};
 }
 
 void from_json(const JsonView& json, FalseAlarmTable& table) {
@@ -78,8 +89,11 @@ void from_json(const JsonView& json, FalseAlarmTable& table) {
            .objects = json["objects"].map_of<Figure>(),
            .outside_labels_per_min = outside["per_min"].get<Figure>(),
            .outside_motion_per_min = outside_motion["per_min"].get<Figure>(),
-           .none_in_alarm_share = in_alarm["share"].get<Figure>(),
            .wrong_class_per_min = wrong_class["per_min"].get<Figure>(),
+           .outside_labels_share = outside["share"].get<Figure>(),
+           .outside_motion_share = outside_motion["share"].get<Figure>(),
+           .none_in_alarm_share = in_alarm["share"].get<Figure>(),
+           .wrong_class_share = wrong_class["share"].get<Figure>(),
            .total = {.alarms = json["count"].count(),
                      .after_intervals = after["count"].count(),
                      .releases = releases["count"].count(),
@@ -90,8 +104,10 @@ void from_json(const JsonView& json, FalseAlarmTable& table) {
                      .unlabelled_time = minutes_in(unlabelled["min"]),
                      .outside_labels = outside["count"].count(),
                      .outside_labels_time = minutes_in(outside["min"]),
+                     .outside_labels_in_alarm = minutes_in(outside["alarm_min"]),
                      .outside_motion = outside_motion["count"].count(),
                      .outside_motion_time = minutes_in(outside_motion["min"]),
+                     .outside_motion_in_alarm = minutes_in(outside_motion["alarm_min"]),
                      .none_in_alarm = minutes_in(in_alarm["min"]),
                      .wrong_class = wrong_class["count"].count(),
                      .wrong_class_time = minutes_in(wrong_class["wrong_min"]),

@@ -5,8 +5,9 @@
 namespace tactile::results {
 
 std::string words_of(const VarianceShares& shares) {
-  return fmt::format("{:.0f} % comes from trainings, {:.0f} % from objects and {:.0f} % from runs of an object",
-                     100 * shares.training, 100 * shares.object, 100 * shares.run);
+  return fmt::format(
+      "{:.0f} % comes from trainings (alike for all objects), {:.0f} % from objects and {:.0f} % from runs of an object",
+      100 * shares.training, 100 * shares.object, 100 * shares.run);
 }
 
 void to_json(nlohmann::json& json, const VarianceShares& shares) {

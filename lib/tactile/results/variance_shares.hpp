@@ -14,7 +14,7 @@ struct VarianceShares {
   double run = 0;       ///< other runs of the same objects, and the noise of single results; 0 where objects have one run each
 };
 
-/// "30 % comes from trainings, 50 % from objects and 20 % from runs of an object"
+/// "30 % comes from trainings (alike for all objects), 50 % from objects and 20 % from runs of an object"
 std::string words_of(const VarianceShares& shares);
 
 /// {"training", "object", "run"}

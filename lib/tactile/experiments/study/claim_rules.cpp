@@ -66,8 +66,10 @@ results::Figure outermost_of(const ObjectFigures& figures, const std::function<b
 }
 
 /// How many of `count` would make an interval narrower by the square root of `factor`: the width goes with t(n - 1) / sqrt(n).
-std::size_t enough_for(double factor, std::size_t count) {
-  const auto width = [](std::size_t n) { return evaluation::student_quantile(n - 1, 0.95) / std::sqrt(static_cast<double>(n)); };
+std::size_t enough_for(double factor, std::size_t count, double confidence) {
+  const auto width = [confidence](std::size_t n) {
+    return evaluation::student_quantile(n - 1, confidence) / std::sqrt(static_cast<double>(n));
+  };
   const double needed = width(count) / std::sqrt(factor);
   std::size_t enough = count;
   while (width(enough) > needed) ++enough;
@@ -91,18 +93,23 @@ std::string enough_of(const results::Claim& claim) {
     const double of_figure = effect == 0 ? INFINITY : std::pow((*bound - figure.value) / effect, 2);
     if (of_figure > factor) factor = of_figure, n = figure.n;
   };
-  if (claim.scope == results::ClaimScope::every_object) {
-    // To prove it takes all objects. One beyond the limit refutes it.
-    for (const auto& object : claim.objects) {
-      if (!is_refuted || object.second.value == measured.value) take(object.second);
-    }
-  } else {
+  double confidence = 0.95;
+  if (claim.scope != results::ClaimScope::every_object) {
     take(measured);
+  } else if (is_refuted) {
+    // One object beyond the limit is enough, but by the wide interval.
+    confidence = 1 - 0.05 / static_cast<double>(claim.objects.size());
+    results::Figure outermost = measured;
+    for (const auto& object : claim.objects) outermost.n = object.second.value == measured.value ? object.second.n : outermost.n;
+    take(outermost);
+  } else {
+    for (const auto& object : claim.objects) take(object.second);
   }
   if (factor <= 1) return "somewhat more trainings and runs would decide";
   if (!(factor <= most)) return fmt::format("the value is so near the limit that {:.0f} times the data would not decide", most);
-  return fmt::format("if the value stays, about {} trainings and {} {} would decide", enough_for(factor, measured.trainings),
-                     enough_for(factor, n), claim.scope == results::ClaimScope::over_objects ? "objects" : "runs of each object");
+  return fmt::format("if the value stays, about {} trainings and {} {} would decide",
+                     enough_for(factor, measured.trainings, confidence), enough_for(factor, n, confidence),
+                     claim.scope == results::ClaimScope::over_objects ? "objects" : "runs of each object");
 }
 
 }  // namespace

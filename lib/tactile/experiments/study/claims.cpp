@@ -292,17 +292,20 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
                        [](const results::Detection& detection) { return detection.interval.touch == Touch::slip; });
   });
   if (objects.empty()) return claim;
-  claim.measured = evaluation::figure_over_objects(
-      evaluation::without_names(objects),
-      evaluation::mean_over_objects([&](std::span<const std::size_t> of_object) -> std::optional<double> {
-        const auto at_once = every_slip_at_once(runs, of_object, inputs.tick_ms);
-        return at_once ? std::optional(*at_once ? 100.0 : 0.0) : std::nullopt;
-      }),
-      options, {0, 100, 100});
   claim.kept = 0;
   claim.of = objects.size();
-  for (const auto& object : objects)
+  std::set<std::size_t> trainings;
+  for (const auto& object : objects) {
     *claim.kept += every_slip_at_once(runs, evaluation::indexes_of(object.second), inputs.tick_ms) == true ? 1U : 0U;
+    for (const evaluation::CrossedCell& cell : object.second) trainings.insert(cell.training);
+  }
+  // Each object has all or nothing of it, over all trainings.
+  const auto [low, high] = evaluation::binomial_bounds(*claim.kept, *claim.of, options.confidence);
+  claim.measured = {.value = 100 * static_cast<double>(*claim.kept) / static_cast<double>(*claim.of),
+                    .low = 100 * low,
+                    .high = 100 * high,
+                    .n = *claim.of,
+                    .trainings = trainings.size()};
   claim.in_words = fmt::format("Every slip was detected at its first tick for {}.", kept_of(claim));
   return claim;
 }

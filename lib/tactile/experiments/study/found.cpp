@@ -57,10 +57,11 @@ std::vector<std::string> found_in(const results::Evaluation& reported, const std
   const results::Figure& change = unseen.mean.difference;
   return {
       accuracy_sentence(reported, histories), delay_sentence(reported.network),
-      fmt::format("False alarms: {} per minute outside labelled touches, {} without unlabelled motion, {} of the time without "
-                  "touch; and {} of the wrong class per minute of touch.",
-                  results::text_of(alarms.outside_labels_per_min, ""), results::text_of(alarms.outside_motion_per_min, ""),
-                  percent_of(alarms.none_in_alarm_share, " %", ".2f"), results::text_of(alarms.wrong_class_per_min, "")),
+      fmt::format("False alarms: {} per minute outside labelled touches, which is {} of that time; {} without unlabelled motion, "
+                  "{} of the time. The wrong class: {} per minute of touch, {} of that time.",
+                  results::text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share),
+                  results::text_of(alarms.outside_motion_per_min, ""), percent_of(alarms.outside_motion_share, " %", ".2f"),
+                  results::text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share)),
       unseen.objects.empty() ? std::string("No object was held out of training.")
                              : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} objects).",
                                            percent_of(change, " points"), change.n),

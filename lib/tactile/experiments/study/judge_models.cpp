@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int evaluation_form = 3;  ///< with another number, evaluations that are kept are made again
+constexpr int evaluation_form = 4;  ///< with another number, evaluations that are kept are made again
 
 /// Null if one of them is missing.
 json hashes_of(std::initializer_list<fs::path> files) {

@@ -1,5 +1,7 @@
 #include "tactile/experiments/trade/front_probability.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -167,6 +169,15 @@ class Drawable {
 };
 
 }  // namespace
+
+std::string text_of(const FrontProbability& probability) {
+  if (!probability.accuracy || !probability.delay) return {};
+  return fmt::format(
+      "on the front of accuracy and time in {:.0f} % of the draws of trainings, objects and runs, and on that of delay, misses "
+      "and "
+      "false alarms in {:.0f} %",
+      100 * *probability.accuracy, 100 * *probability.delay);
+}
 
 OnFronts fronts_of(std::span<const TradeFigures> figures) {
   std::vector<TradePlace> by_accuracy, by_delay;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tactile/experiments/trade/trade_figures.hpp"
@@ -12,6 +13,9 @@ namespace tactile::trade {
 struct FrontProbability {
   std::optional<double> accuracy, delay;
 };
+
+/// "on the front of accuracy and time in 62 % of the draws of trainings, objects and runs, and on that of …"; empty if unknown.
+std::string text_of(const FrontProbability& probability);
 
 /// What the fronts are found by: outcomes on the runs to choose on, and times.
 struct FrontCandidate {

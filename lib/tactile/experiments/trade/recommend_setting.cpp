@@ -207,8 +207,12 @@ Recommendation confirm(const Stage& stage, const TradePoint& point, const TradeP
   }
   result["again"] = *again;
   if (trial) result["trial"] = *trial;
-  return recommend(plan.options.constraints, text, figures_in(*again, plan.options.out / "again", point.choice.figures.tick_us),
-                   trial ? std::optional(live_trial_in(*trial)) : std::nullopt, plan.dataset.simulated());
+  Recommendation recommendation =
+      recommend(plan.options.constraints, text, figures_in(*again, plan.options.out / "again", point.choice.figures.tick_us),
+                trial ? std::optional(live_trial_in(*trial)) : std::nullopt, plan.dataset.simulated());
+  if (const std::string on_front = text_of(point.front_probability); !on_front.empty())
+    recommendation.sentence += fmt::format(" It is {}.", on_front);
+  return recommendation;
 }
 
 }  // namespace

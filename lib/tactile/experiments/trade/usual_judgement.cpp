@@ -36,14 +36,6 @@ std::string text_of(const TradePoint& point, const TradeSetting& usual) {
       text_of(difference.episodes_per_min, " per minute", "+.1f"));
 }
 
-std::string probability_text(const FrontProbability& probability) {
-  if (!probability.accuracy || !probability.delay) return {};
-  return fmt::format(
-      "The usual setting is on the front of accuracy and time in {:.0f} % of the draws, and on that of delay, misses and false "
-      "alarms in {:.0f} %. ",
-      100 * *probability.accuracy, 100 * *probability.delay);
-}
-
 }  // namespace
 
 std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSetting& usual) {
@@ -56,7 +48,8 @@ std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSe
     const auto accuracy = [](const TradePoint& one) { return one.difference->accuracy.value; };
     if (is_faster(*point.difference) && (nearest == nullptr || accuracy(point) > accuracy(*nearest))) nearest = &point;
   }
-  const std::string probability = probability_text(points.front().front_probability);
+  const std::string on_front = text_of(points.front().front_probability);
+  const std::string probability = on_front.empty() ? "" : fmt::format("The usual setting is {}. ", on_front);
   if (!better.empty()) {
     return fmt::format("{}Better than it by the whole 95 % intervals of their differences: {}.", probability,
                        fmt::join(better, "; "));
