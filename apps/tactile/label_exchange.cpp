@@ -103,6 +103,74 @@ fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
   return tasks.path == to ? fs::path(to).replace_extension(".xml") : to / "label-studio.xml";
 }
 
+labels::ExchangeFormat format_to_export(const LabelExchangeArguments& arguments) {
+  const auto format = format_in(arguments) ? format_in(arguments) : labels::exchange_format_by_ending(arguments.to);
+  if (format) return *format;
+  throw Error(
+      fmt::format("--export {}: its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or "
+                  ".csv, or a folder and --format",
+                  arguments.to));
+}
+
+bool has_no_labels(const RunFolder& run) { return !is_there(run.labels()); }
+
+/// The labels of the runs. A run whose labels cannot be exported leaves `runs`, and `errors` gets the reason.
+std::vector<labels::LabelsToExport> labels_to_export(const CommonArguments& common, const LabelExchangeArguments& arguments,
+                                                     labels::ExchangeFormat format, std::vector<RunFolder>& runs,
+                                                     std::vector<std::string>& errors) {
+  const ProgressCallback progress = progress_line(common);
+  std::vector<labels::LabelsToExport> labels(runs.size());
+  std::vector<std::string> why_not(runs.size());
+  std::mutex guard;
+  std::size_t done = 0;
+  parallel_for(runs.size(), common.threads, [&](std::size_t i) {
+    try {
+      labels[i] = labels::labels_to_export(runs[i], origin_in(arguments), format == labels::ExchangeFormat::elan);
+      if (format == labels::ExchangeFormat::label_studio) labels[i].signals = labels::signals_of(runs[i], labels[i]);
+    } catch (const std::exception& e) {
+      why_not[i] = sentence_of(e, runs[i].name());
+    }
+    const std::scoped_lock lock(guard);
+    tell(progress, ++done, runs.size(), runs[i].name());
+  });
+  for (std::size_t i = runs.size(); i-- > 0;) {
+    if (why_not[i].empty()) continue;
+    errors.push_back(why_not[i]);
+    const auto place = static_cast<std::ptrdiff_t>(i);
+    runs.erase(runs.begin() + place);
+    labels.erase(labels.begin() + place);
+  }
+  return labels;
+}
+
+std::span<const labels::LabelsToExport> runs_of(const FileToWrite& file, std::span<const labels::LabelsToExport> labels) {
+  return labels.subspan(file.first_run, file.runs);
+}
+
+/// @param files  the one without runs is Label Studio's configuration
+void print_export(const CommonArguments& common, std::span<const FileToWrite> files,
+                  std::span<const labels::LabelsToExport> labels, std::span<const RunFolder> labelled,
+                  const std::vector<std::string>& errors) {
+  nlohmann::json json = {
+      {"exported", nlohmann::json::array()}, {"labelled", nlohmann::json::array()}, {"config", nullptr}, {"failed", errors}};
+  std::vector<std::vector<std::string>> rows;
+  std::string config;
+  for (const FileToWrite& file : files) {
+    const std::string path = file.path.string();
+    for (const labels::LabelsToExport& run : runs_of(file, labels)) {
+      const std::size_t intervals = run.labels.intervals.size();
+      const std::string_view origin = name_of(run.times.origin);
+      json["exported"].push_back({{"run", run.run}, {"file", path}, {"intervals", intervals}, {"origin", origin}});
+      rows.push_back({run.run, std::to_string(intervals), std::string(origin), path});
+    }
+    if (file.runs > 0) continue;
+    json["config"] = path;
+    config = fmt::format("{}: their labelling configuration\n", path);
+  }
+  for (const RunFolder& run : labelled) json["labelled"].push_back(run.name());
+  print_result(common, json, text_table({"run", "intervals", "times from", ""}, rows) + config);
+}
+
 /// The files that --import names. A folder stands for all of its files with a known format and the name of a run.
 std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const std::vector<RunFolder>& runs) {
   const std::optional<labels::ExchangeFormat> format = format_in(arguments);
@@ -166,80 +234,29 @@ void check_exchange(const LabelExchangeArguments& arguments) {
 
 void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found, bool replace,
                    const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first) {
+  const labels::ExchangeFormat format = format_to_export(arguments);
   std::vector<RunFolder> runs = found.runs;
-  const fs::path to = arguments.to;
-  const std::optional<labels::ExchangeFormat> known =
-      format_in(arguments) ? format_in(arguments) : labels::exchange_format_by_ending(to);
-  if (!known) {
-    throw Error(
-        fmt::format("--export {}: its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or "
-                    ".csv, or a folder and --format",
-                    arguments.to));
-  }
-  const labels::ExchangeFormat format = *known;
-  for (const FileToWrite& file : files_of(to, format, runs)) check_place(file.path, runs);
+  for (const FileToWrite& file : files_of(arguments.to, format, runs)) check_place(file.path, runs);
   std::vector<RunFolder> unlabelled;
-  std::copy_if(runs.begin(), runs.end(), std::back_inserter(unlabelled),
-               [](const RunFolder& run) { return !is_there(run.labels()); });
+  std::copy_if(runs.begin(), runs.end(), std::back_inserter(unlabelled), has_no_labels);
   std::vector<std::string> errors = found.unreadable;
   if (!unlabelled.empty()) {
     const std::vector<std::string> failures = label_first(unlabelled);
     errors.insert(errors.end(), failures.begin(), failures.end());
-    std::erase_if(runs, [](const RunFolder& run) { return !is_there(run.labels()); });
-    std::erase_if(unlabelled, [](const RunFolder& run) { return !is_there(run.labels()); });
+    std::erase_if(runs, has_no_labels);
+    std::erase_if(unlabelled, has_no_labels);
   }
-
-  const ProgressCallback progress = progress_line(common);
-  std::vector<labels::LabelsToExport> labels(runs.size());
-  std::mutex guard;
-  std::size_t done = 0;
-  std::vector<std::string> why_not(runs.size());
-  parallel_for(runs.size(), common.threads, [&](std::size_t i) {
-    try {
-      labels[i] = labels::labels_to_export(runs[i], origin_in(arguments), format == labels::ExchangeFormat::elan);
-      if (format == labels::ExchangeFormat::label_studio) labels[i].signals = labels::signals_of(runs[i], labels[i]);
-    } catch (const std::exception& e) {
-      why_not[i] = sentence_of(e, runs[i].name());
-    }
-    const std::scoped_lock lock(guard);
-    tell(progress, ++done, runs.size(), runs[i].name());
-  });
-  for (std::size_t i = runs.size(); i-- > 0;) {
-    if (why_not[i].empty()) continue;
-    errors.push_back(why_not[i]);
-    const auto place = static_cast<std::ptrdiff_t>(i);
-    runs.erase(runs.begin() + place);
-    labels.erase(labels.begin() + place);
-  }
+  const std::vector<labels::LabelsToExport> labels = labels_to_export(common, arguments, format, runs, errors);
   if (runs.empty()) return end_with(errors);
-  std::vector<FileToWrite> files = files_of(to, format, runs);
-  const auto runs_of = [&](const FileToWrite& file) { return std::span(labels).subspan(file.first_run, file.runs); };
-  for (FileToWrite& file : files) file.text = text_of(format, runs_of(file), file.path);
-  nlohmann::json json = {{"exported", nlohmann::json::array()}, {"labelled", nlohmann::json::array()}, {"config", nullptr}};
-  std::vector<std::vector<std::string>> rows;
-  for (const FileToWrite& file : files) {
-    for (const labels::LabelsToExport& run : runs_of(file)) {
-      json["exported"].push_back({{"run", run.run},
-                                  {"file", file.path.string()},
-                                  {"intervals", run.labels.intervals.size()},
-                                  {"origin", name_of(run.times.origin)}});
-      rows.push_back(
-          {run.run, std::to_string(run.labels.intervals.size()), std::string(name_of(run.times.origin)), file.path.string()});
-    }
-  }
-  for (const RunFolder& run : unlabelled) json["labelled"].push_back(run.name());
-  std::string text = text_table({"run", "intervals", "times from", ""}, rows);
-  if (format == labels::ExchangeFormat::label_studio) {
-    files.push_back({.path = config_beside(to, files.front()), .text = labels::label_studio_config(labels)});
-    json["config"] = files.back().path.string();
-    text += fmt::format("{}: their labelling configuration\n", files.back().path.string());
-  }
+  std::vector<FileToWrite> files = files_of(arguments.to, format, runs);
+  for (FileToWrite& file : files) file.text = text_of(format, runs_of(file, labels), file.path);
+  if (format == labels::ExchangeFormat::label_studio)
+    files.push_back({.path = config_beside(arguments.to, files.front()), .text = labels::label_studio_config(labels)});
   for (const FileToWrite& file : files) check_free(file, replace);
   for (const FileToWrite& file : files) {
     if (!holds(file)) write_whole(file.path, file.text, replace ? IfThere::replace : IfThere::refuse);
   }
-  json["failed"] = errors;
-  print_result(common, json, text);
+  print_export(common, files, labels, unlabelled, errors);
   end_with(errors);
 }
 

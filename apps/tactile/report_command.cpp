@@ -30,11 +30,6 @@ struct ReportArguments {
   std::string trade;
 };
 
-bool is_file(const fs::path& file) {
-  std::error_code ignored;
-  return fs::is_regular_file(file, ignored);
-}
-
 /// A model for a report.
 struct FoundModel {
   fs::path folder;

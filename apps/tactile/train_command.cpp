@@ -188,30 +188,9 @@ std::string text_of(const model::Temperature& temperature) {
          "\n";
 }
 
-void train(const TrainArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
-  model::ModelSettings settings = settings_of(args);
-  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
-  const bool dataset_made = made.has_value();
-  const windows::Dataset dataset(dataset_file(args.data));
-  if (settings.split.kind == windows::SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
-  const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
-  const model::ModelBundle from = named_model(args.from, args.models);
-  if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
-  const model::ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? model::default_name(settings) : args.name)};
-  const model::BundleState state = model::state_of(bundle, dataset, settings);
-  if (state == model::BundleState::unchanged && !args.force) {
-    const model::ModelDescription model = model::read_description(bundle);
-    const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
-    print_result(common, json_of(bundle, model, "unchanged", dataset_made, warnings, {}, temperature),
-                 text_of(bundle, args, model, "unchanged", {}) + text_of(temperature));
-    if (made) end_with(made->errors);
-    return;
-  }
-  if (state == model::BundleState::changed && !args.force) {
-    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
-                            difference_of(bundle, dataset, settings)));
-  }
+/// Trains the bundle, or resumes its training, and logs how that goes.
+model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
+                                    const model::ModelSettings& settings, const model::ModelBundle& bundle, IfThere if_there) {
   heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
   TrainingEstimate estimate(settings.training.epochs, progress_line(common));
@@ -230,8 +209,8 @@ void train(const TrainArguments& args, const CommonArguments& common) {
                                  {.threads = common.threads,
                                   .resume = resumes,
                                   .save_every = std::chrono::duration<double>(args.save_every_s),
-                                  .from = from.folder,
-                                  .if_there = state == model::BundleState::missing ? IfThere::refuse : IfThere::replace,
+                                  .from = named_model(args.from, args.models).folder,
+                                  .if_there = if_there,
                                   .begins = report_begin},
                                  [&estimate](const Progress& progress) { estimate.see(progress); });
   } catch (const Interrupted&) {
@@ -239,14 +218,38 @@ void train(const TrainArguments& args, const CommonArguments& common) {
       spdlog::warn("{}: interrupted; the same command with --resume resumes it", bundle.folder.string());
     throw;
   }
-  const std::string outcome = state == model::BundleState::missing ? "trained" : "replaced";
-  const model::ModelDescription model = model::read_description(bundle);
-  if (resumes && model.threads != common.threads)
-    spdlog::info("resumed with {} threads, as it began: another number of threads changes the last bits of the weights",
-                 model.threads);
+  const unsigned threads = model::read_description(bundle).threads;
+  if (resumes && threads != common.threads)
+    spdlog::info("resumed with {} threads, as it began: another number of threads changes the last bits of the weights", threads);
   warn_of_nothing_learned(bundle, settings, summary);
+  return summary;
+}
+
+void train(const TrainArguments& args, const CommonArguments& common) {
+  let_openmp_threads_sleep();
+  model::ModelSettings settings = settings_of(args);
+  const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
+  const windows::Dataset dataset(dataset_file(args.data));
+  if (settings.split.kind == windows::SplitKind::unseen) settings.split.held_out = objects_to_hold_out(args.held_out, dataset);
+  const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
+  const model::ModelBundle from = named_model(args.from, args.models);
+  if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
+  const model::ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? model::default_name(settings) : args.name)};
+  const model::BundleState state = model::state_of(bundle, dataset, settings);
+  if (state == model::BundleState::changed && !args.force) {
+    throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),
+                            difference_of(bundle, dataset, settings)));
+  }
+  const bool is_missing = state == model::BundleState::missing;
+  std::string outcome = "unchanged";
+  model::TrainingSummary summary;
+  if (state != model::BundleState::unchanged || args.force) {
+    summary = train_bundle(args, common, dataset, settings, bundle, is_missing ? IfThere::refuse : IfThere::replace);
+    outcome = is_missing ? "trained" : "replaced";
+  }
+  const model::ModelDescription model = model::read_description(bundle);
   const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
-  print_result(common, json_of(bundle, model, outcome, dataset_made, warnings, summary, temperature),
+  print_result(common, json_of(bundle, model, outcome, made.has_value(), warnings, summary, temperature),
                text_of(bundle, args, model, outcome, summary) + text_of(temperature));
   if (made) end_with(made->errors);
 }

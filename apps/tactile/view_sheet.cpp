@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/pictures/contact_sheet.hpp"
 #include "tactile/pictures/rate_strip.hpp"
@@ -22,8 +23,6 @@ namespace {
 constexpr int columns = 6, usual_tiles = 12;
 constexpr std::size_t most_intervals = 12;
 constexpr std::array<std::chrono::milliseconds, columns> around_onset{-20ms, 10ms, 30ms, 60ms, 150ms, 400ms};
-
-double ms_between(CameraTime begin, CameraTime end) { return static_cast<double>(between(begin, end).count()) / 1000; }
 
 /// Ticks to show under one title.
 struct TickGroup {
@@ -95,7 +94,7 @@ std::pair<std::vector<pictures::SheetGroup>, nlohmann::json> tiles_of(const std:
           std::lower_bound(drawn.begin(), drawn.end(), t, [](const DrawnTick& a, CameraTime b) { return a.t < b; });
       pictures::SheetTile tile = found->tile;  // its pictures are shared
       tile.caption = fmt::format("{:.1f} ms", recording.ms_from_first(t));
-      if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", ms_between(*group.onset, t));
+      if (group.onset) tile.caption += fmt::format(" ({:+.1f} ms)", in_ms(between(*group.onset, t)));
       sheet.back().tiles.push_back(std::move(tile));
       tiles.push_back(found->json);
     }

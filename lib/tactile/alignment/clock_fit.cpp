@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/core/straight_line.hpp"
 
 namespace tactile::alignment {
 namespace {
@@ -19,28 +20,24 @@ constexpr std::array<std::string_view, 8> kind_names{
 struct Point : UncertainPoint {  // sigma includes a drift that is not measured
   double weight = 1;
   bool used = true;
+
+  double off(const StraightLine& line) const { return std::abs(y - line.at(x)); }
 };
 
-struct Line {
-  double at_middle = 0, gradient = 0;
-
-  double residual(const Point& p) const { return p.y - at_middle - gradient * p.x; }
-};
-
-Line first_line(const std::vector<Point>& points, bool with_gradient) {
-  Line line;
+StraightLine first_line(const std::vector<Point>& points, bool with_gradient) {
+  StraightLine line;
   if (with_gradient) line.gradient = theil_sen_gradient(std::vector<UncertainPoint>(points.begin(), points.end()));
   std::vector<Weighted> offsets;
   for (const Point& p : points) offsets.push_back({p.y - line.gradient * p.x, 1.0 / (p.sigma * p.sigma)});
-  line.at_middle = weighted_median(std::move(offsets));
+  line.mean_y = weighted_median(std::move(offsets));
   return line;
 }
 
 /// The scatter of the anchors in their own standard deviations; at least 1, and 1 where they are too few.
-double scatter_of(const std::vector<Point>& points, const Line& line, std::size_t free_parameters) {
+double scatter_of(const std::vector<Point>& points, const StraightLine& line, std::size_t free_parameters) {
   std::vector<double> sizes;
   for (const Point& p : points) {
-    if (p.used) sizes.push_back(std::abs(line.residual(p)) / p.sigma);
+    if (p.used) sizes.push_back(p.off(line) / p.sigma);
   }
   if (sizes.size() <= free_parameters) return 1.0;
   const auto n = static_cast<double>(sizes.size());
@@ -48,49 +45,34 @@ double scatter_of(const std::vector<Point>& points, const Line& line, std::size_
   return std::max(1.0, sigma_per_median * lower_median(sizes) * std::sqrt(n / (n - static_cast<double>(free_parameters))));
 }
 
-struct LineSums {
-  double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
-
-  double determinant() const { return w * wxx - wx * wx; }
-};
-
-LineSums sums_of(const std::vector<Point>& points) {
-  LineSums s;
+/// The line through the used points. @param with_gradient  else it is level
+StraightLine least_squares(const std::vector<Point>& points, bool with_gradient) {
+  std::vector<WeightedPoint> used;
   for (const Point& p : points) {
-    if (!p.used) continue;
-    s.w += p.weight;
-    s.wx += p.weight * p.x;
-    s.wxx += p.weight * p.x * p.x;
-    s.wy += p.weight * p.y;
-    s.wxy += p.weight * p.x * p.y;
+    if (p.used) used.push_back({p.x, p.y, p.weight});
   }
-  return s;
-}
-
-Line least_squares(const LineSums& s, bool with_gradient) {
-  Line line;
-  if (with_gradient) line.gradient = (s.w * s.wxy - s.wx * s.wy) / s.determinant();
-  line.at_middle = (s.wy - line.gradient * s.wx) / s.w;
+  StraightLine line = line_through(used);
+  if (!with_gradient) line.gradient = 0;
   return line;
 }
 
 /// Huber's line from `line` on. Marks the anchors that are too far from it as not used.
-Line robust_line(std::vector<Point>& points, Line line, bool with_gradient, double reject_beyond) {
+StraightLine robust_line(std::vector<Point>& points, StraightLine line, bool with_gradient, double reject_beyond) {
   const std::size_t free_parameters = with_gradient ? 2 : 1;
   for (int round = 0; round < 30; ++round) {
     const double scatter = scatter_of(points, line, free_parameters);
     for (Point& p : points) {
-      const double size = std::abs(line.residual(p)) / (p.sigma * scatter);
+      const double size = p.off(line) / (p.sigma * scatter);
       p.used = size <= reject_beyond;
       p.weight = huber_weight(size) / (p.sigma * p.sigma);
     }
-    const LineSums sums = sums_of(points);
-    if (!(sums.w > 0) || (with_gradient && !(sums.determinant() > 1e-12 * sums.w * sums.wxx))) {
+    const StraightLine next = least_squares(points, with_gradient);
+    const double xx_about_0 = next.weighted_xx + next.weights * next.mean_x * next.mean_x;
+    if (!(next.weights > 0) || (with_gradient && !(next.weighted_xx > 1e-12 * xx_about_0))) {
       for (Point& p : points) p.used = true;
       return line;
     }
-    const Line next = least_squares(sums, with_gradient);
-    const bool settled = std::abs(next.at_middle - line.at_middle) < 1e-3 && std::abs(next.gradient - line.gradient) < 1e-12;
+    const bool settled = std::abs(next.at(0) - line.at(0)) < 1e-3 && std::abs(next.gradient - line.gradient) < 1e-12;
     line = next;
     if (settled) break;
   }
@@ -170,8 +152,7 @@ class Fitter {
   std::string fit_drift() {
     line_ = robust_line(points_, first_line(points_, true), true, options_.reject_beyond);
     scatter_ = scatter_of(points_, line_, 2);
-    const LineSums sums = sums_of(points_);
-    const double gradient_sigma = scatter_ * std::sqrt(sums.w / sums.determinant());
+    const double gradient_sigma = scatter_ / std::sqrt(least_squares(points_, true).weighted_xx);
     const auto left = std::count_if(points_.begin(), points_.end(), [](const Point& p) { return p.used; });
     if (!(gradient_sigma < usual_drift_) || static_cast<std::size_t>(left) < options_.drift_needs_anchors) {
       with_drift_ = false;
@@ -211,26 +192,26 @@ class Fitter {
   /// @return why there is no clock; empty if there is one
   std::string set_clock(ClockFit& fit) const {
     // Each anchor's share in the value at the middle.
-    const LineSums sums = sums_of(points_);
+    const StraightLine line = least_squares(points_, with_drift_);
     double variance = 0, drift_share = 0, own_sigma = 0;
     std::array<double, kind_names.size()> bias{};
     std::vector<double> sizes;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Point& p = points_[i];
       if (!p.used) continue;
-      const double share = with_drift_ ? p.weight * (sums.wxx - sums.wx * p.x) / sums.determinant() : p.weight / sums.w;
+      const double by_drift = with_drift_ ? line.mean_x * (p.x - line.mean_x) / line.weighted_xx : 0;
+      const double share = p.weight * (1 / line.weights - by_drift);
       variance += share * share * anchors_[i].sigma_us * anchors_[i].sigma_us;
       drift_share += share * p.x;
       bias[static_cast<std::size_t>(anchors_[i].kind)] += share * anchors_[i].bias_us;
       own_sigma = sizes.empty() ? p.sigma : std::min(own_sigma, p.sigma);
-      sizes.push_back(std::abs(line_.residual(p)));
+      sizes.push_back(p.off(line_));
     }
     variance *= scatter_ * scatter_;
     if (!with_drift_) variance += usual_drift_ * usual_drift_ * drift_share * drift_share;
     for (const double value : bias) variance += value * value;
 
-    const double at_reference =
-        line_.at_middle + line_.gradient * static_cast<double>(saturating_subtract(reference_us_, middle_us_));
+    const double at_reference = line_.at(static_cast<double>(saturating_subtract(reference_us_, middle_us_)));
     constexpr double furthest_us = 9e18;  // of int64's 9.22e18
     if (!(std::abs(at_reference) < furthest_us)) return too_far_apart;
     const std::int64_t offset_us = saturating_add(base_us_, std::llround(at_reference));
@@ -254,7 +235,7 @@ class Fitter {
   std::vector<Point> points_;
   bool with_drift_ = false;
   std::string why_no_drift_;
-  Line line_;
+  StraightLine line_;
   double scatter_ = 1;
 };
 

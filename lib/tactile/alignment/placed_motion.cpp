@@ -6,16 +6,15 @@
 #include <cstdint>
 
 #include "tactile/alignment/lowest_point.hpp"
+#include "tactile/core/duration_units.hpp"
 
 namespace tactile::alignment {
 namespace {
 
-double seconds_between(RobotTime from, RobotTime to) { return 1e-6 * static_cast<double>((to - from).count()); }
-
 /// Time from the start of a lift until the arm has moved so far [s].
 double time_of_travel(const MotionPhase& lift, double travel_m) {
   constexpr double step_s = 1e-3;
-  const double lasts_s = seconds_between(lift.start, lift.end);
+  const double lasts_s = in_s(lift.end - lift.start);
   double moved_m = 0, since_s = 0;
   while (moved_m < travel_m && since_s < lasts_s) {
     moved_m += step_s * lift.profile->commanded_m_s(since_s + 0.5 * step_s);
@@ -182,7 +181,7 @@ std::optional<PlacedMotion> place_ring_down(const Milliseconds& ms, const Motion
   constexpr double model_s = 5e-3;  // a tip that rings by less than a pixel fires where it passes a threshold
   const SpeedProfile& profile = *lift.profile;
   if (!profile.rings()) return std::nullopt;
-  const double stop_s = start_s + seconds_between(lift.start, lift.end) + shift_s;
+  const double stop_s = start_s + in_s(lift.end - lift.start) + shift_s;
   const double lasts_s = std::min(longest_s, 3.0 * profile.ringing.decay_s);
   if (!(std::abs(stop_s) < 1e6) || stop_s < 0) return std::nullopt;
   const auto first = static_cast<std::size_t>(1e3 * (stop_s + from_stop_s));
@@ -209,7 +208,7 @@ class TapMatch {
  public:
   TapMatch(const Milliseconds& ms, const MotionPhase& tap, double start_s, std::ptrdiff_t from, std::ptrdiff_t to)
       : profile_(*tap.profile),
-        turn_since_s_(seconds_between(tap.start, *tap.turn)),
+        turn_since_s_(in_s(*tap.turn - tap.start)),
         turn_s_(start_s + turn_since_s_),
         from_(from),
         turning_s_(0.12 * half_of(tap)),
@@ -225,7 +224,7 @@ class TapMatch {
     }
   }
 
-  static double half_of(const MotionPhase& tap) { return 0.5 * seconds_between(tap.start, tap.end); }
+  static double half_of(const MotionPhase& tap) { return 0.5 * in_s(tap.end - tap.start); }
 
   /// How much of the activity is left unexplained, at the best length of contact, which `half_s` gets. Milliseconds are added
   /// outwards from the lowest point on either side. The first pixels on the way back are those that have just fired on the way
@@ -293,7 +292,7 @@ class TapMatch {
 std::optional<PlacedMotion> place_tap(const Milliseconds& ms, const MotionPhase& tap, double start_s, double shift_s) {
   constexpr double model_s = 1.0e-3;  // pixels that turn back need twice their threshold
   constexpr double reach_s = 0.1, least_likeness = 0.3;
-  const double turn_ms = 1e3 * (start_s + seconds_between(tap.start, *tap.turn) + shift_s);
+  const double turn_ms = 1e3 * (start_s + in_s(*tap.turn - tap.start) + shift_s);
   if (!(std::abs(turn_ms) < 1e9)) return std::nullopt;
   const double around_ms = 1e3 * (reach_s + 0.6 * TapMatch::half_of(tap));
   const auto from = static_cast<std::ptrdiff_t>(std::max(0.0, turn_ms - around_ms));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/duration_units.hpp"
+
 namespace tactile::alignment {
 namespace {
 
@@ -12,15 +14,13 @@ constexpr double shortest_travel_s = 0.03;
 // From an opening of the stage until the tips are seen to move, and its standard deviation.
 constexpr double opening_s = 0.006, opening_sigma_s = 0.03;
 
-double seconds(microseconds d) { return 1e-6 * static_cast<double>(d.count()); }
-
 double delay_of(const StageCommand& command, const AnchorOptions& options) {
-  return command.closes ? seconds(options.stage_delay) : opening_s;
+  return command.closes ? in_s(options.stage_delay) : opening_s;
 }
 
 void add_anchor(AnchorSearch& search, const StageCommand& command, const ActivityStart& start) {
   // A travel may be longer or shorter by a third.
-  const double sigma_s = command.closes ? 0.5 * seconds(search.options.stage_delay) : opening_sigma_s;
+  const double sigma_s = command.closes ? 0.5 * in_s(search.options.stage_delay) : opening_sigma_s;
   search.add(command.at_s, start.at_s - command.at_s - delay_of(command, search.options), sigma_s, AnchorKind::stage_output,
              0.5 * sigma_s);
 }
@@ -71,7 +71,7 @@ std::vector<StageCommand> stage_commands(const AnchorSearch& search) {
 std::vector<ActivityStart> activity_starts(const AnchorInputs& inputs) {
   std::vector<ActivityStart> starts;
   for (const Burst& burst : bursts_in(inputs.rate, inputs.quiet))
-    starts.push_back({.at_s = seconds(inputs.rate.bin) * static_cast<double>(burst.begin), .events = burst.events});
+    starts.push_back({.at_s = in_s(inputs.rate.bin) * static_cast<double>(burst.begin), .events = burst.events});
   return starts;
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <utility>
 
+#include "tactile/core/changed_values.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json_text.hpp"
@@ -136,22 +136,12 @@ std::string hash_of(const nlohmann::json& json) { return sha256_of(json_text(jso
 
 std::string differences(const nlohmann::json& before, const nlohmann::json& now) {
   constexpr std::size_t most = 4;
-  // By path: a value that only one of them has is null in the other.
-  const nlohmann::json flat_before = before.flatten(), flat_now = now.flatten();
-  std::map<std::string, std::pair<nlohmann::json, nlohmann::json>> others;
-  for (const auto& [path, value] : flat_before.items()) {
-    if (!flat_now.contains(path) || flat_now[path] != value) others[path] = {value, nullptr};
-  }
-  for (const auto& [path, value] : flat_now.items()) {
-    if (!flat_before.contains(path) || flat_before[path] != value) others[path].second = value;
-  }
+  const std::vector<ChangedValue> changed = changed_values(before, now);
   std::string text;
-  std::size_t told = 0;
-  for (const auto& [path, values] : others) {
-    if (told == most) return text + "; and " + std::to_string(others.size() - most) + " more";
-    std::string name = path.substr(std::min<std::size_t>(1, path.size()));
-    std::replace(name.begin(), name.end(), '/', '.');
-    text += (told++ == 0 ? "" : "; ") + name + ": " + json_text(values.first) + " before, " + json_text(values.second) + " now";
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (i == most) return text + "; and " + std::to_string(changed.size() - most) + " more";
+    text += (i == 0 ? "" : "; ") + changed[i].path + ": " + json_text(changed[i].before) + " before, " +
+            json_text(changed[i].now) + " now";
   }
   return text;
 }

@@ -38,4 +38,7 @@ RunFolder named_run_at(const std::filesystem::path& folder);
 /// Whether something has this name. Also true if that cannot be found out: an attempt to open it then gives the reason.
 bool is_there(const std::filesystem::path& path);
 
+/// Whether it is a file, by itself or by a link.
+bool is_file(const std::filesystem::path& path);
+
 }  // namespace tactile

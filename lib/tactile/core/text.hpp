@@ -19,4 +19,11 @@ inline std::string_view trimmed(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
+/// `text` as a message shows it: in quotes, cut after 40 characters; '?' stands for any that is not printable ASCII.
+inline std::string shown_text(std::string_view text) {
+  std::string plain;
+  for (const char c : text.substr(0, 40)) plain += c >= ' ' && c < 127 ? c : '?';
+  return "'" + plain + (text.size() > 40 ? "...'" : "'");
+}
+
 }  // namespace tactile

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 
 namespace tactile::events {
 namespace {
@@ -36,12 +37,6 @@ File open_file(const std::filesystem::path& file, const char* mode, const char* 
                             std::filesystem::is_directory(file) ? "a folder" : std::strerror(errno), expected));
   std::setvbuf(opened.get(), nullptr, _IONBF, 0);  // the chunks are the buffer
   return opened;
-}
-
-std::string shown(std::string_view text) {
-  std::string plain;
-  for (const char c : text.substr(0, 40)) plain += c >= ' ' && c < 127 ? c : '?';
-  return "'" + plain + (text.size() > 40 ? "...'" : "'");
 }
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
@@ -255,7 +250,7 @@ struct EventCsvReader::State {
       at = cell_end;
       if (i + 1 < count && !pass_separator(at, end, layout->separator)) break;
     }
-    refuse(fmt::format("{} does not have {} cells; expected {}", shown(text), count, columns_text()));
+    refuse(fmt::format("{} does not have {} cells; expected {}", shown_text(text), count, columns_text()));
   }
 
   [[noreturn]] void refuse_cell(std::size_t i, std::string_view cell) const {
@@ -264,14 +259,14 @@ struct EventCsvReader::State {
     if (layout->columns[i] == EventColumn::t) expected = fmt::format("a time in {}", name_of(unit));
     if (layout->columns[i] == EventColumn::x) expected = whole_up_to(sensor.width - 1);
     if (layout->columns[i] == EventColumn::y) expected = whole_up_to(sensor.height - 1);
-    refuse(fmt::format("{} is {}; expected {}", layout->names[i], shown(cell), expected));
+    refuse(fmt::format("{} is {}; expected {}", layout->names[i], shown_text(cell), expected));
   }
 
   /// "the columns 't_us,x,y,on'".
   std::string columns_text() const {
     std::string text;
     for (const std::string& name : layout->names) text += (text.empty() ? "" : ",") + name;
-    return "the columns " + shown(text);
+    return "the columns " + shown_text(text);
   }
 
   /// @param rest  the chunk from this line on

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "tactile/core/straight_line.hpp"
 #include "tactile/events/stamp_period.hpp"
 
 namespace tactile::events {
@@ -15,37 +16,6 @@ namespace {
 constexpr double rounding_variance = 1.0 / 12;  // of whole us
 constexpr double least_coherence = 0.9;
 constexpr double longest_block_us = 100'000;
-
-/// A straight line through points, with weights.
-struct StraightLine {
-  double mean_x = 0, mean_y = 0, gradient = 0;
-  double weighted_xx = 0;  ///< sum of w (x - mean_x)^2
-
-  double at(double x) const { return mean_y + gradient * (x - mean_x); }
-};
-
-struct WeightedPoint {
-  double x = 0, y = 0, weight = 0;
-};
-
-StraightLine line_through(std::span<const WeightedPoint> points) {
-  StraightLine line;
-  double weights = 0, xy = 0;
-  for (const WeightedPoint& p : points) {
-    weights += p.weight;
-    line.mean_x += p.weight * p.x;
-    line.mean_y += p.weight * p.y;
-  }
-  if (!(weights > 0)) return line;
-  line.mean_x /= weights;
-  line.mean_y /= weights;
-  for (const WeightedPoint& p : points) {
-    line.weighted_xx += p.weight * (p.x - line.mean_x) * (p.x - line.mean_x);
-    xy += p.weight * (p.x - line.mean_x) * (p.y - line.mean_y);
-  }
-  line.gradient = line.weighted_xx > 0 ? xy / line.weighted_xx : 0;
-  return line;
-}
 
 /// The nearest whole number of |value| < 2^51, without a call of the library.
 double rounded(double value) {

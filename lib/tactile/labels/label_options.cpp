@@ -3,6 +3,7 @@
 namespace tactile::labels {
 
 nlohmann::json settings_of(const LabelOptions& options) {
+  // A long list of one line per setting, in the groups of labels.json: divided, it would no longer show the whole.
   nlohmann::json region;
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
   const alignment::AnchorOptions& anchors = options.clocks.anchors;

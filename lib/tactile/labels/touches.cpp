@@ -30,80 +30,115 @@ std::optional<std::size_t> slip_of(const alignment::EventRate& rate, std::span<c
   return best;
 }
 
+/// The kinds of a run's bursts, found step by step.
+class Classifier {
+ public:
+  Classifier(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts, std::span<const double> undoes,
+             const TouchesOptions& options)
+      : rate_(rate), bursts_(bursts), undoes_(undoes), options_(options), kinds_(bursts.size(), BurstKind::press) {}
+
+  void find_slips(std::span<const ArmMove> lifts) {
+    for (const ArmMove& lift : lifts) {
+      if (const auto slip = slip_of(rate_, bursts_, lift, false)) set_slip(*slip);
+    }
+  }
+
+  /// By order alone: the last burst that is no after-effect and no release, if there is another before it.
+  void find_last_slip() {
+    std::vector<std::size_t> large;
+    for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      if (!bursts_[i].slow && !is_after_effect(i) && (i == 0 || !reverses(i))) large.push_back(i);
+    }
+    if (large.size() > 1) set_slip(large.back());
+  }
+
+  void find_others(std::span<const ArmMove> taps) {
+    for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      if (kinds_[i] != BurstKind::slip) kinds_[i] = kind_of(i, taps);
+    }
+  }
+
+  /// A held object may slip so smoothly that only a few places show it.
+  void find_slow_slips(std::span<const ArmMove> lifts) {
+    const auto is_hold = [](BurstKind kind) { return kind == BurstKind::press || kind == BurstKind::release; };
+    for (const ArmMove& lift : lifts) {
+      const auto slow = slip_of(rate_, bursts_, lift, true);
+      if (slip_of(rate_, bursts_, lift, false) || !slow) continue;
+      std::size_t i = *slow;
+      while (i > 0 && !is_hold(kinds_[i - 1])) --i;
+      if (i > 0 && kinds_[i - 1] == BurstKind::press) kinds_[*slow] = BurstKind::slip;
+    }
+  }
+
+  const std::vector<BurstKind>& kinds() const { return kinds_; }
+
+ private:
+  void set_slip(std::size_t i) {
+    kinds_[i] = BurstKind::slip;
+    last_slip_ = std::max(last_slip_.value_or(0), i);
+  }
+
+  BurstKind kind_of(std::size_t i, std::span<const ArmMove> taps) {
+    if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate_, bursts_[i], tap) > 0us; }))
+      return BurstKind::tap;
+    if (last_slip_ && i > *last_slip_) return reverses(i) && !is_after_effect(i) ? BurstKind::release : BurstKind::after;
+    if (releases(i)) {
+      standing_press_.reset();
+      return BurstKind::release;
+    }
+    if (is_brief(i)) return BurstKind::brief;
+    standing_press_ = i;
+    return BurstKind::press;
+  }
+
+  bool is_after_effect(std::size_t i) const { return alignment::is_after_effect(bursts_[i], rate_, bursts_); }
+  bool reverses(std::size_t i) const { return undoes_[i] > options_.releases; }
+  bool is_shorter(std::size_t i, microseconds than) const {
+    return rate_.bin * static_cast<std::int64_t>(bursts_[i].end - bursts_[i].begin) < than;
+  }
+  bool is_short(std::size_t i) const { return is_shorter(i, options_.shortest_press); }
+
+  /// A fast stage needs less time than `shortest_press`, but moves as many markers as before.
+  bool is_like_a_press(std::size_t i, std::size_t times_shorter) const {
+    const alignment::Burst &burst = bursts_[i], &press = bursts_[*standing_press_];
+    return burst.events >= options_.like_a_press * press.events &&
+           times_shorter * (burst.end - burst.begin) > press.end - press.begin;
+  }
+
+  bool releases(std::size_t i) const {
+    return standing_press_ && reverses(i) && (!is_short(i) || is_like_a_press(i, 2)) && !is_after_effect(i);
+  }
+
+  /// Tips that spring back or creep while they are pressed, or move so faintly that no stage moves them; no deeper press.
+  bool is_brief(std::size_t i) const {
+    const alignment::Burst& burst = bursts_[i];
+    if (is_after_effect(i)) return true;
+    if (standing_press_ && undoes_[i] < -options_.deepens && !burst.slow && is_like_a_press(i, 3)) return false;
+    if (burst.slow && is_shorter(i, options_.shortest_slow_press)) return true;
+    return standing_press_ && (is_short(i) || burst.slow) && burst.events < bursts_[*standing_press_].events;
+  }
+
+  const alignment::EventRate& rate_;
+  std::span<const alignment::Burst> bursts_;
+  std::span<const double> undoes_;
+  const TouchesOptions& options_;
+  std::vector<BurstKind> kinds_;
+  std::optional<std::size_t> last_slip_, standing_press_;
+};
+
 }  // namespace
 
 std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options) {
-  std::vector<BurstKind> kinds(bursts.size(), BurstKind::press);
-  std::optional<std::size_t> last_slip;
-  const auto is_slip = [&](std::size_t i) {
-    kinds[i] = BurstKind::slip;
-    last_slip = std::max(last_slip.value_or(0), i);
-  };
-  if (lifts) {
-    for (const ArmMove& lift : *lifts) {
-      if (const auto slip = slip_of(rate, bursts, lift, false)) is_slip(*slip);
-    }
-  } else {
-    // By order alone: the last burst that is no after-effect and no release, if there is another before it.
-    std::vector<std::size_t> large;
-    for (std::size_t i = 0; i < bursts.size(); ++i) {
-      const bool reverses = i > 0 && undoes[i] > options.releases;
-      if (!bursts[i].slow && !reverses && !alignment::is_after_effect(bursts[i], rate, bursts)) large.push_back(i);
-    }
-    if (large.size() > 1) is_slip(large.back());
-  }
-
-  const auto is_shorter = [&](std::size_t i, microseconds than) {
-    return rate.bin * static_cast<std::int64_t>(bursts[i].end - bursts[i].begin) < than;
-  };
-  const auto is_short = [&](std::size_t i) { return is_shorter(i, options.shortest_press); };
-  std::optional<std::size_t> standing_press;
-  // A fast stage needs less time than `shortest_press`, but moves as many markers as before.
-  const auto is_like_a_press = [&](std::size_t i, std::size_t times_shorter) {
-    const alignment::Burst &burst = bursts[i], &press = bursts[*standing_press];
-    return burst.events >= options.like_a_press * press.events &&
-           times_shorter * (burst.end - burst.begin) > press.end - press.begin;
-  };
-  const auto releases = [&](std::size_t i) {
-    return standing_press && undoes[i] > options.releases && (!is_short(i) || is_like_a_press(i, 2)) &&
-           !alignment::is_after_effect(bursts[i], rate, bursts);
-  };
-  // Tips that spring back or creep while they are pressed, or move so faintly that no stage moves them; no deeper press.
-  const auto is_brief = [&](std::size_t i) {
-    const alignment::Burst& burst = bursts[i];
-    if (alignment::is_after_effect(burst, rate, bursts)) return true;
-    if (standing_press && undoes[i] < -options.deepens && !burst.slow && is_like_a_press(i, 3)) return false;
-    if (burst.slow && is_shorter(i, options.shortest_slow_press)) return true;
-    return standing_press && (is_short(i) || burst.slow) && burst.events < bursts[*standing_press].events;
-  };
-  for (std::size_t i = 0; i < bursts.size(); ++i) {
-    if (kinds[i] == BurstKind::slip) continue;
-    if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate, bursts[i], tap) > 0us; })) {
-      kinds[i] = BurstKind::tap;
-    } else if (last_slip && i > *last_slip) {
-      const bool reverses = undoes[i] > options.releases && !alignment::is_after_effect(bursts[i], rate, bursts);
-      kinds[i] = reverses ? BurstKind::release : BurstKind::after;
-    } else if (releases(i)) {
-      kinds[i] = BurstKind::release;
-      standing_press.reset();
-    } else if (is_brief(i)) {
-      kinds[i] = BurstKind::brief;
-    } else {
-      standing_press = i;
-    }
-  }
-  for (const ArmMove& lift : lifts.value_or(std::vector<ArmMove>())) {
-    // A held object may slip so smoothly that only a few places show it.
-    const auto slow = slip_of(rate, bursts, lift, true);
-    if (slip_of(rate, bursts, lift, false) || !slow) continue;
-    const auto is_hold = [](BurstKind kind) { return kind == BurstKind::press || kind == BurstKind::release; };
-    std::size_t i = *slow;
-    while (i > 0 && !is_hold(kinds[i - 1])) --i;
-    if (i > 0 && kinds[i - 1] == BurstKind::press) kinds[*slow] = BurstKind::slip;
-  }
-  return kinds;
+  Classifier classifier(rate, bursts, undoes, options);
+  if (lifts)
+    classifier.find_slips(*lifts);
+  else
+    classifier.find_last_slip();
+  classifier.find_others(taps);
+  if (lifts) classifier.find_slow_slips(*lifts);
+  return classifier.kinds();
 }
 
 }  // namespace tactile::labels

@@ -5,10 +5,6 @@
 namespace tactile::labels {
 namespace {
 
-microseconds overlap_of(const TouchInterval& a, const TouchInterval& b) {
-  return between(std::max(a.start, b.start), std::min(a.end, b.end));
-}
-
 Deviation deviation_of(const alignment::UncertainTime& labelled, CameraTime truly) {
   return {.error = between(truly, labelled.at),
           .covered = labelled.low <= truly && truly <= labelled.high,
@@ -29,8 +25,8 @@ std::optional<std::size_t> label_for(const TouchInterval& truly, const std::vect
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const TouchInterval interval = labels[i].interval();
-    if (interval.touch != truly.touch || overlap_of(interval, truly) <= 0us) continue;
-    if (!best || overlap_of(interval, truly) > overlap_of(labels[*best].interval(), truly)) best = i;
+    if (interval.touch != truly.touch || overlap(interval, truly) <= 0us) continue;
+    if (!best || overlap(interval, truly) > overlap(labels[*best].interval(), truly)) best = i;
   }
   return best;
 }

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/pictures/drawing.hpp"
 
 namespace tactile::pictures {
@@ -28,8 +29,6 @@ int even(int side) { return side + side % 2; }
 
 int width_of(cv::Size shown) { return even(std::max(narrowest, 2 * margin + 4 * border + 2 * shown.width + gap)); }
 int strip_top(cv::Size shown) { return margin + title_line + time_line + shown.height + 2 * border + caption_line; }
-
-double ms_between(CameraTime begin, CameraTime end) { return static_cast<double>(between(begin, end).count()) / 1000; }
 
 }  // namespace
 
@@ -81,7 +80,7 @@ cv::Mat EventFilm::picture_of(const Moment& moment) const {
   const std::optional<Touch> touch = touch_at(moment.t);
   const int base = margin + title_line + 28;
   // Fixed widths, so that changing digits do not move the words after them.
-  draw_text(picture, fmt::format("{:.1f} ms", ms_between(options_.zero, moment.t)), {margin, base}, time_size, 240, ink);
+  draw_text(picture, fmt::format("{:.1f} ms", in_ms(between(options_.zero, moment.t))), {margin, base}, time_size, 240, ink);
   int x = margin + 240;
   if (touch) {
     const cv::Rect box(x, base - 25, 110, 34);
@@ -93,7 +92,7 @@ cv::Mat EventFilm::picture_of(const Moment& moment) const {
     const auto current = std::find_if(options_.intervals.begin(), options_.intervals.end(),
                                       [&](const TouchInterval& interval) { return interval.contains(moment.t); });
     if (current != options_.intervals.end())
-      draw_text(picture, fmt::format("{:.1f} ms after its onset", ms_between(current->start, moment.t)), {x, base - 2},
+      draw_text(picture, fmt::format("{:.1f} ms after its onset", in_ms(between(current->start, moment.t))), {x, base - 2},
                 caption_size, 210, ink);
   }
   const std::string events =

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <system_error>
 
+#include "tactile/core/changed_values.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/input_parts.hpp"
 
@@ -13,37 +15,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file(const fs::path& file) {
-  std::error_code ignored;
-  return fs::is_regular_file(file, ignored);
-}
-
 /// Dataset and settings of a model without its history, which is what models are compared by.
 nlohmann::json compared_settings(const nlohmann::json& model, const std::string& where) {
   nlohmann::json settings = {
       {"dataset", {{"manifest_hash", results::JsonView(model, where)["dataset"]["manifest_hash"].words()}}}};
-  if (!model.is_object()) return settings.flatten();
+  if (!model.is_object()) return settings;
   for (const char* key : {"rendering", "split", "training", "network"})
     settings[key] = model.value(key, nlohmann::json::object());
   if (settings["rendering"].is_object()) settings["rendering"].erase("history_us");
-  return settings.flatten();
+  return settings;
 }
 
 /// The other differences of two models: "training.learning_rate: 0.001 and 0.01; ..."; empty if there are none.
 std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
-  nlohmann::json ours = compared_settings(one, where);
-  const nlohmann::json theirs = compared_settings(two, where);
-  for (const auto& [path, value] : theirs.items()) {
-    if (!ours.contains(path)) ours[path] = nullptr;
-  }
   std::string text;
-  for (const auto& [path, value] : ours.items()) {
-    const nlohmann::json other = theirs.value(path, nlohmann::json());
-    if (other == value) continue;
-    std::string name = path.substr(1);
-    std::replace(name.begin(), name.end(), '/', '.');
+  for (const auto& [path, ours, theirs] : changed_values(compared_settings(one, where), compared_settings(two, where))) {
+    if (ours == theirs) continue;
     text += text.empty() ? "" : "; ";
-    text += name == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", name, value.dump(), other.dump());
+    text += path == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", path, ours.dump(), theirs.dump());
   }
   return text;
 }

@@ -27,13 +27,6 @@ char separator_of(std::string_view header) {
   return ',';
 }
 
-/// The part of a cell that a message shows: binary files have long ones.
-std::string shown(std::string_view cell) {
-  std::string text;
-  for (const char c : cell.substr(0, 40)) text += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return cell.size() > 40 ? text + "..." : text;
-}
-
 }  // namespace
 
 std::vector<std::string> column_names(std::string_view list) {
@@ -46,9 +39,9 @@ std::vector<std::string> column_names(std::string_view list) {
         star == std::string_view::npos ? 1 : whole_number_in(trimmed(part.substr(star + 1)));
     if (name.empty() || !count || *count < 1 || *count > most_columns) {
       throw Error(
-          fmt::format("'{}' names no column of a robot log; expected names such as timestamp, actual_q*6 for actual_q_0 "
+          fmt::format("{} names no column of a robot log; expected names such as timestamp, actual_q*6 for actual_q_0 "
                       "to actual_q_5, and - or -*18 for columns to skip",
-                      shown(part)));
+                      shown_text(part)));
     }
     for (std::int64_t i = 0; i < *count; ++i) {
       const std::string suffix = star == std::string_view::npos ? "" : fmt::format("_{}", i);
@@ -204,8 +197,8 @@ void LogTable::refuse_row() const {
 }
 
 void LogTable::refuse(std::size_t column, std::string_view expected) const {
-  throw Error(fmt::format("{}: row {}, column '{}' holds '{}'; expected {}", file_, number_, names_[column],
-                          shown(cells_[column]), expected));
+  throw Error(fmt::format("{}: row {}, column '{}' holds {}; expected {}", file_, number_, names_[column],
+                          shown_text(cells_[column]), expected));
 }
 
 }  // namespace tactile::robot

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tactile/core/duration_units.hpp"
+
 namespace tactile::robot {
 namespace {
 
@@ -15,10 +17,6 @@ double distance(const std::array<double, 6>& a, const std::array<double, 6>& b) 
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-double seconds_between(const RobotState& before, const RobotState& after) {
-  return 1e-6 * static_cast<double>((after.t - before.t).count());
-}
-
 /// Whether `first` and `second` have one value, other than their neighbours'.
 bool is_twice(const std::array<double, 6>& before, const std::array<double, 6>& first, const std::array<double, 6>& second,
               const std::array<double, 6>& after) {
@@ -27,7 +25,7 @@ bool is_twice(const std::array<double, 6>& before, const std::array<double, 6>& 
 
 /// The distance of a row's speed from the line between two others [m/s].
 double speed_off_line(const RobotState& before, const RobotState& row, const RobotState& after) {
-  const double share = seconds_between(before, row) / seconds_between(before, after);
+  const double share = in_s(row.t - before.t) / in_s(after.t - before.t);
   std::array<double, 6> between{};
   for (std::size_t k = 0; k < 3; ++k) between[k] = before.tcp_speed[k] + share * (after.tcp_speed[k] - before.tcp_speed[k]);
   return distance(row.tcp_speed, between);
@@ -35,7 +33,7 @@ double speed_off_line(const RobotState& before, const RobotState& row, const Rob
 
 /// The distance of a row's pose from the cubic through two others with their speeds; without speeds, from the line [m].
 double pose_off_curve(const RobotState& before, const RobotState& row, const RobotState& after, bool has_speeds) {
-  const double all_s = seconds_between(before, after), s = seconds_between(before, row) / all_s;
+  const double all_s = in_s(after.t - before.t), s = in_s(row.t - before.t) / all_s;
   std::array<double, 6> between{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double step = after.tcp_pose[k] - before.tcp_pose[k];
@@ -69,9 +67,8 @@ void drop_mixed_rows(RobotLog& log, bool has_speeds, bool has_poses) {
   for (std::size_t i = 1; i + 2 < states.size(); ++i) {
     const RobotState &before = states[i - 1], &first = states[i], &second = states[i + 1], &after = states[i + 2];
     if (dropped[i - 1] || dropped[i] || after.t - before.t > longest_row_step) continue;
-    const bool pose_twice =
-        is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
-        distance(before.tcp_pose, after.tcp_pose) > std::max(moving * seconds_between(before, after), by_rounding);
+    const bool pose_twice = is_twice(before.tcp_pose, first.tcp_pose, second.tcp_pose, after.tcp_pose) &&
+                            distance(before.tcp_pose, after.tcp_pose) > std::max(moving * in_s(after.t - before.t), by_rounding);
     const bool speed_twice = is_twice(before.tcp_speed, first.tcp_speed, second.tcp_speed, after.tcp_speed) &&
                              distance(before.tcp_speed, first.tcp_speed) > least_change &&
                              distance(second.tcp_speed, after.tcp_speed) > least_change &&

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/host_clock.hpp"
 #include "tactile/robot/growing_log.hpp"
@@ -66,8 +67,6 @@ std::vector<std::string> wanted_fields(const RobotMonitorOptions& options) {
   }
   return names;
 }
-
-double seconds_between(HostTime begin, HostTime end) { return static_cast<double>((end - begin).count()) / 1e6; }
 
 bool same_fields(const RtdeRecipe& a, const RtdeRecipe& b) {
   return std::equal(a.fields.begin(), a.fields.end(), b.fields.begin(), b.fields.end(),
@@ -245,7 +244,7 @@ void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, Ho
     const bool is_gap = restarted || step > 1.5 * period_s;
     if (is_gap && !gap_is_counted) ++shown.gaps;
     if (is_gap && !restarted) shown.missing += static_cast<std::uint64_t>(std::max(1.0, std::round(step / period_s)) - 1.0);
-  } else if (const double silence = seconds_between(log_begun, arrival); gap_is_counted || silence > longest_silence_s) {
+  } else if (const double silence = in_s(arrival - log_begun); gap_is_counted || silence > longest_silence_s) {
     if (!gap_is_counted) ++shown.gaps;
     shown.missing += packages_in(silence);
   }
@@ -260,7 +259,7 @@ void RobotMonitor::State::log_numbers(const std::vector<RtdeNumber>& numbers, Ho
 
 /// A log that ends while the robot is gone, or that has no package, lacks packages that no later one shows.
 void RobotMonitor::State::count_gap_at_end(HostTime now) {
-  const double silence = seconds_between(log_has_rows ? last_arrival : log_begun, now);
+  const double silence = in_s(now - (log_has_rows ? last_arrival : log_begun));
   if (shown.connected && log_has_rows && silence <= longest_silence_s) return;
   if (!gap_is_counted) ++shown.gaps;
   shown.missing += packages_in(silence);
@@ -288,7 +287,7 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
   bool restarted = false;
   if (last_timestamp) {
     const double step = timestamp - *last_timestamp;
-    restarted = step < 0 || (was_lost && std::abs(step - seconds_between(last_arrival, arrival)) > longest_clock_disagreement_s);
+    restarted = step < 0 || (was_lost && std::abs(step - in_s(arrival - last_arrival)) > longest_clock_disagreement_s);
   }
   if (restarted) ++shown.clock_starts;
   if (log) log_numbers(newest, arrival, restarted);

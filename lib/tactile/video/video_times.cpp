@@ -10,22 +10,18 @@
 #include <string>
 #include <string_view>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::video {
 namespace {
 
-std::vector<std::string> cells_of(std::string_view line) {
-  std::vector<std::string> cells(1);
-  for (const char c : line) {
-    if (c == ',') {
-      cells.emplace_back();
-    } else if (c != ' ' && c != '\r') {
-      cells.back() += c;
-    }
-  }
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells = split_cells(line);
+  for (std::string_view& cell : cells) cell = trimmed(cell);
   return cells;
 }
 
@@ -42,7 +38,8 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
     in.getline(row.data(), row.size());
     return std::string_view(row.data(), static_cast<std::size_t>(std::max<std::streamsize>(in.gcount() - (in.eof() ? 0 : 1), 0)));
   };
-  const std::vector<std::string> names = cells_of(read_row());
+  const std::vector<std::string_view> header = cells_of(read_row());
+  const std::vector<std::string> names(header.begin(), header.end());
   const auto column_of = [&](std::string_view name) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) throw Error(fmt::format("{}: no column '{}'; expected a header row with index,pts_us", file, name));
@@ -60,7 +57,7 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
         throw Error(fmt::format("{}: row {} is longer than {} bytes; expected index,pts_us", file, number, longest_row - 1));
     }
     if (in.eof()) return times;
-    const std::vector<std::string> cells = cells_of(text);
+    const std::vector<std::string_view> cells = cells_of(text);
     if (cells.size() == 1 && cells[0].empty()) continue;
     if (cells.size() != names.size()) {
       throw Error(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "tactile/core/changed_values.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/dataset.hpp"
 
@@ -50,12 +51,13 @@ nlohmann::json dataset_settings_in(const nlohmann::json& manifest) {
 }
 
 std::vector<std::string> differing_settings(const nlohmann::json& now, const nlohmann::json& before) {
-  const nlohmann::json all = flat(now), others = flat(before);
+  const nlohmann::json all = flat(now);
   std::vector<std::string> differing;
-  for (const auto& [key, value] : all.items()) {
-    const nlohmann::json other = others.contains(key) ? others.at(key) : nlohmann::json();
-    if (value != other)
-      differing.push_back(fmt::format("{} {} instead of {}", name_of(key), text_of(key, value), text_of(key, other)));
+  for (const ChangedValue& changed : changed_values(flat(before), all)) {
+    const std::string& key = changed.path;
+    if (all.contains(key) && changed.now != changed.before)
+      differing.push_back(
+          fmt::format("{} {} instead of {}", name_of(key), text_of(key, changed.now), text_of(key, changed.before)));
   }
   return differing;
 }

@@ -7,6 +7,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::labels {

@@ -162,10 +162,4 @@ void read_words(std::string_view text, const std::string& where, ImportedInterva
   interval.confirmed = words.size() > class_at + 1 && lower_case(words.back()) == "ok";
 }
 
-std::string shown_text(std::string_view text) {
-  std::string plain;
-  for (const char c : text.substr(0, 40)) plain += c >= ' ' && c < 127 ? c : '?';
-  return "'" + plain + (text.size() > 40 ? "...'" : "'");
-}
-
 }  // namespace tactile::labels

@@ -104,7 +104,4 @@ std::optional<ReadSeconds> seconds_in(std::string_view text);
 /// confirmation. @throws Error  that names `where` if there is no class
 void read_words(std::string_view text, const std::string& where, ImportedInterval& interval);
 
-/// The text for an error: at most 40 characters, without control characters.
-std::string shown_text(std::string_view text);
-
 }  // namespace tactile::labels

@@ -10,6 +10,7 @@
 #include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::labels {
@@ -78,15 +79,8 @@ char separator_of(std::string_view text) {
   return best;
 }
 
-std::string trimmed_lower(std::string_view text) {
-  std::string result;
-  for (const char c : text) result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  const std::size_t begin = std::min(result.find_first_not_of(' '), result.size());
-  return result.substr(begin, result.find_last_not_of(' ') + 1 - begin);
-}
-
 bool is_confirmed(std::string_view cell, const std::string& where) {
-  const std::string word = trimmed_lower(cell);
+  const std::string word = lower_case(trimmed(cell));
   constexpr std::array yes{"true", "yes", "ok", "x", "1"};
   constexpr std::array no{"", "false", "no", "0"};
   if (std::find(yes.begin(), yes.end(), word) != yes.end()) return true;
@@ -98,7 +92,7 @@ bool is_confirmed(std::string_view cell, const std::string& where) {
 class Columns {
  public:
   Columns(std::vector<std::string> names, std::string file) : names_(std::move(names)), file_(std::move(file)) {
-    for (std::string& name : names_) name = trimmed_lower(name);
+    for (std::string& name : names_) name = lower_case(trimmed(name));
     for (const std::string_view needed : {"class", "start_s", "end_s"}) {
       if (!index_of(needed))
         throw Error(fmt::format("{}: no column '{}'; expected a header row with class, start_s, end_s, as --export writes it",
@@ -111,11 +105,7 @@ class Columns {
   /// Empty if there is no such column.
   std::string_view cell(const std::vector<std::string>& cells, std::string_view name) const {
     const std::optional<std::size_t> index = index_of(name);
-    if (!index) return {};
-    std::string_view text = cells[*index];
-    while (text.starts_with(' ')) text.remove_prefix(1);
-    while (text.ends_with(' ')) text.remove_suffix(1);
-    return text;
+    return index ? trimmed(cells[*index]) : std::string_view();
   }
 
  private:
@@ -214,7 +204,7 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
       throw Error(fmt::format("{}: the times of {} have another origin than in the rows before; expected one origin per run",
                               where, shown_text(run)));
     if (times) labels.times = times;
-    const std::string touch = trimmed_lower(columns.cell(cells, "class"));
+    const std::string touch = lower_case(columns.cell(cells, "class"));
     if (touch == name_of(Touch::none)) continue;
     ImportedInterval interval{.id = std::string(columns.cell(cells, "id")), .where = where};
     if (touch != name_of(Touch::press) && touch != name_of(Touch::slip)) {

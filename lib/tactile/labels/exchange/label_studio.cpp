@@ -12,8 +12,10 @@
 #include <set>
 #include <sstream>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::labels {
@@ -26,8 +28,6 @@ constexpr const char* object_name = "signals";
 constexpr const char* result_type = "timeserieslabels";
 constexpr const char* time_column = "time_s";
 
-double seconds_of(std::int64_t us) { return static_cast<double>(us) / 1e6; }
-
 json result_of(const LabelsToExport& labels, const LabelledInterval& interval) {
   const ClockRelation clock = labels.times.to_camera(labels.first_event);
   return {{"id", interval.id},
@@ -35,8 +35,8 @@ json result_of(const LabelsToExport& labels, const LabelledInterval& interval) {
           {"to_name", object_name},
           {"type", result_type},
           {"value",
-           {{"start", seconds_of(clock.clock_us_from(interval.start.at))},
-            {"end", seconds_of(clock.clock_us_from(interval.end.at))},
+           {{"start", in_s(microseconds{clock.clock_us_from(interval.start.at)})},
+            {"end", in_s(microseconds{clock.clock_us_from(interval.end.at)})},
             {"instant", interval.start.at == interval.end.at},
             {result_type, json::array({name_of(interval.touch)})}}}};
 }
@@ -57,7 +57,7 @@ json task_of(const LabelsToExport& labels) {
                   {{"run", labels.run},
                    {"flags", flags.empty() ? "no flag stands" : flags},
                    {"origin", name_of(labels.times.origin)},
-                   {"zero_s", seconds_of(labels.times.zero_us)},
+                   {"zero_s", in_s(microseconds{labels.times.zero_us})},
                    {"drift_ppm", labels.times.drift_ppm},
                    {object_name, std::move(signals)}}},
                  {"predictions",

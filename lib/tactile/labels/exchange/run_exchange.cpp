@@ -9,6 +9,7 @@
 
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/exchange/audacity.hpp"
 #include "tactile/labels/exchange/elan.hpp"
