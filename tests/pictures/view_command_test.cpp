@@ -309,5 +309,12 @@ TEST_F(ViewCommand, NamesTheBagThatAPersonKnows) {
   }
 }
 
+TEST_F(ViewCommand, NamesAMaskThatDoesNotFit) {
+  write_whole(folder / "far.csv", "x,y\n700,3\n");
+  const test::CommandResult refused = view("data/fan/01 --out sheet.png --mask far.csv");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("far.csv: pixel (700, 3) lies outside the sensor"), std::string::npos) << refused.err;
+}
+
 }  // namespace
 }  // namespace tactile::pictures
