@@ -64,6 +64,16 @@ TEST(PressEnd, HasAWiderIntervalWhereFewEventsShowIt) {
   EXPECT_GE(few.covered, 17);
 }
 
+TEST(PressEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
+  const LitRate lit = test::lit_rate_of(
+      5'000, [](double t_us) { return press_rate(t_us, 1.0, 40.0, 0.1); }, 1, 1'000, 2'260, 0.2);
+  for (double late_us = onset_us; late_us < still_us + 60'000; late_us += 2'000) {
+    const FoundTime found = press_end(lit, exactly(late_us));
+    EXPECT_GE(found.time.at, after(time_of(late_us), lit.rate.bin)) << late_us;
+    EXPECT_GE(found.time.high, found.time.at) << late_us;
+  }
+}
+
 TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return press_rate(t_us, 1.0, 100.0, 1.5); }, 1, 1'000, 2'600, 0.2);
