@@ -64,13 +64,14 @@ TEST(PressEnd, HasAWiderIntervalWhereFewEventsShowIt) {
   EXPECT_GE(few.covered, 17);
 }
 
-TEST(PressEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
+TEST(TouchEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return press_rate(t_us, 1.0, 40.0, 0.1); }, 1, 1'000, 2'260, 0.2);
-  for (double late_us = onset_us; late_us < still_us + 60'000; late_us += 2'000) {
-    const FoundTime found = press_end(lit, exactly(late_us));
-    EXPECT_GE(found.time.at, after(time_of(late_us), lit.rate.bin)) << late_us;
-    EXPECT_GE(found.time.high, found.time.at) << late_us;
+  for (const double late_us : {onset_us, still_us, still_us + 60'000, 998'000.0, 999'600.0}) {  // the recording lasts 1 s
+    for (const FoundTime& end : {press_end(lit, exactly(late_us)), slip_end(lit, exactly(late_us))}) {
+      EXPECT_GE(end.time.at, after(time_of(late_us), lit.rate.bin)) << late_us;
+      EXPECT_GE(end.time.high, end.time.at) << late_us;
+    }
   }
 }
 
