@@ -63,7 +63,7 @@ std::string mask_text(const Sensor& sensor) {
 std::string percent_text(const Measured& share) { return measured_text({100 * share.value, 100 * share.uncertainty}) + " %"; }
 
 std::string dead_text(const characterise::DeadPixels& dead) {
-  if (dead.silent > 0 && dead.count.value < 2 * dead.count.uncertainty && dead.expected > 0.5)
+  if (!dead.is_known())
     return fmt::format("not known: {} never fired; in this short time {:.0f} are expected", counted(dead.silent, "pixel"),
                        dead.expected);
   return fmt::format("{}; {} never fired", measured_text(dead.count), counted(dead.silent, "pixel"));

@@ -172,6 +172,12 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSu
           {"problems", cli::json_of(summary.problems)}};
 }
 
+/// Microseconds, which --from-us and --to-us take, and the date if they count from 1970.
+std::string begin_text(CameraTime first) {
+  const std::string us = fmt::format("{} us", us_of(first)), moment = moment_text(first);
+  return moment == us ? us : fmt::format("{} ({})", moment, us);
+}
+
 std::string text_of(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
@@ -180,7 +186,7 @@ std::string text_of(const ConvertArguments& args, const conversion::ConvertSumma
                                  summary.compression ? fmt::format(" ({})", name_of(*summary.compression)) : "",
                                  bytes_text(summary.bytes_out)));
   if (summary.first) {
-    text += line("begin", fmt::format("{} ({} us)", moment_text(*summary.first), us_of(*summary.first)));
+    text += line("begin", begin_text(*summary.first));
     text += line("duration", duration_text(between(*summary.first, *summary.last)));
   }
   for (std::size_t i = 0; i < summary.streams.size(); ++i) {
@@ -242,7 +248,7 @@ std::string text_of(const ConvertArguments& args, const conversion::BagImportSum
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, {}, {}", args.in, summary.format, bytes_text(summary.bytes_in)));
   text += line("to", fmt::format("run {}, {}", summary.run.name(), bytes_text(summary.bytes_out)));
-  text += line("begin", fmt::format("{} ({} us)", moment_text(summary.first), us_of(summary.first)));
+  text += line("begin", begin_text(summary.first));
   text += line("duration", duration_text(between(summary.first, summary.last)));
   text += line("events", fmt::format("{}, {}x{}", summary.events, summary.size.width, summary.size.height));
   if (summary.imu_samples > 0) text += line("imu", fmt::format("{}", summary.imu_samples));

@@ -50,6 +50,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   std::vector<std::vector<std::string>> rows;
   {
     const windows::Dataset dataset(file);
+    check_mask(args.rendering, histories.front(), dataset.sensor());  // all histories have the same
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
     for (const auto& [stored, kept] : heatmaps::store_heatmaps(dataset, histories, common.threads, progress_line(common))) {

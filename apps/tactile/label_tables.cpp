@@ -246,12 +246,12 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
               "\n";
     }
   }
-  return text +
-         wrapped(
-             "Times in ms. Onsets count from a run's first event; ± is half of their 95 % interval. For a clock, ± is half of "
-             "its offset's 95 % interval. Lift to slip includes the robot clock's error. It is negative only because of this "
-             "error.") +
-         "\n" + methods.legend() + advice_on_sessions(runs);
+  const bool has_lag =
+      std::any_of(runs.begin(), runs.end(), [](const LabelledRun& labelled) { return lag_of(labelled.labels).has_value(); });
+  std::string legend = "Times in ms. Onsets count from a run's first event; ± is half of their 95 % interval.";
+  if (!methods.legend().empty()) legend += " For a clock, ± is half of its offset's 95 % interval.";
+  if (has_lag) legend += " Lift to slip includes the robot clock's error. It is negative only because of this error.";
+  return text + wrapped(legend) + "\n" + methods.legend() + advice_on_sessions(runs);
 }
 
 std::string remarks_text(const std::vector<LabelledRun>& runs) {
@@ -301,12 +301,17 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
 
 std::string objects_table(const std::vector<LabelledRun>& runs) {
   std::vector<std::vector<std::string>> rows;
+  bool has_lag = false;
   for (const auto& [name, object] : objects_of(runs)) {
+    has_lag |= !object.lags_ms.empty();
     std::vector<std::string> row{name, std::to_string(object.runs), std::to_string(object.flagged)};
     for (std::string& cell : cells_of(measured(object.lags_ms))) row.push_back(std::move(cell));
     rows.push_back(std::move(row));
   }
-  return text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows) +
+  const std::string table =
+      text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows);
+  if (!has_lag) return table;
+  return table +
          wrapped(
              "Lift to slip is the slip onset minus the lift start. It includes the error of the robot's clock. Spread is 1.48 "
              "times the median distance from the median.") +

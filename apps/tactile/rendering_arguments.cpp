@@ -53,6 +53,10 @@ heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArgum
   return options;
 }
 
+void check_mask(const RenderingArguments& args, const heatmaps::HeatmapOptions& options, events::SensorSize sensor) {
+  static_cast<void>(events::PixelMask(sensor, options.mask, args.mask));
+}
+
 microseconds whole_us(double ms, const std::string& option) {
   const double us = ms * 1000;
   if (std::abs(us - std::round(us)) > 1e-6)

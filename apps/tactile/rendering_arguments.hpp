@@ -25,6 +25,9 @@ Option add_mask_option(Command command, std::string& mask);
 /// @throws Error  if the history is not a whole number of ticks, or an option is out of range
 heatmaps::HeatmapOptions heatmap_options(double history_ms, const RenderingArguments& args);
 
+/// @throws Error  that names the mask's file, if one of its pixels lies outside the sensor
+void check_mask(const RenderingArguments& args, const heatmaps::HeatmapOptions& options, events::SensorSize sensor);
+
 /// Milliseconds of an option as microseconds. @throws Error  that names the option, if they are not a whole number
 microseconds whole_us(double ms, const std::string& option);
 

@@ -69,6 +69,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   if (args.speed) request.speed = *args.speed;
 
   ViewedRecording recording(args.what, args.stream, common);
+  check_mask(args.rendering, request.options, recording.sensor());
   if (request.out.empty()) request.out = recording.file_stem() + ".png";
   switch (wanted) {
     case Form::sheet:

@@ -28,8 +28,8 @@ ViewedRecording::ViewedRecording(const std::string& what, const std::string& str
       run_(!from_bag_ && fs::is_directory(what) ? std::optional(run_folder_at(what)) : std::nullopt),
       reader_(from_bag_ ? from_bag_->file() : (run_ ? recording_in(what) : fs::path(what)), common.threads) {
   const events::Stream& chosen = events::event_stream(reader_, stream);
-  const std::string file = reader_.file().string();
-  if (!chosen.size) throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", file, chosen.id));
+  file_ = from_bag_ ? what : reader_.file().string();
+  if (!chosen.size) throw Error(fmt::format("{}: stream {} declares no size; expected its sensor's", file_, chosen.id));
   stream_id_ = chosen.id;
   source_ = chosen.source;
   sensor_ = *chosen.size;
@@ -58,7 +58,7 @@ ViewedRecording::ViewedRecording(const std::string& what, const std::string& str
     events_ += packet.size();
     curve_->add(packet);
   });
-  if (!curve_) throw Error(file + ": holds no event; expected a recording with events");
+  if (!curve_) throw Error(file_ + ": holds no event; expected a recording with events");
 }
 
 std::string ViewedRecording::camera() const {
@@ -81,7 +81,7 @@ TickRange ViewedRecording::ticks(const heatmaps::HeatmapOptions& options) const 
   if (range.count == 0) {
     throw Error(
         fmt::format("{}: is {:.1f} ms long, less than one full history of {:g} ms; expected a longer recording or a smaller --th",
-                    reader_.file().string(), ms_from_first(last_), in_ms(options.history)));
+                    file_, ms_from_first(last_), in_ms(options.history)));
   }
   return range;
 }
@@ -108,7 +108,7 @@ TickRange ViewedRecording::ticks_between(const heatmaps::HeatmapOptions& options
 }
 
 nlohmann::json ViewedRecording::json() const {
-  return {{"file", reader_.file().string()},
+  return {{"file", file_},
           {"simulated", simulated_},
           {"sensor", {{"width", sensor_.width}, {"height", sensor_.height}}},
           {"labelled", labelled_}};

@@ -56,6 +56,7 @@ class ViewedRecording {
   std::unique_ptr<BagRecording> from_bag_;
   std::optional<RunFolder> run_;
   events::RecordingReader reader_;
+  std::string file_;  ///< as a person knows it: of a bag, the bag
   std::int32_t stream_id_ = 0;
   std::string source_;
   events::SensorSize sensor_;

@@ -233,6 +233,14 @@ TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
   EXPECT_EQ(fit_video_clock(MotionEnergy{}, bursts).refused, "nothing moves in the film");
 }
 
+TEST(VideoClock, IsRefusedIfOnlyTheEndOfOneBurstGivesIt) {
+  const MadeFilm made{.motions = {lift}};
+  const std::vector<SeenBurst> ends{burst(2.6, 2.85)}, starts_too{burst(2.115, 2.85)};
+  EXPECT_EQ(fit_video_clock(film_of(made), ends).refused,
+            "only one burst of events ends with a motion of the film, and nothing confirms it");
+  EXPECT_TRUE(fit_video_clock(film_of(made), starts_too).clock);
+}
+
 FittedClock clock_of(const MadeFilm& made, std::int64_t within_us = 2'000) {
   FittedClock clock;
   clock.relation.offset_us = made.offset_us();

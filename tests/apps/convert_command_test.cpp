@@ -164,6 +164,22 @@ TEST(ConvertCommand, MakesARecordingOfABagToo) {
   EXPECT_EQ(nlohmann::json::parse(cut.out).at("in"), bags + "run-lz4.mcap");
 }
 
+TEST(ConvertCommand, IsNamedByCommandsThatDoNotReadBags) {
+  const test::TemporaryFolder folder;
+  const std::string bags = std::string(test::data_folder) + "/bags/";
+  fs::create_directory(folder / "bag");
+  fs::copy_file(bags + "mono.db3", folder / "bag" / "mono.db3");
+  for (const std::string& command :
+       {"characterise " + bags + "mono.db3", "characterise " + bags + "mono.mcap", std::string("characterise bag"),
+        "record --from file:" + bags + "mono.bag", std::string("record --from file:bag"), "serve " + bags + "mono.bag"}) {
+    const test::CommandResult result = run_tactile(command, folder.path());
+    EXPECT_EQ(result.exit_code, 1) << command;
+    EXPECT_NE(result.err.find("is a ROS bag, not a recording; expected what 'tactile convert' makes of it"), std::string::npos)
+        << command << "\n"
+        << result.err;
+  }
+}
+
 TEST(InfoCommand, ListsTheTopicsOfABag) {
   const test::TemporaryFolder folder;
   const std::string bags = std::string(test::data_folder) + "/bags/";

@@ -208,6 +208,22 @@ TEST_F(LabelCommand, SumsUpTheLabelsThatAreThereAndMakesNone) {
   EXPECT_TRUE(slip->at("clock_method").is_string());
 }
 
+TEST_F(LabelCommand, ExplainsTheLagFromLiftToSlipOnlyWhereThereIsOne) {
+  ASSERT_EQ(run_tactile("label data/fan/01 --no-pictures", folder.path()).exit_code, 0);
+  const auto file = folder.path() / "data/fan/01/labels.json";
+  auto labels = nlohmann::json::parse(read_text(file));
+  const auto explanations = [&](const nlohmann::json& robot_us) {
+    labels.at("intervals").back().at("evidence").at("robot_us") = robot_us;
+    write_whole(file, labels.dump());
+    std::string text = run_tactile("label data/fan/01 --summary", folder.path()).out;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return (text.find("Lift to slip includes") != std::string::npos ? 1 : 0) +
+           (text.find("Lift to slip is the slip onset") != std::string::npos ? 1 : 0);
+  };
+  EXPECT_EQ(explanations(labels.at("intervals").back().at("start_us").get<std::int64_t>() - 3'000), 2);
+  EXPECT_EQ(explanations(nullptr), 0);
+}
+
 TEST_F(LabelCommand, KeepsItsTablesWithinTheWidth) {
   const auto labelled = run_tactile("label --no-pictures --compare-truth", folder.path());
   ASSERT_EQ(labelled.exit_code, 0) << labelled.err;

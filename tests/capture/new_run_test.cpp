@@ -68,6 +68,22 @@ TEST(MakeRunFolder, GivesTwoNumbersToTwoWhoAskAtOnce) {
   EXPECT_EQ(std::set<std::string>(runs.begin(), runs.end()).size(), runs.size());
 }
 
+TEST(DiscardRun, ReplacesNoFolderThatAppearsMeanwhile) {
+  const test::TemporaryFolder data;
+  std::vector<RunFolder> runs;
+  for (int i = 0; i < 40; ++i) runs.push_back(make_run_folder(data.path(), "fan"));
+  // All want the same names, and an empty folder can be replaced by a plain rename.
+  std::vector<fs::path> discarded(runs.size());
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < 4; ++k) {
+    threads.emplace_back([&, k] {
+      for (std::size_t i = k; i < runs.size(); i += 4) discarded[i] = discard_run({runs[i].folder, "fan", "01"});
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(std::set<fs::path>(discarded.begin(), discarded.end()).size(), runs.size());
+}
+
 TEST(DiscardRun, RenamesItToWhatNoCommandReads) {
   const test::TemporaryFolder data;
   for (int k = 1; k <= 2; ++k) {

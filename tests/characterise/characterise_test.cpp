@@ -93,6 +93,27 @@ TEST(Characterise, FindsFlicker) {
   EXPECT_LT(test::off_by(sensor.flicker.lines[0].depth, 0.3), 3);
 }
 
+TEST(Characterise, ListsNoDeadPixelsThatItDoesNotKnow) {
+  const test::TemporaryFolder folder;
+  test::MadeSensor made{.seconds = 2, .background_hz = 1, .shape = 1};
+  for (int i = 0; i < 2'400; ++i) made.dead.emplace_back(i % 80, 2 * (i / 80));
+  // Something moves: each event comes with three more.
+  std::vector<events::Event> events;
+  for (events::Event event : events_of(made, 4)) {
+    for (int k = 0; k < 4; ++k) {
+      events.push_back(event);
+      event.t = after(event.t, 1ms);
+    }
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  const Sensor sensor = characterise({test::write_recording(folder / "a.aedat4", made.size, events)}, {});
+  ASSERT_TRUE(sensor.background.is_disturbed()) << sensor.background.regularity.value;
+  ASSERT_GT(sensor.dead.expected, 0.5);
+  ASSERT_GT(static_cast<double>(sensor.dead.silent), 2 * sensor.dead.expected);
+  EXPECT_FALSE(sensor.dead.is_known());
+  EXPECT_TRUE(sensor.dead.places.empty());
+}
+
 TEST(Characterise, CombinesRecordings) {
   const test::TemporaryFolder folder;
   const test::MadeSensor made = with_hot_pixels();

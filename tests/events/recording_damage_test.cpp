@@ -878,6 +878,10 @@ TEST_F(DamagedRecording, NamesWhatAForeignFileIs) {
   EXPECT_SAYS(error_of("#!AER-DAT2.0\r\n# a comment\r\n"), "version '2.0'");
   EXPECT_SAYS(error_of("#!AER-DAT3.1\r\n#Format: RAW\r\n"), "version '3.1'");
   EXPECT_SAYS(error_of(std::string("\x89HDF\r\n\x1a\n", 8) + std::string(500, 'x')), "expected the line #!AER-DAT4.0");
+  for (const std::string& bag :
+       {std::string("#ROSBAG V2.0\n"), std::string("SQLite format 3\0", 16), std::string("\x89MCAP0\r\n")})
+    EXPECT_SAYS(error_of(bag + std::string(500, 'x')),
+                "is a ROS bag, not a recording; expected what 'tactile convert' makes of it");
   EXPECT_THROW(RecordingReader(folder_ / "nowhere.aedat4"), Error);
   EXPECT_THROW(RecordingReader(folder_.path()), Error);
 }

@@ -107,7 +107,7 @@ TEST_F(HeatmapsCommand, LeavesOutMaskedPixels) {
   write_whole(folder / "far.csv", "x,y\n30000,4\n");
   const test::CommandResult far = run_tactile("heatmaps --th 40 --mask far.csv", folder.path());
   EXPECT_EQ(far.exit_code, 1);
-  EXPECT_NE(far.err.find("pixel (30000, 4) lies outside the sensor"), std::string::npos) << far.err;
+  EXPECT_NE(far.err.find("tactile: far.csv: pixel (30000, 4) lies outside the sensor"), std::string::npos) << far.err;
 }
 
 TEST_F(HeatmapsCommand, GivesTheSameBytesForAnyThreads) {

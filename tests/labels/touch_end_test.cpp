@@ -64,6 +64,17 @@ TEST(PressEnd, HasAWiderIntervalWhereFewEventsShowIt) {
   EXPECT_GE(few.covered, 17);
 }
 
+TEST(TouchEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
+  const LitRate lit = test::lit_rate_of(
+      5'000, [](double t_us) { return press_rate(t_us, 1.0, 40.0, 0.1); }, 1, 1'000, 2'260, 0.2);
+  for (const double late_us : {onset_us, still_us, still_us + 60'000, 998'000.0, 999'600.0}) {  // the recording lasts 1 s
+    for (const FoundTime& end : {press_end(lit, exactly(late_us)), slip_end(lit, exactly(late_us))}) {
+      EXPECT_GE(end.time.at, after(time_of(late_us), lit.rate.bin)) << late_us;
+      EXPECT_GE(end.time.high, end.time.at) << late_us;
+    }
+  }
+}
+
 TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return press_rate(t_us, 1.0, 100.0, 1.5); }, 1, 1'000, 2'600, 0.2);

@@ -297,5 +297,24 @@ TEST_F(ViewCommand, RefusesInWordsWhatCannotBeShown) {
   EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"data"});
 }
 
+TEST_F(ViewCommand, NamesTheBagThatAPersonKnows) {
+  const fs::path bags = fs::path(test::data_folder) / "bags";
+  fs::create_directory(folder / "bag");
+  fs::copy_file(bags / "mono.db3", folder / "bag" / "mono.db3");
+  for (const std::string& bag : {(bags / "mono.bag").string(), std::string("bag")}) {
+    const test::CommandResult refused = view("'" + bag + "' --out sheet.png --th 90000");
+    EXPECT_EQ(refused.exit_code, 1) << refused.out;
+    EXPECT_NE(refused.err.find("tactile: " + bag + ": is "), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find(".part-"), std::string::npos) << refused.err;
+  }
+}
+
+TEST_F(ViewCommand, NamesAMaskThatDoesNotFit) {
+  write_whole(folder / "far.csv", "x,y\n700,3\n");
+  const test::CommandResult refused = view("data/fan/01 --out sheet.png --mask far.csv");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("far.csv: pixel (700, 3) lies outside the sensor"), std::string::npos) << refused.err;
+}
+
 }  // namespace
 }  // namespace tactile::pictures

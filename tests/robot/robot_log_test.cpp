@@ -110,6 +110,10 @@ TEST(RobotLog, NamesTheColumnThatIsMissing) {
   std::string text = header(",");
   text.replace(text.find("actual_TCP_speed_3"), 18, "actual_TCP_spede_3");
   EXPECT_NE(complaint_about(text + "\n").find("no column 'actual_TCP_speed_3'"), std::string::npos);
+  EXPECT_NE(complaint_about("31216.8 0 0 remote\n")
+                .find("no column 'timestamp'; expected a header row with RTDE's names, or "
+                      "--robot-columns with a name or - for each column"),
+            std::string::npos);
 }
 
 TEST(RobotLog, NamesTheRowAndColumnThatIsNoNumber) {

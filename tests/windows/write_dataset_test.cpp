@@ -273,6 +273,7 @@ TEST_F(WriteDataset, TakesARunWithoutRunJsonFromItsFolderAndItsRecording) {
   fs::remove(data() / "fan/02/run.json");
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_TRUE(mentions(summary.warnings, "runs without run.json"));
+  EXPECT_TRUE(mentions(summary.warnings, "simulated if they have truth.json, or if their camera is the simulator's"));
   EXPECT_TRUE(mentions(summary.warnings, "fan/02"));
   EXPECT_EQ(summary.runs[1].samples, (std::array<std::uint64_t, 3>{30, 30, 30}));
   EXPECT_EQ(summary.manifest_hash, hash);

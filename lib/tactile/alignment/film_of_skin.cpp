@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "tactile/alignment/film_motions.hpp"
@@ -68,6 +69,22 @@ class BurstMatch {
                          .bias_us = common_sigma_us});
     });
     return anchors;
+  }
+
+  /// Bursts that end with a motion at the offset, and whether one of them starts with it too.
+  struct Matched {
+    std::set<const SeenBurst*> bursts;
+    bool starts_too = false;
+  };
+  Matched matched(std::int64_t offset_us) const {
+    Matched matched;
+    for (const FilmedMotion& motion : filmed_) {
+      const BurstFit found = fit_of(motion, offset_us);
+      if (found.burst == nullptr) continue;
+      matched.bursts.insert(found.burst);
+      matched.starts_too |= found.starts_too;
+    }
+    return matched;
   }
 
  private:
@@ -144,6 +161,13 @@ class BurstMatch {
   std::vector<SeenBurst> bursts_;  ///< by their ends
 };
 
+/// Any motion in view may end with one burst by chance. A second burst confirms it, or the start of the same one if the film
+/// matches clearly nowhere else.
+bool is_confirmed(const BurstMatch::Matched& matched, double score, double ambiguity) {
+  constexpr double least_score = 0.5, least_ambiguity = 2;
+  return matched.bursts.size() > 1 || (matched.starts_too && score >= least_score && ambiguity >= least_ambiguity);
+}
+
 }  // namespace
 
 VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBurst> bursts, const VideoClockOptions& options) {
@@ -176,6 +200,10 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
   fit.likeness = 0.5 * best->score / motions;
   fit.refused = set_ambiguity(fit, best->score, second, options);
   if (!fit.refused.empty()) return fit;
+  if (!is_confirmed(match.matched(best->offset_us), best->score, fit.ambiguity)) {
+    fit.refused = "only one burst of events ends with a motion of the film, and nothing confirms it";
+    return fit;
+  }
   fit.anchors = match.anchors(best->offset_us);
   return with_clock(std::move(fit), energy);
 }

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/make_folders.hpp"
+#include "tactile/core/renaming.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::capture {
@@ -65,18 +68,17 @@ RunFolder make_run_folder(const fs::path& data, const std::string& object, const
 
 fs::path discard_run(const RunFolder& run) {
   const fs::path beside = run.folder.parent_path();
-  fs::path target;
-  for (int k = 1; target.empty() || fs::exists(fs::symlink_status(target)); ++k) {
-    target = beside / fmt::format("{}.discarded-{}", run.run, k);
+  for (int k = 1;; ++k) {
+    const fs::path target = beside / fmt::format("{}.discarded-{}", run.run, k);
+    const int error = rename_if_free(run.folder, target);
+    if (error == EEXIST) continue;
+    if (error != 0) {
+      throw Error(fmt::format("{}: cannot be renamed to {} ({}); expected a writable place", run.folder.string(),
+                              target.filename().string(), std::strerror(error)));
+    }
+    sync_to_disk(beside);
+    return target;
   }
-  std::error_code failed;
-  fs::rename(run.folder, target, failed);
-  if (failed) {
-    throw Error(fmt::format("{}: cannot be renamed to {} ({}); expected a writable place", run.folder.string(),
-                            target.filename().string(), failed.message()));
-  }
-  sync_to_disk(beside);
-  return target;
 }
 
 }  // namespace tactile::capture

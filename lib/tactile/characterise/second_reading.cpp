@@ -347,7 +347,7 @@ void SecondReading::State::put_dead(Sensor& sensor, const NoiseModel& model) con
   dead.count.value = std::max(0.0, silent - dead.expected);
   dead.count.uncertainty = std::hypot(std::sqrt(silent), model_error * dead.expected);
   if (sensor.background.is_disturbed()) dead.count.uncertainty = std::max(dead.count.uncertainty, dead.count.value);
-  if (2 * dead.expected >= silent) return;
+  if (!dead.is_known() || 2 * dead.expected >= silent) return;
   for (std::size_t i = 0; i < ordinary.size() && dead.places.size() < most_listed; ++i) {
     if (ordinary[i] && first.counts.events(i) == 0 && !fired_when_touched[i])
       dead.places.emplace_back(static_cast<int>(i % width), static_cast<int>(i / width));

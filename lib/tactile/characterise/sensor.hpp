@@ -18,7 +18,7 @@ namespace tactile::characterise {
 /// A pixel that fires by itself more than the others.
 struct UnusualPixel {
   enum class Kind : std::uint8_t {
-    warm,  ///< more than ten times the mean of ordinary pixels, but not hot
+    warm,  ///< at least ten times the mean rate of ordinary pixels and ten events, but not hot
     hot,   ///< by the rule of `tactile info`
     stuck  ///< at half of the read-outs or more
   };
@@ -56,7 +56,11 @@ struct DeadPixels {
   Measured count;                           ///< silent ones minus expected ones, at least 0
   std::uint64_t silent = 0;                 ///< in all recordings, touched ones too
   double expected = 0;                      ///< silent ones by the noise of ordinary pixels
-  std::vector<std::pair<int, int>> places;  ///< x, y of the silent ones, if fewer than one in two is expected; 1000 at most
+  std::vector<std::pair<int, int>> places;  ///< x, y of the silent ones if they are known: fewer than one in two is expected;
+                                            ///< 1000 at most
+
+  /// Whether more pixels are silent than by chance, or chance explains none.
+  bool is_known() const { return silent == 0 || expected <= 0.5 || count.value >= 2 * count.uncertainty; }
 };
 
 /// How long events wait in packets: an event can be used only when its packet is complete. AEDAT4 has no arrival times, so what

@@ -9,6 +9,19 @@
 
 namespace tactile {
 namespace fs = std::filesystem;
+namespace {
+
+/// Whether the folder is a bag of ROS 2.
+bool has_bag(const fs::path& folder) {
+  std::error_code unknown;
+  for (fs::directory_iterator entry(folder, unknown), end; !unknown && entry != end; entry.increment(unknown)) {
+    const fs::path name = entry->path().extension() == ".zstd" ? entry->path().stem() : entry->path();
+    if (name.extension() == ".db3" || name.extension() == ".mcap") return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 bool is_run_id(std::string_view name) {
   return name.size() == 2 && name[0] >= '0' && name[0] <= '9' && name[1] >= '0' && name[1] <= '9' && name != "00";
@@ -40,6 +53,9 @@ fs::path recording_in(const fs::path& folder) {
   if (fs::is_regular_file(file, why)) return file;
   if (why && why != std::errc::no_such_file_or_directory)
     throw Error(file.string() + ": cannot be read (" + why.message() + "); expected a readable recording");
+  if (has_bag(folder))
+    throw Error(folder.string() +
+                ": is a ROS bag, not a recording; expected what 'tactile convert' makes of it, a recording or a run folder");
   const std::vector<RunFolder> runs = fs::is_directory(folder, why) ? find_runs(folder) : std::vector<RunFolder>{};
   if (runs.empty()) throw Error(folder.string() + ": has no events.aedat4; expected a run folder or a recording");
   throw Error(folder.string() + ": is a folder of " + (runs.size() == 1 ? "a run" : std::to_string(runs.size()) + " runs") +

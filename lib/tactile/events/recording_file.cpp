@@ -30,6 +30,11 @@ void refuse_magic(std::string_view start, const std::string& name) {
   if (start.starts_with("version https://git-lfs")) {
     throw Error(name + ": is a Git LFS pointer, not the recording itself; expected the file that 'git lfs pull' brings");
   }
+  for (const std::string_view bag : {"#ROSBAG", "SQLite format 3", "\x89MCAP"}) {
+    if (start.starts_with(bag))
+      throw Error(name +
+                  ": is a ROS bag, not a recording; expected what 'tactile convert' makes of it, a recording or a run folder");
+  }
   constexpr std::string_view aedat = "#!AER-DAT";
   if (start.starts_with(aedat) && !start.starts_with("#!AER-DAT4.0")) {
     const auto version = start.substr(aedat.size(), start.find_first_of("\r\n ") - aedat.size());

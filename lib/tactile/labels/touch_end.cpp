@@ -67,6 +67,13 @@ void check_width(FoundTime& end, const EndOptions& options) {
     end.doubt = fmt::format("its end is only known to within {:.0f} ms", width_ms);
 }
 
+/// An interval has a length: its end is a bin after its onset at least.
+void end_after(const alignment::UncertainTime& onset, microseconds bin, alignment::UncertainTime& end) {
+  end.at = std::max(end.at, after(onset.at, bin));
+  end.low = std::max(end.low, onset.low);
+  end.high = std::max(end.high, end.at);
+}
+
 /// The best z + g shape for given shapes, both >= 0, by expectation maximisation, which keeps them so.
 double best_mix(std::span<const double> events, std::span<const double> shape, double& z, double& g) {
   double shape_sum = 0;
@@ -98,7 +105,7 @@ std::size_t burst_steps(const LitRate& lit, const Steps& steps) {
 
 /// The end of a touch that has too few steps for one.
 FoundTime unknown_end(const LitRate& lit, const alignment::UncertainTime& onset) {
-  const CameraTime end = std::max(onset.at, lit.rate.begin_of(lit.burst_end));
+  const CameraTime end = std::max(after(onset.at, lit.rate.bin), lit.rate.begin_of(lit.burst_end));
   return {.time = {.at = end, .low = onset.at, .high = end}, .doubt = "its end cannot be told from its onset"};
 }
 
@@ -213,9 +220,7 @@ FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, c
     end.time.high = std::max(end.time.high, lit.rate.begin_of(lit.burst_end));
   }
   if (decline.faded >= searched) end.doubt = "it does not come to rest before the next motion";
-  end.time.at = std::max(end.time.at, onset.at);
-  end.time.low = std::max(end.time.low, onset.low);
-  end.time.high = std::max(end.time.high, end.time.at);
+  end_after(onset, lit.rate.bin, end.time);
   check_width(end, options);
   return end;
 }
@@ -261,9 +266,7 @@ FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, co
     end.time.low = std::min(end.time.low, end.time.at);
   }
   if (seen >= rates.size()) end.doubt = "the recording ends before it does";
-  end.time.low = std::max(end.time.low, onset.low);
-  end.time.at = std::max(end.time.at, onset.at);
-  end.time.high = std::max(end.time.high, end.time.at);
+  end_after(onset, lit.rate.bin, end.time);
   check_width(end, options);
   return end;
 }

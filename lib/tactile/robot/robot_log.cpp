@@ -104,7 +104,10 @@ void find_motion(const LogTable& table, Columns& columns) {
 Columns columns_of(const LogTable& table) {
   Columns columns;
   const auto time = table.find("timestamp");
-  if (!time) throw Error(table.file() + ": no column 'timestamp'; expected a header row with RTDE's names");
+  if (!time)
+    throw Error(table.file() +
+                ": no column 'timestamp'; expected a header row with RTDE's names, or --robot-columns with a name or - "
+                "for each column");
   columns.time = *time;
   find_motion(table, columns);
   columns.bits = table.find(bits_name);

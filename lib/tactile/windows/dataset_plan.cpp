@@ -136,8 +136,7 @@ void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::stri
   if (!without_info.empty())
     warnings.push_back(
         "runs without run.json (their names come from the folders, the sensor from the recording; they are simulated if they "
-        "have "
-        "truth.json): " +
+        "have truth.json, or if their camera is the simulator's): " +
         list_of(without_info));
 }
 
