@@ -53,7 +53,7 @@ def reduced_study(study, evaluation):
 
 
 def reduced_trade(trade):
-    kept = {key: trade[key] for key in ("title", "simulated", "software", "machine", "usual_is", "recommendation")}
+    kept = {key: trade[key] for key in ("title", "simulated", "software", "machine", "busy", "usual_is", "recommendation")}
     kept["recommendation"] = {key: trade["recommendation"][key] for key in ("wish", "id", "met", "sentence")}
     kept["minutes"] = sum(step["seconds"] for step in trade["steps"]) / 60
     kept["settings"] = len(trade["points"])
@@ -216,6 +216,7 @@ def page(folder):
         "which a setting is on a front; the fastest one is always on the first. The trade may train each setting "
         f"{trade['options']['trainings']} times. The intervals of settings with one training are over objects and runs only.\n",
         front_part(trade),
+        f"Other programs disturbed the times: the p99 of {trade['busy']} settings is uncertain by more than a factor of four. Compare their p50.\n" if trade["busy"] else "",
         picture("trade-accuracy", "Accuracy against time per tick"),
         picture("trade-delay", "Delay against false alarms"),
         f"{trade['usual_is']} {trade['recommendation']['sentence']}\n",
