@@ -4,28 +4,16 @@
 
 #include <numeric>
 
+#include "labels/made_bursts.hpp"
+
 namespace tactile::labels {
 namespace {
 
 using Kinds = std::vector<BurstKind>;
 using Moves = std::vector<ArmMove>;
 
-// A recording of 4 s in bins of 1 ms, quiet except for what is requested.
-const alignment::EventRate rate{.begin = camera_time(1'000'000),
-                                .bin = 1ms,
-                                .counts = std::vector<std::uint32_t>(4'000),
-                                .hot_pixels = 0,
-                                .last = camera_time(5'000'000),
-                                .hot = {}};
+const alignment::EventRate& rate = quiet_rate;
 
-CameraTime at_ms(std::int64_t ms) { return camera_time(1'000'000 + 1'000 * ms); }
-alignment::Burst burst(std::size_t begin_ms, std::size_t end_ms, double events = 50'000) {
-  alignment::Burst made;
-  made.begin = begin_ms;
-  made.end = end_ms;
-  made.events = events;
-  return made;
-}
 ArmMove move_between(std::int64_t start_ms, std::int64_t end_ms, microseconds uncertainty = 0us) {
   return {at_ms(start_ms), at_ms(end_ms), uncertainty};
 }

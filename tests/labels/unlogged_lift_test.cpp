@@ -2,27 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "labels/made_bursts.hpp"
+
 namespace tactile::labels {
 namespace {
 
-// A recording of 4 s in bins of 1 ms with a press, a slip and a release.
-const alignment::EventRate rate{.begin = camera_time(1'000'000),
-                                .bin = 1ms,
-                                .counts = std::vector<std::uint32_t>(4'000),
-                                .hot_pixels = 0,
-                                .last = camera_time(5'000'000),
-                                .hot = {}};
-
-CameraTime at_ms(std::int64_t ms) { return camera_time(1'000'000 + 1'000 * ms); }
-
-alignment::Burst burst(std::size_t begin_ms, std::size_t end_ms) {
-  alignment::Burst made;
-  made.begin = begin_ms;
-  made.end = end_ms;
-  made.events = 50'000;
-  return made;
-}
-
+// A press, a slip and a release.
 const std::vector<alignment::Burst> bursts = {burst(500, 700), burst(1'200, 1'800), burst(3'000, 3'200)};
 const std::vector<bool> may_slip = {false, true, true};  // the release is not recognised
 
@@ -32,7 +17,7 @@ alignment::VideoMotion motion(std::int64_t start_ms, std::int64_t end_ms, double
 }
 
 std::optional<UnloggedLift> by_film(const std::vector<alignment::VideoMotion>& filmed) {
-  return unlogged_lift({}, filmed, rate, bursts, may_slip);
+  return unlogged_lift({}, filmed, quiet_rate, bursts, may_slip);
 }
 
 TEST(UnloggedLift, IsTheLastMotionThatChangesTheFilmMuch) {

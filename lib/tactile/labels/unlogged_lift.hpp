@@ -21,7 +21,8 @@ struct UnloggedLift {
 /// The lift is the last motion that the IMU felt during a burst: a camera on the stage also feels the press. Without such a
 /// motion it is the last one during a burst that changes the film much. A motion changes the film much if it changes at least a
 /// third as many grey levels as the one that changes most: the arm carries more of the picture, and further, than the stage
-/// moves. The film must also show a motion during a burst that changes less, or nothing tells the arm from the stage.
+/// moves. If several motions change it as much, the film must also show a motion during a burst that changes less. Otherwise the
+/// arm cannot be distinguished from the stage.
 /// @param imu       of one IMU
 /// @param filmed    motions in the film, in camera time; empty without a film whose clock is known
 /// @param may_slip  for each burst: whether it may be a slip
