@@ -17,7 +17,6 @@
 #include "detect_report.hpp"
 #include "live_line.hpp"
 #include "model_arguments.hpp"
-#include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "robot_arguments.hpp"
@@ -152,7 +151,6 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
 }
 
 void detect(DetectArguments args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);

@@ -15,7 +15,6 @@
 #include "eval_run.hpp"
 #include "eval_tables.hpp"
 #include "model_arguments.hpp"
-#include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -80,7 +79,6 @@ void check_writable(const fs::path& folder) {
 }
 
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
     throw Error(
@@ -158,7 +156,6 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
 }
 
 void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   const fs::path file = dataset_file(args.data);
   if (args.no_train && !fs::exists(file)) {
     throw Error(

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "model_arguments.hpp"
-#include "openmp_threads.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
@@ -197,7 +196,6 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
 }  // namespace
 
 void show_runs(const EvalArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   std::optional<windows::Dataset> dataset;
   if (fs::exists(dataset_file(args.data))) dataset.emplace(dataset_file(args.data));
   std::vector<std::string> errors;  // of runs that cannot be shown; the others are shown

@@ -154,6 +154,9 @@ int hand_over_to(const char* program, char** argv) {
   // OpenCV loads OpenBLAS, which starts a thread with 128 MB for each core. Without this memory the threads spin, and the process
   // waits for them in the end. One thread is enough: libtorch has its own threads.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+  // libtorch's threads sleep while they wait for each other. By default they spin: if another program uses the same cores, a
+  // training then takes five to ten times as long. libgomp reads this only when it is loaded.
+  ::setenv("OMP_WAIT_POLICY", "passive", 0);
   if (std::filesystem::exists(file, failed) && !can_be_loaded(file)) {
     print_error(
         fmt::format("{}: cannot be loaded within the limit on memory (ulimit -v); expected a higher limit, or none", file));

@@ -14,7 +14,6 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "experiment_output.hpp"
-#include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -210,7 +209,6 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const exper
 }
 
 void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   const study::StudyOptions options = options_of(args, common);
   const auto new_progress = [&] { return progress_line(common); };
   const study::StudySummary summary =

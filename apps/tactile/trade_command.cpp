@@ -14,7 +14,6 @@
 #include "commands.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
-#include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -293,7 +292,6 @@ void warn_of_runs(const trade::TradeOptions& options, bool strict) {
 }
 
 void trade(const TradeArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   const trade::TradeOptions options = options_of(args, common);
   if (!args.apply.empty() && !options.constraints.any()) {
     throw Error(

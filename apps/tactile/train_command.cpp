@@ -12,7 +12,6 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "model_arguments.hpp"
-#include "openmp_threads.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "rendering_arguments.hpp"
@@ -226,7 +225,6 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
 }
 
 void train(const TrainArguments& args, const CommonArguments& common) {
-  let_openmp_threads_sleep();
   model::ModelSettings settings = settings_of(args);
   const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   const windows::Dataset dataset(dataset_file(args.data));
