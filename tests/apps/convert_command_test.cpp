@@ -92,7 +92,7 @@ TEST(ConvertCommand, SaysInOneLineWhatIsWrong) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     return result.err;
   };
-  EXPECT_NE(error_of("bad.csv out.aedat4").find("bad.csv:3: time goes back from 5 to 4"), std::string::npos);
+  EXPECT_NE(error_of("bad.csv out.aedat4").find("bad.csv:3: time goes back from 5 to 4 us"), std::string::npos);
   EXPECT_NE(error_of(vendor_file + " out.npy").find(".aedat4, .csv, .h5 or .npz"), std::string::npos);
   EXPECT_NE(error_of(vendor_file + " out.csv --to-us 5").find("contains no element"), std::string::npos);
   EXPECT_NE(error_of("missing.aedat4 out.csv").find("missing.aedat4"), std::string::npos);

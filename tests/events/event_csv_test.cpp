@@ -6,6 +6,7 @@
 
 #include "events/made_recording.hpp"
 #include "support/paths.hpp"
+#include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -106,10 +107,37 @@ TEST(EventCsvReader, NamesTheLineTheFaultAndTheRemedy) {
   EXPECT_EQ(error_of(head + "2,3,4,2\n"), "3: on is '2'; expected 0 and 1, or -1 and 1");
   EXPECT_EQ(error_of(head + "2,3,4,10\n"), "3: on is '10'; expected 0 and 1, or -1 and 1");
   EXPECT_EQ(error_of(head + "2,3,4,\n"), "3: on is ''; expected 0 and 1, or -1 and 1");
-  EXPECT_EQ(error_of(head + "0,3,4,1\n"), "3: time goes back from 1 to 0; expected times that never go back");
   EXPECT_EQ(error_of(head + "2,3,4,1\n2,640,4,1\n", {}, SensorSize{640, 480}),
             "4: x is '640'; expected a whole number from 0 to 639");
   EXPECT_EQ(error_of(head + "2,3,480,1\n", {}, SensorSize{640, 480}), "3: y is '480'; expected a whole number from 0 to 479");
+}
+
+TEST(EventCsvReader, NamesTheCommandThatSortsRowsOutOfOrder) {
+  // Rows of one time keep their order.
+  const std::vector<Event> sorted{event_at(2, 7, 3, 0), event_at(9, 4, 5, 1), event_at(9, 1, 1, 1), event_at(10, 6, 6, 1)};
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "a b");
+  const auto file = folder / "a b" / "events.csv";
+  const std::vector<std::pair<const char*, EventCsvOptions>> layouts{
+      {"t_us,x,y,on\n9,4,5,1\n2,7,3,0\n10,6,6,1\n9,1,1,1\n", {}},
+      {"9,4,5,1\n2,7,3,0\n10,6,6,1\n9,1,1,1\n", {.columns = "t,x,y,p"}},
+      {"# made by hand\nx\ty\tp\ttime [s]\n4\t5\t1\t9e-6\n7\t3\t0\t0.000002\n6\t6\t1\t1e-5\n1\t1\t1\t0.000009\n", {}},
+      {"%geometry:640,480\n# x y p t\n4 5 1  9\n7 3 0 2\n6 6 1 10\n1 1 1 9\n", {}},
+      {"p;t;x;y\n1;9;4;5\n-1;2;7;3\n1;10;6;6\n1;9;1;1\n", {}}};
+  for (const auto& [text, options] : layouts) {
+    write_whole(file, text);
+    std::string error;
+    try {
+      EventCsvReader(file, std::nullopt, options).next();
+    } catch (const Error& e) {
+      error = e.what();
+    }
+    const std::string remedy = "time goes back from 9 to 2 us; expected times that never go back; to sort the file: ";
+    ASSERT_NE(error.find(remedy), std::string::npos) << error;
+    const test::CommandResult sort = test::run_shell(error.substr(error.find(remedy) + remedy.size()), folder.path());
+    ASSERT_EQ(sort.exit_code, 0) << error << sort.err;
+    EXPECT_EQ(events_in_csv(read_text(folder / "sorted.csv"), options), sorted) << read_text(folder / "sorted.csv");
+  }
 }
 
 TEST(EventCsvReader, ReadsColumnsInAnyOrderByTheirNames) {

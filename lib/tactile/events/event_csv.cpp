@@ -15,6 +15,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/text.hpp"
+#include "tactile/core/text_lines.hpp"
 
 namespace tactile::events {
 namespace {
@@ -148,7 +149,8 @@ struct EventCsvReader::State {
   std::size_t waiting = 0;  ///< bytes at the buffer's begin that are not parsed yet
   bool at_end = false;
   std::uint64_t bytes = 0;
-  std::uint64_t line = 0;  ///< the last one parsed, from 1
+  std::uint64_t line = 0;        ///< the last one parsed, from 1
+  std::uint64_t rows_above = 0;  ///< comments and header
   CameraTime latest = CameraTime::min();
   std::vector<Event> events;  ///< parsed ones; the constructor parses the first chunk for the header
   bool handed_out = false;
@@ -170,6 +172,7 @@ struct EventCsvReader::State {
     } catch (const Error& e) {
       refuse(e.what());
     }
+    rows_above = layout->has_header ? line : line - 1;
     if (!layout->has_header) read_event(text);
   }
 
@@ -187,8 +190,7 @@ struct EventCsvReader::State {
     if (at != end) refuse_event(text);
     Event& event = cells.event;
     event.t = camera_time(cells.t);
-    if (event.t < latest)
-      refuse(fmt::format("time goes back from {} to {}; expected times that never go back", us_of(latest), cells.t));
+    if (event.t < latest) refuse_order(cells.t);
     latest = event.t;
     event.on = cells.polarity > 0 ? 1 : 0;
     if (cells.polarity <= 0 && cells.polarity != lowest_polarity) note_polarity(cells.polarity);
@@ -223,6 +225,20 @@ struct EventCsvReader::State {
         return true;
     }
     return false;
+  }
+
+  /// Names a command that sorts the file, whatever its size.
+  [[noreturn]] void refuse_order(std::int64_t t_us) const {
+    const auto t = std::find(layout->columns.begin(), layout->columns.end(), EventColumn::t) - layout->columns.begin() + 1;
+    const std::string separator = layout->separator == ' '    ? ""
+                                  : layout->separator == '\t' ? "-t \"$(printf '\\t')\" "
+                                                              : fmt::format("-t '{}' ", layout->separator);
+    const std::string sort = fmt::format("LC_ALL=C sort -s {}-k {},{}g", separator, t, t), name = shell_word(path.string());
+    const std::string command =
+        rows_above == 0 ? fmt::format("{} {}", sort, name)
+                        : fmt::format("(head -n {} {}; tail -n +{} {} | {})", rows_above, name, rows_above + 1, name, sort);
+    refuse(fmt::format("time goes back from {} to {} us; expected times that never go back; to sort the file: {} > sorted.csv",
+                       us_of(latest), t_us, command));
   }
 
   void note_polarity(int polarity) {
