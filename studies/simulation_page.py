@@ -134,7 +134,7 @@ def gather(tactile, folder, part, known):
 
 def about_text(tables):
     settings = tables["study"]["settings"]
-    return (f"All tables are of `{settings['preset']}`, seed {settings['seed']}, unless they say otherwise. "
+    return (f"All tables are of `{settings['preset']}`, seed {settings['seed']}, revision {tables['study']['software']['revision']}, unless they say otherwise. "
             f"`scripts/simulation-study --preset {settings['preset']} --seed {settings['seed']}` makes them.\n")
 
 

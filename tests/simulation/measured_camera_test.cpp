@@ -107,9 +107,14 @@ TEST(ReadoutClock, WandersAndJittersAsStated) {
   o.wander_s = 0.02;  // 100 read-outs
   const std::vector<double> wander = errors();
   EXPECT_NEAR(deviation_of(wander), 5.0, 0.3);
-  double product = 0;
-  for (std::size_t k = 100; k < wander.size(); ++k) product += wander[k] * wander[k - 100];
+  double product = 0, change = 0;
+  for (std::size_t k = 100; k < wander.size(); ++k) {
+    product += wander[k] * wander[k - 100];
+    change += (wander[k] - wander[k - 10]) * (wander[k] - wander[k - 10]);
+  }
   EXPECT_NEAR(product / static_cast<double>(wander.size() - 100) / 25.0, std::exp(-1.0), 0.1);
+  // It is smooth: after a tenth of the time the correlation is 0.980. It would be 0.905 if it moved at random.
+  EXPECT_NEAR(1 - change / static_cast<double>(wander.size() - 100) / 50.0, 0.980, 0.005);
 }
 
 TEST(ReadoutClock, TakesLongerForManyEventsAndMovesAllLaterReadouts) {

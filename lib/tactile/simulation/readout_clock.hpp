@@ -17,7 +17,8 @@ namespace tactile::simulation {
 /// - A read-out of n events lasts at least n / readout_events_per_s. What it lasts longer than readout_us adds to the delay of
 /// all
 ///   later ones.
-/// - The wander is an Ornstein-Uhlenbeck process with the standard deviation wander_us and the correlation time wander_s.
+/// - The wander is smooth, as that of real cameras: white noise through two equal low-passes of first order. Its standard
+///   deviation is wander_us. Its autocorrelation, (1 + x) exp(-x) with x in proportion to the time, is 1 / e after wander_s.
 /// - The jitter of each read-out is normal with the standard deviation jitter_us, limited to a quarter of readout_us.
 ///
 /// Columns are stamped one after another. With scan_us_per_column > 0 the last column has the time of the begin, and each lower x
@@ -42,12 +43,12 @@ class ReadoutClock {
   }
 
  private:
-  double readout_us_, us_per_event_, scan_us_, wander_us_, wander_kept_, jitter_us_;
+  double readout_us_, us_per_event_, scan_us_, wander_us_, wander_kept_, wander_noise_us_, jitter_us_;
   bool by_rows_ = false;
   int last_ = 0;  ///< the last column or row
   Random random_;
   std::int64_t readout_ = 0;
-  double delay_us_ = 0, wander_now_us_ = 0, next_us_ = 0;
+  double delay_us_ = 0, wander_driven_us_ = 0, wander_now_us_ = 0, next_us_ = 0;
 };
 
 }  // namespace tactile::simulation
