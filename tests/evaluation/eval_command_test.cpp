@@ -17,6 +17,7 @@
 #include "tactile/core/truth.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/results/false_alarm_table.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile::evaluation {
@@ -150,6 +151,10 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
   const auto outcome = read_json(trained.bundle.folder / "runs/fan-02.json");
   EXPECT_EQ(outcome.at("intervals"), json.at("runs").at(0).at("intervals"));
   EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
+  const auto alarms = results::JsonView(outcome.at("false_alarms"), "fan-02.json").get<results::FalseAlarms>();
+  const std::string words = results::words_of(alarms, true), picture = read_text(trained.bundle.folder / "runs/fan-02.svg");
+  EXPECT_GT(alarms.outside_labels_time, microseconds{0});
+  EXPECT_NE(picture.find(words.substr(0, words.find(';'))), std::string::npos) << words;
   EXPECT_TRUE(read_json(trained.bundle.folder / "runs/new-07.json").at("false_alarms").is_null());
   EXPECT_FALSE(std::filesystem::exists(trained.bundle.evaluation()));
 
