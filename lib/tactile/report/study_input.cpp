@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -130,13 +131,27 @@ void read_choice(ReportInput& input, const results::JsonView& study) {
   }
 }
 
-/// "th040-single-run-01-s1 and 4 more trainings"
+/// "5 trainings, t_h 30, 40 and 50 ms"; the name of a single one
 std::string models_in(const results::JsonView& evaluation) {
   const std::vector<results::JsonView> models = evaluation["models"].items();
-  if (models.empty()) return evaluation["model"].text();
-  const std::string first = models.front()["name"].text();
-  return models.size() == 1 ? first
-                            : fmt::format("{} and {} more training{}", first, models.size() - 1, models.size() == 2 ? "" : "s");
+  if (models.size() < 2) return models.empty() ? evaluation["model"].text() : models.front()["name"].text();
+  std::set<double> histories;
+  for (const results::JsonView& model : models) {
+    if (const double history = model["th_ms"].number(); std::isfinite(history)) histories.insert(history);
+  }
+  std::string text = fmt::format("{} trainings", models.size());
+  for (const double history : histories) {
+    const bool is_first = history == *histories.begin(), is_last = history == *histories.rbegin();
+    text += fmt::format("{}{:g}{}", is_first ? ", t_h " : is_last ? " and " : ", ", history, is_last ? " ms" : "");
+  }
+  return text;
+}
+
+/// The history of a single model; NaN of several, whose histories `models_in` names
+double history_of(const results::JsonView& evaluation) {
+  const std::vector<results::JsonView> models = evaluation["models"].items();
+  if (models.size() > 1) return NAN;
+  return models.empty() ? evaluation["th_ms"].number() : models.front()["th_ms"].number();
 }
 
 void read_evaluations(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
@@ -148,9 +163,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
     input.evaluations.push_back({.id = id,
                                  .model = models_in(entry),
                                  .runs = (entry["runs"].text() == "all_test" ? all_test_runs : reported_runs).second,
-                                 .history_ms = entry["models"].items().empty()
-                                                   ? entry["th_ms"].number()
-                                                   : entry["models"].items().front()["th_ms"].number(),
+                                 .history_ms = history_of(entry),
                                  .is_folded = id == "all_test",
                                  .scores = results::JsonView(document, file.string()).get<results::Evaluation>()});
   }
