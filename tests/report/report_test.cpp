@@ -287,6 +287,25 @@ TEST(Report, FoldsThePapersOwnWay) {
   EXPECT_GT(page.find("<details>"), page.find("id=\"figure-delays\"")) << "what is reported on is shown";
 }
 
+TEST(Report, NamesEveryHistoryThatTheTrainingsChose) {
+  const TemporaryFolder folder;
+  json study = write_study(folder / "study");
+  json& evaluation = study["evaluations"][0];
+  for (const int history : {50, 30, 40, 30}) evaluation["models"].push_back({{"name", "m"}, {"th_ms", history}});
+  study["training_spread"]["in_words"] = "4 trainings are 17.5 points apart.";
+  study["splits"] = {{{"name", "split-001"}}, {{"name", "split-002"}}};
+  study["splits_mean"]["reported"] = {{"value", -0.125}, {"low", -0.25}, {"high", -0.0625}, {"n", 10}};
+  write_json(folder / "study/study.json", study);
+  const std::string page = read_text(write_report(folder / "study", folder / "out").page);
+  EXPECT_TRUE(tells(page, "Detection: 4 trainings, t_h 30, 40 and 50 ms, the reported runs</h2>")) << page;
+  EXPECT_TRUE(tells(page, "<p>4 trainings, t_h 30, 40 and 50 ms, a tick every 2 ms"));
+  EXPECT_TRUE(tells(page, "4 trainings are 17.5 points apart."));
+  EXPECT_TRUE(tells(page, "Over 2 random splits, the accuracy on a held-out object differs by -12.50 points [-25.00, -6.25]"));
+  evaluation["models"] = {{{"name", "one"}, {"th_ms", 20}}};
+  write_json(folder / "study/study.json", study);
+  EXPECT_TRUE(tells(read_text(write_report(folder / "study", folder / "out").page), "Detection: one (20 ms), the reported runs"));
+}
+
 TEST(Report, EscapesWhateverComesFromFiles) {
   const TemporaryFolder folder;
   write_study(folder / "study", " <b onerror=\"x\">'&</b><script>");

@@ -64,6 +64,7 @@ struct ReportInput {
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::optional<results::VarianceShares> variance;  ///< of the mean accuracy
+  std::string training_spread;                      ///< a sentence; empty with one training
   std::vector<ReportedTable> choice;                ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
   std::vector<ReportedRun> runs;

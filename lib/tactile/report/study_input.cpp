@@ -55,6 +55,7 @@ void read_claims(ReportInput& input, const results::JsonView& study) {
   if (const results::JsonView variance = study["variance"]) {
     input.variance = variance.get<results::VarianceShares>();
   }
+  input.training_spread = study["training_spread"]["in_words"].text();
   add_sentences(input.remarks, study["remarks"]);
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
   std::vector<TableRow> rows;
@@ -200,8 +201,10 @@ void read_unseen(ReportInput& input, const results::JsonView& study) {
   }
   const results::Figure mean = study["splits_mean"]["reported"].get<results::Figure>();
   if (!rows.empty() && std::isfinite(mean.value)) {
-    input.remarks.push_back(fmt::format("Over {} random splits, accuracy on a held-out object is {:.2f} points lower on average.",
-                                        rows.size(), -100 * mean.value));
+    input.remarks.push_back(fmt::format(
+        "Over {} random splits, the accuracy on a held-out object differs by {} (mean over {} objects) from that of the "
+        "same training with it.",
+        rows.size(), results::text_of(results::scaled(mean, 100), " points", "+.2f"), mean.n));
   }
   add_table(input.splits, "Other random splits with five held-out objects: accuracy on them, on the reported runs",
             {"split", "held out", "seen", "held out", "difference"}, std::move(rows));

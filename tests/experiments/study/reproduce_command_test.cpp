@@ -92,6 +92,9 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(study.at("unseen").at("reported").at("runs"),
             (std::vector<std::string>{"plastic-container/01", "plastic-container/02"}));
   ASSERT_EQ(study.at("splits").size(), 1U);
+  EXPECT_EQ(study.at("training_spread").at("th_ms"), 40);
+  for (const char* object : {"plastic-container", "water-bottle"})
+    EXPECT_EQ(study.at("training_spread").at("objects").at(object).size(), 2U) << object;
   const auto& guards = study.at("evaluations")[0].at("accuracy_by_guard");
   EXPECT_EQ(guards[0].at("guard_ms"), 100);
   EXPECT_EQ(guards[1].at("guard_ms"), 0);
