@@ -224,6 +224,24 @@ TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
       << other.err;
 }
 
+TEST(ReproduceCommand, HeldOutEachHoldsOutOneObjectAtATime) {
+  const test::TemporaryFolder folder;
+  run_study(folder.path(),
+            "reproduce --json --preset tiny --objects plastic-container,water-bottle --th 40 --held-out each --trainings 1 "
+            "--epochs 1 --threads 2 --no-report");
+  const nlohmann::json unseen = read_json(folder / "study/study.json").at("unseen");
+  EXPECT_EQ(unseen.at("held_out"), (std::vector<std::vector<std::string>>{{"plastic-container"}, {"water-bottle"}}));
+  ASSERT_EQ(unseen.at("trainings").size(), 2U);
+  EXPECT_EQ(unseen.at("reported").at("runs"), (std::vector<std::string>{"plastic-container/02", "water-bottle/02"}));
+  for (const auto& [without, other] :
+       {std::pair("plastic-container", "water-bottle"), std::pair("water-bottle", "plastic-container")}) {
+    const auto& training = unseen.at("trainings")[without == std::string("plastic-container") ? 0 : 1];
+    const nlohmann::json model = read_json(folder / "study" / training.at("folder").get<std::string>() / "model.json");
+    EXPECT_EQ(model.at("train_runs"), std::vector<std::string>{std::string(other) + "/01"}) << without;
+    EXPECT_TRUE(unseen.at("reported").at("objects").contains(without));
+  }
+}
+
 TEST(ReproduceCommand, ContradictoryOptionsAreRefused) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(test::run_tactile("simulate --preset tiny --objects plastic-container,water-bottle --quiet", folder.path()).exit_code,
