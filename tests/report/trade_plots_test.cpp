@@ -191,22 +191,6 @@ TEST(TradeDelayPlot, IsLinearNearNoAlarmsAndLogarithmicBeyond) {
   EXPECT_GT(axis.px(std::log10(2)) - axis.px(0), 40) << "none and one are told apart";
 }
 
-TEST(TradeDelayPlot, CutsAnIntervalFarAboveAllDelays) {
-  ReportedSetting uncertain = setting("uncertain", 100, 0.9, 1, 6000);
-  uncertain.delay_us.high = 48e6;
-  const ReportedSetting usual = setting("usual", 100, 0.9, 10, 8000);
-  const pictures::Plot plot = trade_delay_plot(trade_of({usual, uncertain}));
-  EXPECT_TRUE(has_row(plot, {std::log10(11), 8, 7, 10}));
-  EXPECT_TRUE(has_row(plot, {std::log10(2), 6, 5, 12}));
-  const auto says = [](const pictures::Plot& of, const char* what) {
-    std::string text;  // a note goes over several lines
-    for (const Words& line : words_in(of)) text += line.text + " ";
-    return text.find(what) != std::string::npos;
-  };
-  EXPECT_TRUE(says(plot, "cut at 12 ms"));
-  EXPECT_FALSE(says(trade_delay_plot(trade_of({usual})), "cut at"));
-}
-
 TEST(TradeDelayPlot, IsLabelledWhateverTheAlarms) {
   for (const auto& [least, most] : {std::pair(0.0, 0.0), std::pair(0.2, 0.4), std::pair(9.0, 9.0), std::pair(60.0, 110.0),
                                     std::pair(500.0, 4000.0), std::pair(0.0, 1e6), std::pair(2000.0, 2000.0)}) {
