@@ -44,6 +44,7 @@ def reduced_study(study, evaluation):
     kept = {key: study[key] for key in ("title", "simulated", "settings", "software", "machine", "bootstrap", "found", "variance", "claims", "choice",
                                         "paper_way", "splits_mean")}
     kept["trainings"] = [{key: training[key] for key in ("seed", "train_run", "th_ms")} for training in study["trainings"]]
+    kept["training_spread"] = study.get("training_spread")  # not in older studies
     kept["splits"] = len(study["splits"])
     kept["minutes"] = sum(step["seconds"] for step in study["steps"]) / 60
     kept["histories"] = [{"th_ms": history["th_ms"], "accuracy": history["accuracy"]["reported"]} for history in study["histories"]]
@@ -165,6 +166,11 @@ def variance_sentence(study):
             f"{100 * shares['run']:.0f} % from runs of an object.\n\n" + picture("variance", "Shares of trainings, objects and runs in the variance"))
 
 
+def spread_sentence(study):
+    spread = study.get("training_spread")
+    return spread["in_words"] + "\n" if spread else ""
+
+
 def repeating(settings, trade):
     budget = trade["options"]["budget_minutes"]
     return f"--preset {settings['preset']} --seed {settings['seed']}" + (f" --budget-minutes {budget:g}" if budget else "")
@@ -197,6 +203,7 @@ def page(folder):
         f"On its own runs to choose on, each training chose: {histories} ms. {study['choice']['why']} The next tables use these choices.\n",
         baselines_part(study),
         variance_sentence(study),
+        spread_sentence(study),
         "## Detection\n",
         detection_part(study),
         picture("detection-curve", "Share of presses and slips detected within a time"),

@@ -55,8 +55,8 @@ void draw_ticks(const std::vector<detect::ReportedTick>& ticks, const heatmaps::
       if (detection.outcome == results::DetectionOutcome::detected) interval.first_right = detection.first_right;
     }
     if (!picture.labels.empty())
-      picture.remarks.push_back(fmt::format("Line: onset, {}; dashed: first right verdict; above them: the detection delay.",
-                                            picture.has_labels ? "as labelled" : "as it truly was"));
+      picture.remarks.push_back(
+          fmt::format("Line: onset, {}; dashed: first right verdict.", picture.has_labels ? "as labelled" : "as it truly was"));
   }
   pictures::draw_prediction(picture, file);
 }

@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -22,6 +23,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/experiments/usual_trainings.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -125,29 +127,38 @@ struct UnseenTrainings {
   std::vector<std::string> warnings;
 };
 
+/// Of one of the trainings of a model; `first` is training 0.
+model::ModelSettings settings_of(const model::ModelBundle& first, const windows::Dataset& dataset, unsigned training) {
+  const model::ModelSettings settings = model::read_description(first).settings;
+  return training == 0 ? settings : with_training(settings, dataset, training);
+}
+
 /// The two models and, of each, as many further trainings as requested; trains what is missing.
 UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
                                const model::ModelBundle& seen, const model::ModelBundle& held_out) {
   const model::EngineKind engine = model::engine_named(args.engine);
-  UnseenTrainings trainings;
-  for (unsigned training = 0; training < args.trainings; ++training) {
+  const unsigned count = args.trainings.value_or(experiments::usual_trainings(dataset));
+  std::vector<windows::SplitOptions> splits;
+  for (unsigned training = 0; training < count; ++training) {
+    for (const model::ModelBundle& first : {seen, held_out}) splits.push_back(settings_of(first, dataset, training).split);
+  }
+  UnseenTrainings trainings{
+      .classifiers = {}, .pairs = {}, .unseen = {}, .warnings = warn_of_splits(dataset, splits, args.strict)};
+  for (unsigned training = 0; training < count; ++training) {
     const auto open = [&](const model::ModelBundle& first) {
       const model::ModelBundle bundle =
-          training == 0 ? first
-                        : partner_of(args, common, dataset,
-                                     with_training(model::read_description(first).settings, dataset, training), true);
+          training == 0 ? first : partner_of(args, common, dataset, settings_of(first, dataset, training), true);
       return &trainings.classifiers.emplace_back(model::open_classifier(bundle.folder, common.threads, engine));
     };
     const model::Classifier* with = open(seen);
     const model::Classifier* without = open(held_out);
-    const std::vector<windows::SplitOptions> splits{with->model().settings.split, without->model().settings.split};
-    const std::vector<std::string> of_splits = warn_of_splits(dataset, splits, args.strict);
-    trainings.warnings.insert(trainings.warnings.end(), of_splits.begin(), of_splits.end());
     auto runs = evaluation::runs_neither_saw(dataset, with->model(), without->model());
     for (const model::Classifier* classifier : {with, without}) leave_out_calibration_runs(runs, dataset, *classifier);
     for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without->model()), runs)) {
-      trainings.warnings.push_back(object + ": not compared, each of its runs with samples was used to train one of the models");
-      spdlog::warn("{}", trainings.warnings.back());
+      const std::string warning = object + ": not compared, each of its runs with samples was used to train one of the models";
+      if (std::find(trainings.warnings.begin(), trainings.warnings.end(), warning) != trainings.warnings.end()) continue;
+      trainings.warnings.push_back(warning);
+      spdlog::warn("{}", warning);
     }
     trainings.pairs.push_back({with, without, runs});
     trainings.unseen.push_back({without, runs});
@@ -216,10 +227,13 @@ void add_eval_command(CLI::App& app) {
       .delimiter(',')
       .type_name("NAME,...")
       .needs(unseen);
-  command.add_option("--trainings", args->trainings, "With --unseen: trainings of each kind, each on another run and seed")
+  command
+      .add_option("--trainings", args->trainings,
+                  "With --unseen: trainings of each kind, each on another run and with another seed; default: 2 for runs of the "
+                  "preset tiny, else 5")
       .check(in_range(1U, 1000U))
-      .needs(unseen)
-      .show_default();
+      .type_name("N")
+      .needs(unseen);
   command.add_flag("--no-train", args->no_train, "With --unseen: do not train; a missing model is an error");
   add_strict_option(command, args->strict);
   command

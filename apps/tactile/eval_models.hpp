@@ -18,7 +18,7 @@ struct EvalArguments {
   double guard_ms = -1;
   std::string confirm = "1/1";
   bool gate = false;
-  unsigned trainings = 1;  ///< of --unseen
+  std::optional<unsigned> trainings;  ///< of --unseen; their usual number if not given
   std::string engine = "fast";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has
   std::vector<std::string> runs;      ///< to show over time, instead of the evaluation

@@ -92,13 +92,7 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   if (confirmation.of > 1)
     settings += fmt::format("; predicted in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
   picture.remarks.push_back(settings + ".");
-  if (picture.has_labels) {
-    const results::FalseAlarms& alarms = prediction.false_alarms;
-    picture.remarks.push_back(fmt::format(
-        "Above each labelled interval: the detection delay. False alarms outside labels: {} ({} of them begun just after "
-        "an interval, {} in motion without labels); of the wrong class: {}.",
-        alarms.outside_labels, alarms.after_intervals, alarms.unlabelled, alarms.wrong_class));
-  }
+  if (picture.has_labels) picture.remarks.push_back(results::words_of(prediction.false_alarms, picture.has_truth));
   return picture;
 }
 

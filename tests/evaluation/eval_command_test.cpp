@@ -17,6 +17,7 @@
 #include "tactile/core/truth.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/results/false_alarm_table.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile::evaluation {
@@ -150,6 +151,10 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
   const auto outcome = read_json(trained.bundle.folder / "runs/fan-02.json");
   EXPECT_EQ(outcome.at("intervals"), json.at("runs").at(0).at("intervals"));
   EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
+  const auto alarms = results::JsonView(outcome.at("false_alarms"), "fan-02.json").get<results::FalseAlarms>();
+  const std::string words = results::words_of(alarms, true), picture = read_text(trained.bundle.folder / "runs/fan-02.svg");
+  EXPECT_GT(alarms.outside_labels_time, microseconds{0});
+  EXPECT_NE(picture.find(words.substr(0, words.find(';'))), std::string::npos) << words;
   EXPECT_TRUE(read_json(trained.bundle.folder / "runs/new-07.json").at("false_alarms").is_null());
   EXPECT_FALSE(std::filesystem::exists(trained.bundle.evaluation()));
 
@@ -284,7 +289,7 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   for (const char* train : {"train --epochs 1 --split unseen --held-out fan --name clean",
                             "train --epochs 1 --train-run 02 --split unseen --held-out fan --from clean --name clean-next"})
     ASSERT_EQ(run_tactile(train, trained.folder.path()).exit_code, 0) << train;
-  const auto compared = run_tactile("eval --json --unseen --held-out fan --model next", trained.folder.path());
+  const auto compared = run_tactile("eval --json --unseen --held-out fan --model next --trainings 1", trained.folder.path());
   ASSERT_EQ(compared.exit_code, 0) << compared.err;
   const auto unseen = nlohmann::json::parse(compared.out).at("unseen");
   EXPECT_EQ(unseen.at("models").at("held_out"), nlohmann::json("clean-next"));
@@ -309,7 +314,7 @@ TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("tactile train --th 40 --split unseen --epochs 4"), std::string::npos) << refused.err;
 
-  const auto result = run_tactile("eval --unseen --json --threads 1", trained.folder.path());
+  const auto result = run_tactile("eval --unseen --trainings 1 --json --threads 1", trained.folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("is missing: it is trained first"), std::string::npos) << result.err;
   const auto json = nlohmann::json::parse(result.out);
@@ -326,11 +331,11 @@ TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
   EXPECT_EQ(json.at("unseen").at("models").at("seen"), "small");
   EXPECT_TRUE(json.contains("accuracy"));
 
-  const auto text = run_tactile("eval --unseen --no-train", trained.folder.path());
+  const auto text = run_tactile("eval --unseen --trainings 1 --no-train", trained.folder.path());
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_NE(text.out.find("held out"), std::string::npos) << text.out;
   EXPECT_LE(characters_in(longest_line(text.out)), 100U) << longest_line(text.out);
-  const auto again = run_tactile("eval --unseen --no-train --json", trained.folder.path());
+  const auto again = run_tactile("eval --unseen --trainings 1 --no-train --json", trained.folder.path());
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(nlohmann::json::parse(again.out).at("unseen"), json.at("unseen"));
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "report/plot_rows.hpp"
@@ -85,6 +86,18 @@ TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
   EXPECT_TRUE(contains(drawn(over_time_plot("Of one run", press, of_one_run)),
                        "Whiskers: 95 % intervals, where there are 3 runs or objects."));
   EXPECT_FALSE(contains(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
+}
+
+TEST(OverTimePlot, LeavesOutBinsOfFewerThanThreeObjects) {
+  const results::OverTimeBin many{.to = 50ms, .accuracy = {.value = 0.9, .n = 3}},
+      few{.from = 50ms, .to = 100ms, .accuracy = {.value = 0.5, .n = 2}};
+  const pictures::Plot plot = over_time_plot("Over time", {.since_onset = {many, few}}, {.before_end = {few}});
+  EXPECT_TRUE(has_row(plot, {25, 90, 90, 90}));
+  const auto& tables = plot.tables;
+  const auto has_few = std::count_if(tables.begin(), tables.end(), [](const pictures::PlotTable& table) {
+    return std::find(table.values.begin(), table.values.end(), 75.0) != table.values.end();
+  });
+  EXPECT_EQ(has_few, 1) << "drawn only where no bin of the class has more";
 }
 
 }  // namespace

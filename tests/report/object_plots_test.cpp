@@ -82,6 +82,14 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   drawn(unseen_plot("Nothing", {}));
 }
 
+TEST(VariancePlot, NamesEveryShareHoweverSmall) {
+  const pictures::Plot plot = variance_plot("Variance", {.training = 0, .object = 0.98, .run = 0.02});
+  EXPECT_TRUE(has_row(plot, {49, 0.5, 0, 98, 0, 1}));
+  EXPECT_TRUE(has_row(plot, {99, 0.5, 98, 100, 0, 1}));
+  const std::string svg = drawn(plot);
+  for (const char* words : {"trainings 0 %", "objects 98 %", "runs 2 %"}) EXPECT_TRUE(contains(svg, words)) << words;
+}
+
 TEST(Captions, SpeakOfIntervalsAndWhiskersOnlyWhereThereAreSome) {
   const HistoryCurve bare{.name = "fan", .points = {{.history_ms = 2, .accuracy = {.value = 0.9, .n = 1}}}};
   const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));

@@ -135,7 +135,18 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
       {{"tick_ms", 2.0},
        {"confirm", "1/1"},
        {"intervals", {{{"class", "press"}, {"start_us", 1500}, {"end_us", 5000}, {"outcome", "detected"}, {"delay_ms", 2.0}}}},
-       {"false_alarms", {{"count", 5}, {"after_intervals", 1}, {"unlabelled", 0}}}});
+       {"false_alarms",
+        {{"count", 5},
+         {"after_intervals", 1},
+         {"unlabelled", 0},
+         {"none_min", 0.5},
+         {"none_in_alarm_min", 0.1},
+         {"outside_labels", 6},
+         {"outside_labels_min", 1},
+         {"outside_motion", 4},
+         {"outside_motion_min", 0.75},
+         {"wrong_class", 2},
+         {"labelled_min", 0.25}}}});
   const json unseen = {
       {"mean", {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}},
       {"objects", {{"fan" + mark, {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}}}}};
@@ -250,7 +261,9 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   EXPECT_FALSE(tells(page, "Nothing is missing."));
   EXPECT_TRUE(any_tells(summary.missing, "1 of the 2 claims have too few trainings, runs or objects"));
   const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
-  for (const char* words : {"press: 2 ms", "False alarms: 5; alarms just after an interval: 1", "A tick every 2 ms"})
+  for (const char* words :
+       {"press: 2 ms", "with the detection delay above", "False alarms outside labels: 6 (6.0 per minute)",
+        "without unlabelled motion: 4 (5.3 per minute); 20.0 % of none time", "of the wrong class: 2 (8.0", "A tick every 2 ms"})
     EXPECT_TRUE(tells(run, words)) << words;
 }
 
@@ -272,6 +285,25 @@ TEST(Report, FoldsThePapersOwnWay) {
     EXPECT_TRUE(closed == std::string::npos || closed < opened) << figure;
   }
   EXPECT_GT(page.find("<details>"), page.find("id=\"figure-delays\"")) << "what is reported on is shown";
+}
+
+TEST(Report, NamesEveryHistoryThatTheTrainingsChose) {
+  const TemporaryFolder folder;
+  json study = write_study(folder / "study");
+  json& evaluation = study["evaluations"][0];
+  for (const int history : {50, 30, 40, 30}) evaluation["models"].push_back({{"name", "m"}, {"th_ms", history}});
+  study["training_spread"]["in_words"] = "4 trainings are 17.5 points apart.";
+  study["splits"] = {{{"name", "split-001"}}, {{"name", "split-002"}}};
+  study["splits_mean"]["reported"] = {{"value", -0.125}, {"low", -0.25}, {"high", -0.0625}, {"n", 10}};
+  write_json(folder / "study/study.json", study);
+  const std::string page = read_text(write_report(folder / "study", folder / "out").page);
+  EXPECT_TRUE(tells(page, "Detection: 4 trainings, t_h 30, 40 and 50 ms, the reported runs</h2>")) << page;
+  EXPECT_TRUE(tells(page, "<p>4 trainings, t_h 30, 40 and 50 ms, a tick every 2 ms"));
+  EXPECT_TRUE(tells(page, "4 trainings are 17.5 points apart."));
+  EXPECT_TRUE(tells(page, "Over 2 random splits, the accuracy on a held-out object differs by -12.50 points [-25.00, -6.25]"));
+  evaluation["models"] = {{{"name", "one"}, {"th_ms", 20}}};
+  write_json(folder / "study/study.json", study);
+  EXPECT_TRUE(tells(read_text(write_report(folder / "study", folder / "out").page), "Detection: one (20 ms), the reported runs"));
 }
 
 TEST(Report, EscapesWhateverComesFromFiles) {

@@ -24,5 +24,34 @@ TEST(FalseAlarmTable, IsReadBackAsItIsWritten) {
   EXPECT_EQ(nlohmann::json(read), json);
 }
 
+TEST(FalseAlarms, OfARunAreReadBackAndSaidInThreeForms) {
+  const FalseAlarms alarms{.alarms = 1,
+                           .after_intervals = 2,
+                           .none_time = 20s,
+                           .outside_labels = 3,
+                           .outside_labels_time = 40s,
+                           .outside_motion = 2,
+                           .outside_motion_time = 24s,
+                           .none_in_alarm = 500ms,
+                           .wrong_class = 4,
+                           .labelled_time = 10s};
+  const nlohmann::json json = alarms;
+  EXPECT_EQ(json.at("outside_labels"), 3);
+  const FalseAlarms read = JsonView(json, "run.json").get<FalseAlarms>();
+  EXPECT_EQ(nlohmann::json(read), json);
+  EXPECT_EQ(words_of(read, true),
+            "False alarms outside labels: 3 (4.5 per minute); without unlabelled motion: 2 (5.0 per minute); 2.5 % of none time "
+            "in alarm. Episodes of the wrong class: 4 (24.0 per minute).");
+  EXPECT_EQ(words_of(read, false),
+            "False alarms outside labels: 3 (4.5 per minute); 2.5 % of none time in alarm. Episodes of the wrong class: 4 (24.0 "
+            "per minute).");
+}
+
+TEST(FalseAlarms, OfAnOlderFileHaveNoRates) {
+  const nlohmann::json json{{"count", 1U}, {"outside_labels", 3U}, {"wrong_class", 4U}};
+  EXPECT_EQ(words_of(JsonView(json, "run.json").get<FalseAlarms>(), true),
+            "False alarms outside labels: 3. Episodes of the wrong class: 4.");
+}
+
 }  // namespace
 }  // namespace tactile::results

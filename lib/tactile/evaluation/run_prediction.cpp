@@ -59,14 +59,7 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                                  {"outcome", "in doubt"},
                                  {"delay_ms", nullptr}});
   }
-  if (!prediction.truth.labels.empty()) {
-    json["false_alarms"] = {{"count", prediction.false_alarms.alarms},
-                            {"after_intervals", prediction.false_alarms.after_intervals},
-                            {"releases", prediction.false_alarms.releases},
-                            {"unlabelled", prediction.false_alarms.unlabelled},
-                            {"outside_labels", prediction.false_alarms.outside_labels},
-                            {"wrong_class", prediction.false_alarms.wrong_class}};
-  }
+  if (!prediction.truth.labels.empty()) json["false_alarms"] = prediction.false_alarms;
   return json;
 }
 

@@ -43,7 +43,7 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
                           const std::function<void(std::size_t ticks)>& advance = {});
 
 /// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class",
-/// "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": {"count", "after_intervals", "releases", "unlabelled"}}.
+/// "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
 /// Intervals whose labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
 nlohmann::json outcome_json(const RunPrediction& prediction);
 

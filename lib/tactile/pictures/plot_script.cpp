@@ -39,7 +39,7 @@ std::string shortened(std::string_view text, std::size_t characters) {
 }
 
 PlotScript::PlotScript(std::string_view title, int width_px, int height_px) : PlotWriter(width_px, height_px) {
-  constexpr double title_character = 10;  // [px] of the title's letters, on average
+  constexpr double title_character = 10.8;  // [px] of the title's letters, on average of wide ones
   add("set termoption font 'DejaVu Sans,12'");
   add("set multiplot");
   add("set border 3 lc rgb '{}' lw 0.8", figure_colours::faint_ink);

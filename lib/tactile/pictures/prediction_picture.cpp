@@ -194,9 +194,11 @@ class PredictionScript : public PlotWriter {
   }
 
   std::vector<std::string> words() const {
-    std::vector<std::string> remarks{std::string("Blue: press, orange: slip") +
-                                     (picture_.has_labels ? "; shaded: labelled" : "") +
-                                     (picture_.has_truth ? "; grey: unlabelled motion" : "") + "."};
+    const bool has_delays = std::any_of(picture_.labels.begin(), picture_.labels.end(),
+                                        [](const PredictedInterval& label) { return !label.words.empty(); });
+    std::vector<std::string> remarks{
+        std::string("Blue: press, orange: slip") + (picture_.has_labels ? "; shaded: labelled" : "") +
+        (has_delays ? ", with the detection delay above" : "") + (picture_.has_truth ? "; grey: unlabelled motion" : "") + "."};
     remarks.insert(remarks.end(), picture_.remarks.begin(), picture_.remarks.end());
     std::vector<std::string> lines;
     for (const std::string& remark : remarks) {

@@ -51,7 +51,7 @@ pictures::Plot confusion_plot(const std::string& title, const results::Confusion
 }
 
 pictures::Plot reliability_plot(const std::string& title, const std::vector<results::ReliabilityBin>& bins) {
-  constexpr int width = 760, left = 90, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
+  constexpr int width = 760, left = 116, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
   constexpr int upper_bottom = top + upper_height, lower_top = upper_bottom + gap, bottom = lower_top + lower_height;
   std::vector<double> of_many, of_few, boxes;
   std::uint64_t most = 1;

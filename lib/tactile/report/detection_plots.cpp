@@ -79,17 +79,17 @@ struct CurveAxes {
 /// Writes some thresholds next to their points, only where there is room.
 void add_thresholds(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
                     const std::optional<results::OperatingPoint>& own) {
-  constexpr double word_character = 8.5, half_mark = 7;  // [px]
+  constexpr double word_character = 8.5, half_mark = 7, half_own = 18;  // [px]
   pictures::WordPlaces places({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
-  const auto take_marks = [&](const results::OperatingPoint& point) {
+  const auto take_marks = [&](const results::OperatingPoint& point, double half) {
     const double x = axes.across(point);
     for (const results::DelaySummary& touch : {point.press, point.slip}) {
       const double y = axes.down(touch.mean_ms.value);
-      if (std::isfinite(x) && std::isfinite(y)) places.take(x - half_mark, y - half_mark, x + half_mark, y + half_mark);
+      if (std::isfinite(x) && std::isfinite(y)) places.take(x - half, y - half, x + half, y + half);
     }
   };
-  std::for_each(points.begin(), points.end(), take_marks);
-  if (own) take_marks(*own);
+  for (const results::OperatingPoint& point : points) take_marks(point, half_mark);
+  if (own) take_marks(*own, half_own);
   for (std::size_t i = 1; i < points.size(); ++i) {
     const results::OperatingPoint &from = points[i - 1], &to = points[i];
     const double x = axes.across(from), to_x = axes.across(to);
@@ -190,8 +190,24 @@ pictures::Plot detection_curve_plot(const std::string& title, const std::vector<
   return std::move(script).finished();
 }
 
-pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& press,
-                              const results::AccuracyOverTime& slip) {
+namespace {
+
+constexpr std::size_t few_objects = 3;  // of a bin that is not drawn where others have more
+
+/// The bins that are drawn: where some have as many as `few_objects`, those with fewer would pass single objects off as all.
+results::AccuracyOverTime without_small_bins(results::AccuracyOverTime touch) {
+  for (std::vector<results::OverTimeBin>* bins : {&touch.since_onset, &touch.before_end}) {
+    const auto is_small = [](const results::OverTimeBin& bin) { return bin.accuracy.n < few_objects; };
+    if (!std::all_of(bins->begin(), bins->end(), is_small)) std::erase_if(*bins, is_small);
+  }
+  return touch;
+}
+
+}  // namespace
+
+pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& all_press,
+                              const results::AccuracyOverTime& all_slip) {
+  const results::AccuracyOverTime press = without_small_bins(all_press), slip = without_small_bins(all_slip);
   constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
   constexpr int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
   AccuracyAxis axis;

@@ -302,10 +302,11 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
   if (has_bins(over_time.press) || has_bins(over_time.slip)) {
     page.html.heading("Within intervals");
     page.figure("over-time" + suffix,
-                over_time_plot(page.titled("Correct predictions within intervals, " + model), over_time.press, over_time.slip),
+                over_time_plot(page.titled("Correct ticks within intervals, " + model), over_time.press, over_time.slip),
                 "Share of ticks predicted correctly since the onset and before the end of presses and slips.",
                 "Predictions over each whole interval: since its onset, and before its end, where they get worse in the paper. "
-                "Training uses only the first 500 ms.");
+                "Training uses only the first 500 ms. Times with intervals of fewer than three objects are left out, if others "
+                "have more.");
   }
   HtmlTable table{
       .caption =
@@ -331,14 +332,17 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
 void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
   const results::Evaluation& scores = evaluation.scores;
   const std::string& model = evaluation.model;
+  const bool has_history = std::isfinite(evaluation.history_ms);
   const std::string suffix =
       evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
   const std::string where = evaluation.runs.size() > 60 ? std::string("its test runs") : evaluation.runs;
   page.html.section("evaluation" + suffix,
-                    fmt::format("Detection: {} ({:g} ms){}{}", model, evaluation.history_ms, where.empty() ? "" : ", ", where));
+                    fmt::format("Detection: {}{}{}{}", model, has_history ? fmt::format(" ({:g} ms)", evaluation.history_ms) : "",
+                                where.empty() ? "" : ", ", where));
   if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
-  page.html.paragraph(fmt::format("Model {}, history {:g} ms, a tick every {:g} ms, confirmation {}. Runs: {}.", model,
-                                  evaluation.history_ms, static_cast<double>(scores.tick.count()) / 1000, scores.confirm,
+  page.html.paragraph(fmt::format("{}, a tick every {:g} ms, confirmation {}. Runs: {}.",
+                                  has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model,
+                                  static_cast<double>(scores.tick.count()) / 1000, scores.confirm,
                                   evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
   if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {
     page.html.heading("Accuracy");

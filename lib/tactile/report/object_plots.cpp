@@ -47,11 +47,11 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 }
 
 pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
-  constexpr int columns = 4, left = 70, right = 20, top = 114, gap = 22, panel_height = 150, row_height = 212, below = 30;
+  constexpr int columns = 4, left = 70, right = 20, top = 114, gap = 22, panel_height = 150, row_height = 212, below = 70;
   constexpr int width = (page_width - left - right - (columns - 1) * gap) / columns;
   const auto shown = std::span(curves).first(std::min(curves.size(), most_panels));
   const int rows = std::max(1, (static_cast<int>(shown.size()) + columns - 1) / columns);
-  pictures::PlotScript script(title, page_width, top + rows * row_height + below);
+  pictures::PlotScript script(title, page_width, top + (rows - 1) * row_height + panel_height + below);
   AccuracyAxis axis;
   std::set<double> histories;
   for (const HistoryCurve& curve : curves) {
@@ -67,7 +67,7 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
   }
   script.note(first_of(curves.size(), shown.size()) + history_note(curves));
   script.text("accuracy [%]", 20, 76, "left font ',12'");
-  script.text("history t_h [ms]", page_width / 2.0, top + rows * row_height + 8, "center font ',12'");
+  script.text("history t_h [ms]", page_width / 2.0, top + (rows - 1) * row_height + panel_height + 48, "center font ',12'");
   std::vector<pictures::PlotSeries> grey;
   for (const HistoryCurve& curve : shown)
     grey.push_back({script.table(4, values_of(curve)), "1:2", "lines", {.colour = pictures::figure_colours::others}});
@@ -180,7 +180,7 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
 }
 
 pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
-  constexpr int left = 40, right = 40, top = 84, bottom = 134;
+  constexpr int left = 40, right = 40, key = 84, key_width = 220, top = 106, bottom = 156;
   pictures::PlotScript script(title, page_width, bottom + 62);
   script.note("Shares of the variance of the mean accuracy. To narrow the interval most, add more of the largest.");
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
@@ -193,16 +193,16 @@ pictures::Plot variance_plot(const std::string& title, const results::VarianceSh
   const std::array<std::string_view, 3> colours{pictures::figure_colours::of(Touch::press),
                                                 pictures::figure_colours::of(Touch::slip), pictures::figure_colours::others};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const double share = percent(parts[i].second), middle = from + share / 2;
+    const double share = percent(parts[i].second);
+    // In a key, since a small part has no room for its words.
+    const double x = left + static_cast<double>(i) * key_width;
+    script.line(x, key, x + 22, key, colours[i], 12);
+    script.text(fmt::format("{} {:.0f} %", parts[i].first, share), x + 32, key, "left font ',12'");
     if (share <= 0) continue;
-    series.push_back({script.table(6, {middle, 0.5, from, from + share, 0, 1}),
+    series.push_back({script.table(6, {from + share / 2, 0.5, from, from + share, 0, 1}),
                       "1:2:3:4:5:6",
                       "boxxyerror",
-                      {.colour = colours[i], .fill = 0.75}});
-    if (share >= 9) {
-      script.add("set label {} at first {:.9g}, first 0.5 center font ',12' front",
-                 pictures::plot_text(fmt::format("{} {:.0f} %", parts[i].first, share)), middle);
-    }
+                      {.colour = colours[i], .fill = 1}});
     from += share;
   }
   script.plot(series);

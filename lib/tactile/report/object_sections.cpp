@@ -113,6 +113,7 @@ void add_histories(ReportPage& page, const ReportInput& input) {
                 fmt::format("Of the variance of the mean accuracy, {}.", words_of(*input.variance)),
                 fmt::format("Of the variance of the mean accuracy on the reported runs, {}.", words_of(*input.variance)));
   }
+  if (!input.training_spread.empty()) page.html.paragraph(input.training_spread);
   for (const ReportedTable& table : input.choice) page.table(table);
 }
 

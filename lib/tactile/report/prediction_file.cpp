@@ -10,6 +10,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/report/csv_reader.hpp"
+#include "tactile/results/false_alarm_table.hpp"
 #include "tactile/results/json_view.hpp"
 
 namespace tactile::report {
@@ -88,12 +89,8 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
     settings += fmt::format("; confirmed {}", confirm);
   picture.remarks.push_back(settings + ".");
-  if (const results::JsonView alarms = outcome["false_alarms"]) {
-    picture.remarks.push_back(fmt::format(
-        "Above each labelled interval: its detection delay. False alarms: {}; alarms just after an interval: {}, in a "
-        "release: {}, in unlabelled motion: {}.",
-        alarms["count"].count(), alarms["after_intervals"].count(), alarms["releases"].count(), alarms["unlabelled"].count()));
-  }
+  if (const results::JsonView alarms = outcome["false_alarms"]; alarms && alarms["outside_labels"])
+    picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>(), picture.has_truth));
 }
 
 }  // namespace tactile::report

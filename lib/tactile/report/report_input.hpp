@@ -18,11 +18,11 @@ namespace tactile::report {
 
 /// An evaluation as a section of the report.
 struct ReportedEvaluation {
-  std::string id;     ///< "reported", "all_test"; names its figures
-  std::string model;  ///< name
-  std::string runs;   ///< on which runs, in words; may be empty
-  double history_ms = std::numeric_limits<double>::quiet_NaN();
-  bool is_folded = false;  ///< the paper's own choice, next to what the study reports
+  std::string id;                                                ///< "reported", "all_test"; names its figures
+  std::string model;                                             ///< name; of several models, their number and histories
+  std::string runs;                                              ///< on which runs, in words; may be empty
+  double history_ms = std::numeric_limits<double>::quiet_NaN();  ///< NaN where `model` has several
+  bool is_folded = false;                                        ///< the paper's own choice, next to what the study reports
   results::Evaluation scores;
 };
 
@@ -64,6 +64,7 @@ struct ReportInput {
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
   std::optional<results::VarianceShares> variance;  ///< of the mean accuracy
+  std::string training_spread;                      ///< a sentence; empty with one training
   std::vector<ReportedTable> choice;                ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
   std::vector<ReportedRun> runs;

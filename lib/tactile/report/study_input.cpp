@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -54,6 +55,7 @@ void read_claims(ReportInput& input, const results::JsonView& study) {
   if (const results::JsonView variance = study["variance"]) {
     input.variance = variance.get<results::VarianceShares>();
   }
+  input.training_spread = study["training_spread"]["in_words"].text();
   add_sentences(input.remarks, study["remarks"]);
   if (input.claims.empty()) input.missing.push_back("The paper's claims were not tested; 'tactile reproduce' tests them.");
   std::vector<TableRow> rows;
@@ -130,13 +132,27 @@ void read_choice(ReportInput& input, const results::JsonView& study) {
   }
 }
 
-/// "th040-single-run-01-s1 and 4 more trainings"
+/// "5 trainings, t_h 30, 40 and 50 ms"; the name of a single one
 std::string models_in(const results::JsonView& evaluation) {
   const std::vector<results::JsonView> models = evaluation["models"].items();
-  if (models.empty()) return evaluation["model"].text();
-  const std::string first = models.front()["name"].text();
-  return models.size() == 1 ? first
-                            : fmt::format("{} and {} more training{}", first, models.size() - 1, models.size() == 2 ? "" : "s");
+  if (models.size() < 2) return models.empty() ? evaluation["model"].text() : models.front()["name"].text();
+  std::set<double> histories;
+  for (const results::JsonView& model : models) {
+    if (const double history = model["th_ms"].number(); std::isfinite(history)) histories.insert(history);
+  }
+  std::string text = fmt::format("{} trainings", models.size());
+  for (const double history : histories) {
+    const bool is_first = history == *histories.begin(), is_last = history == *histories.rbegin();
+    text += fmt::format("{}{:g}{}", is_first ? ", t_h " : is_last ? " and " : ", ", history, is_last ? " ms" : "");
+  }
+  return text;
+}
+
+/// The history of a single model; NaN of several, whose histories `models_in` names
+double history_of(const results::JsonView& evaluation) {
+  const std::vector<results::JsonView> models = evaluation["models"].items();
+  if (models.size() > 1) return NAN;
+  return models.empty() ? evaluation["th_ms"].number() : models.front()["th_ms"].number();
 }
 
 void read_evaluations(ReportInput& input, const results::JsonView& study, const fs::path& folder) {
@@ -148,9 +164,7 @@ void read_evaluations(ReportInput& input, const results::JsonView& study, const 
     input.evaluations.push_back({.id = id,
                                  .model = models_in(entry),
                                  .runs = (entry["runs"].text() == "all_test" ? all_test_runs : reported_runs).second,
-                                 .history_ms = entry["models"].items().empty()
-                                                   ? entry["th_ms"].number()
-                                                   : entry["models"].items().front()["th_ms"].number(),
+                                 .history_ms = history_of(entry),
                                  .is_folded = id == "all_test",
                                  .scores = results::JsonView(document, file.string()).get<results::Evaluation>()});
   }
@@ -187,8 +201,10 @@ void read_unseen(ReportInput& input, const results::JsonView& study) {
   }
   const results::Figure mean = study["splits_mean"]["reported"].get<results::Figure>();
   if (!rows.empty() && std::isfinite(mean.value)) {
-    input.remarks.push_back(fmt::format("Over {} random splits, accuracy on a held-out object is {:.2f} points lower on average.",
-                                        rows.size(), -100 * mean.value));
+    input.remarks.push_back(fmt::format(
+        "Over {} random splits, the accuracy on a held-out object differs by {} (mean over {} objects) from that of the "
+        "same training with it.",
+        rows.size(), results::text_of(results::scaled(mean, 100), " points", "+.2f"), mean.n));
   }
   add_table(input.splits, "Other random splits with five held-out objects: accuracy on them, on the reported runs",
             {"split", "held out", "seen", "held out", "difference"}, std::move(rows));

@@ -1,5 +1,7 @@
 #include "tactile/results/false_alarm_table.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 namespace tactile::results {
@@ -112,6 +114,47 @@ void from_json(const JsonView& json, FalseAlarmTable& table) {
                      .wrong_class = wrong_class["count"].count(),
                      .wrong_class_time = minutes_in(wrong_class["wrong_min"]),
                      .labelled_time = minutes_in(wrong_class["min"])}};
+}
+
+void to_json(nlohmann::json& json, const FalseAlarms& of_run) {
+  json = {{"count", of_run.alarms},
+          {"after_intervals", of_run.after_intervals},
+          {"releases", of_run.releases},
+          {"unlabelled", of_run.unlabelled},
+          {"none_min", in_minutes(of_run.none_time)},
+          {"none_in_alarm_min", in_minutes(of_run.none_in_alarm)},
+          {"outside_labels", of_run.outside_labels},
+          {"outside_labels_min", in_minutes(of_run.outside_labels_time)},
+          {"outside_motion", of_run.outside_motion},
+          {"outside_motion_min", in_minutes(of_run.outside_motion_time)},
+          {"wrong_class", of_run.wrong_class},
+          {"labelled_min", in_minutes(of_run.labelled_time)}};
+}
+
+void from_json(const JsonView& json, FalseAlarms& of_run) {
+  of_run = {.alarms = json["count"].count(),
+            .after_intervals = json["after_intervals"].count(),
+            .releases = json["releases"].count(),
+            .unlabelled = json["unlabelled"].count(),
+            .none_time = minutes_in(json["none_min"]),
+            .outside_labels = json["outside_labels"].count(),
+            .outside_labels_time = minutes_in(json["outside_labels_min"]),
+            .outside_motion = json["outside_motion"].count(),
+            .outside_motion_time = minutes_in(json["outside_motion_min"]),
+            .none_in_alarm = minutes_in(json["none_in_alarm_min"]),
+            .wrong_class = json["wrong_class"].count(),
+            .labelled_time = minutes_in(json["labelled_min"])};
+}
+
+std::string words_of(const FalseAlarms& of_run, bool knows_motion) {
+  const auto counted = [](std::uint64_t episodes, std::optional<double> per_min) {
+    return std::to_string(episodes) + (per_min ? fmt::format(" ({:.1f} per minute)", *per_min) : "");
+  };
+  std::string words = "False alarms outside labels: " + counted(of_run.outside_labels, of_run.outside_labels_per_min());
+  if (const auto per_min = of_run.outside_motion_per_min(); knows_motion && per_min)
+    words += "; without unlabelled motion: " + counted(of_run.outside_motion, per_min);
+  if (const auto share = of_run.none_in_alarm_share()) words += fmt::format("; {:.1f} % of none time in alarm", 100 * *share);
+  return words + ". Episodes of the wrong class: " + counted(of_run.wrong_class, of_run.wrong_class_per_min()) + ".";
 }
 
 }  // namespace tactile::results

@@ -65,6 +65,16 @@ struct FalseAlarmTable {
 void to_json(nlohmann::json& json, const FalseAlarmTable& table);
 void from_json(const JsonView& json, FalseAlarmTable& table);
 
+/// Of one run: {"count", "after_intervals", "releases", "unlabelled", "none_min", "none_in_alarm_min", "outside_labels",
+/// "outside_labels_min", "outside_motion", "outside_motion_min", "wrong_class", "labelled_min"}
+void to_json(nlohmann::json& json, const FalseAlarms& of_run);
+void from_json(const JsonView& json, FalseAlarms& of_run);  ///< files of older versions have counts only
+
+/// Of one run, in sentences: episodes outside labels, the same without unlabelled motion, the share of none time in alarm, and
+/// episodes of the wrong class. A rate or share of a time that is 0 is left out.
+/// @param knows_motion  the run's true motion is known; without, the second form would repeat the first, and is left out
+std::string words_of(const FalseAlarms& of_run, bool knows_motion);
+
 double in_minutes(microseconds time);
 
 }  // namespace tactile::results

@@ -92,6 +92,9 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_EQ(study.at("unseen").at("reported").at("runs"),
             (std::vector<std::string>{"plastic-container/01", "plastic-container/02"}));
   ASSERT_EQ(study.at("splits").size(), 1U);
+  EXPECT_EQ(study.at("training_spread").at("th_ms"), 40);
+  for (const char* object : {"plastic-container", "water-bottle"})
+    EXPECT_EQ(study.at("training_spread").at("objects").at(object).size(), 2U) << object;
   const auto& guards = study.at("evaluations")[0].at("accuracy_by_guard");
   EXPECT_EQ(guards[0].at("guard_ms"), 100);
   EXPECT_EQ(guards[1].at("guard_ms"), 0);
@@ -219,6 +222,24 @@ TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {
   EXPECT_NE(other.err.find("data/dataset.h5 was made with other settings and is made again with history 60 ms instead of 50 ms;"),
             std::string::npos)
       << other.err;
+}
+
+TEST(ReproduceCommand, HeldOutEachHoldsOutOneObjectAtATime) {
+  const test::TemporaryFolder folder;
+  run_study(folder.path(),
+            "reproduce --json --preset tiny --objects plastic-container,water-bottle --th 40 --held-out each --trainings 1 "
+            "--epochs 1 --threads 2 --no-report");
+  const nlohmann::json unseen = read_json(folder / "study/study.json").at("unseen");
+  EXPECT_EQ(unseen.at("held_out"), (std::vector<std::vector<std::string>>{{"plastic-container"}, {"water-bottle"}}));
+  ASSERT_EQ(unseen.at("trainings").size(), 2U);
+  EXPECT_EQ(unseen.at("reported").at("runs"), (std::vector<std::string>{"plastic-container/02", "water-bottle/02"}));
+  for (const auto& [without, other] :
+       {std::pair("plastic-container", "water-bottle"), std::pair("water-bottle", "plastic-container")}) {
+    const auto& training = unseen.at("trainings")[without == std::string("plastic-container") ? 0 : 1];
+    const nlohmann::json model = read_json(folder / "study" / training.at("folder").get<std::string>() / "model.json");
+    EXPECT_EQ(model.at("train_runs"), std::vector<std::string>{std::string(other) + "/01"}) << without;
+    EXPECT_TRUE(unseen.at("reported").at("objects").contains(without));
+  }
 }
 
 TEST(ReproduceCommand, ContradictoryOptionsAreRefused) {

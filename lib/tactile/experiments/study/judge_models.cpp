@@ -21,7 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int evaluation_form = 4;  ///< with another number, evaluations that are kept are made again
+// With another number, what is kept is made again.
+constexpr int evaluation_form = 4;
+constexpr int run_form = 5;  ///< of the run over time
 
 /// Null if one of them is missing.
 json hashes_of(std::initializer_list<fs::path> files) {
@@ -133,7 +135,7 @@ void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiment
                                            (options.out / "runs").string(), "--engine", std::string(name_of(options.engine))}),
        .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
                               {"weights", model::read_description(model.bundle).weights_sha256},
-                              {"form", evaluation_form},
+                              {"form", run_form},
                               {"truth", experiments::truth_hashes(plan.dataset, {&shown, 1})}},
                              options.engine),
        .outputs =

@@ -16,6 +16,7 @@
 #include "tactile/experiments/study/claims.hpp"
 #include "tactile/experiments/study/found.hpp"
 #include "tactile/experiments/study/left_out.hpp"
+#include "tactile/experiments/study/training_spread.hpp"
 
 namespace tactile::study {
 namespace {
@@ -169,6 +170,19 @@ json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
   return *shares;
 }
 
+/// All trainings with the chosen history.
+TrainingSpread training_spread(const StudyPlan& plan, const TrainedModels& trained) {
+  TrainingSpread spread{.history_ms = in_ms(trained.history), .mean = {}, .objects = {}};
+  for (const StudyModel& model : trained.by_history.at(trained.history)) {
+    const results::Accuracy accuracy =
+        evaluation::accuracy_of(confusions_of(plan, model, plan.trainings[model.training].reported.names));
+    if (accuracy.objects.empty()) continue;
+    spread.mean.push_back(accuracy.mean.value);
+    for (const auto& [object, figure] : accuracy.objects) spread.objects[object].push_back(figure.value);
+  }
+  return spread;
+}
+
 /// All but objects held out and claims.
 json study_json(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const PreparedData& prepared,
                 std::span<const experiments::StepRecord> steps) {
@@ -198,6 +212,7 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
                 {"choice", choice_json(plan, trained)},
                 {"paper_way", paper_way_json(trained)},
                 {"variance", variance_json(plan, trained)},
+                {"training_spread", training_spread(plan, trained)},
                 {"evaluations", json::array()},
                 {"full_runs", json::array({json{{"run", judged.full_run},
                                                 {"model", trained.reported(0).name()},

@@ -11,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/usual_trainings.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
@@ -18,19 +19,6 @@ namespace {
 
 /// The longest tick that both are multiples of.
 microseconds common_tick(microseconds a, microseconds b) { return microseconds{std::gcd(a.count(), b.count())}; }
-
-constexpr unsigned trainings_of_tiny_data = 2, usual_trainings = 5;
-
-/// Whether all runs were simulated with the preset of the smallest ones.
-bool is_tiny(const windows::Dataset& dataset) {
-  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
-    const std::filesystem::path file = RunFolder{dataset.run_folder(run), "", ""}.info();
-    if (!dataset.simulated() || !std::filesystem::exists(file)) return false;
-    const nlohmann::json json = read_json(file);
-    if (json.value(nlohmann::json::json_pointer("/simulation/preset"), "") != "tiny") return false;
-  }
-  return true;
-}
 
 JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
   const windows::DatasetRun& names = dataset.runs()[run];
@@ -45,7 +33,7 @@ JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
 }  // namespace
 
 TradeOptions completed(TradeOptions options, const windows::Dataset& dataset) {
-  if (options.trainings == 0) options.trainings = is_tiny(dataset) ? trainings_of_tiny_data : usual_trainings;
+  if (options.trainings == 0) options.trainings = experiments::usual_trainings(dataset);
   if (const auto why = why_impossible(options.usual)) throw Error("the usual setting is impossible: " + *why);
   for (const auto* times : {&options.levels.histories, &options.levels.ticks}) {
     for (const microseconds time : *times) {
