@@ -91,6 +91,10 @@ void print_coverages(const std::vector<Column>& columns, const std::vector<Layou
     if (!arguments.takes(layout)) continue;
     fmt::print("| {} |", layout.in_words());
     for (const Column& column : columns) {
+      if (column.quantity == Quantity::detected && layout.objects == 1) {  // the curve of detections is over all objects
+        fmt::print(" - |");
+        continue;
+      }
       OfSizes coverages;
       for (std::size_t size = 0; size < sizes.size(); ++size)
         coverages[size] = coverage_of({column.quantity, column.level, layout, column.effects()[size]}, arguments,
