@@ -3,18 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "claim_study.hpp"
 #include "interval_methods.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::study {
 namespace {
-
-constexpr std::size_t draws = 400;  // fewer than the default, for the time; the interval in use hardly depends on them
-constexpr std::array<std::string_view, 3> sizes{"small", "typical", "large"};
-// Typical: with another training single objects differ by up to 17 points.
-const std::array<Effects, 3> of_logits{{{0.1, 0.4, 0.2, 0.2, 0.1}, {0.3, 1.0, 0.5, 0.4, 0.3}, {0.6, 1.4, 1.0, 0.8, 0.5}}};
-const std::array<Effects, 3> of_logarithms{{{0.05, 0.2, 0.1, 0.1, 0.5}, {0.15, 0.5, 0.25, 0.2, 0.7}, {0.3, 0.7, 0.5, 0.4, 1.0}}};
 
 struct Coverage {
   std::size_t trials = 0, given = 0, covered = 0;
@@ -36,12 +31,6 @@ struct Column {
         quantity == Quantity::accuracy || quantity == Quantity::difference || quantity == Quantity::best_of_five;
     return of_samples ? of_logits : of_logarithms;
   }
-};
-
-struct Arguments {
-  std::uint64_t seed = 1;
-  std::size_t repeats = 1000;
-  unsigned threads = 0;
 };
 
 std::vector<Coverage> coverage_of(const Scenario& scenario, const Arguments& arguments, const std::string& title) {
@@ -99,8 +88,13 @@ void print_coverages(const std::vector<Column>& columns, const std::vector<Layou
                      std::vector<OfSizes>& all) {
   print_head("coverage [%], effects small / typical / large", columns);
   for (const Layout& layout : layouts) {
+    if (!arguments.takes(layout)) continue;
     fmt::print("| {} |", layout.in_words());
     for (const Column& column : columns) {
+      if (column.quantity == Quantity::detected && layout.objects == 1) {  // the curve of detections is over all objects
+        fmt::print(" - |");
+        continue;
+      }
       OfSizes coverages;
       for (std::size_t size = 0; size < sizes.size(); ++size)
         coverages[size] = coverage_of({column.quantity, column.level, layout, column.effects()[size]}, arguments,
@@ -121,6 +115,7 @@ std::vector<Layout> layouts_of_accuracies() {
   }
   for (const Layout& layout : {Layout{10, 7, 2},
                                {10, 3, 3, 1},
+                               {10, 3, 5, 1},
                                {10, 10, 3, 2},
                                {10, 10, 5, 2},
                                {1, 3, 1},
@@ -131,6 +126,7 @@ std::vector<Layout> layouts_of_accuracies() {
                                {1, 7, 3},
                                {1, 9, 5},
                                {1, 3, 3, 1},
+                               {1, 3, 5, 1},
                                {1, 10, 3, 2},
                                {1, 10, 5, 2}})
     layouts.push_back(layout);
@@ -165,61 +161,13 @@ void print_methods(const std::vector<OfSizes>& all) {
   }
 }
 
-/// The share of experiments in which a true claim about each of ten objects, each exactly at the limit, is refuted by the
-/// interval of one of them, in percent; of each method given.
-std::vector<double> shares_refuted(const Column& column, const Layout& layout, std::size_t size,
-                                   std::span<const std::size_t> methods, const Arguments& arguments) {
-  Scenario scenario{column.quantity, column.level, layout, column.effects()[size]};
-  scenario.effects.object = 0;
-  if (layout.trainings == 1) scenario.effects.both = 0;
-  std::vector<std::vector<int>> refuted(arguments.repeats, std::vector<int>(methods.size(), 0));
-  parallel_for(arguments.repeats, arguments.threads, [&](std::size_t i) {
-    Random random(seed_for(arguments.seed, {"claim", column.name, layout.in_words(), sizes[size], std::to_string(i)}));
-    const Trial trial = draw(scenario, random);
-    const results::BootstrapOptions options{draws, 1 - 0.05 / static_cast<double>(layout.objects), random.bits()};
-    for (const auto& object : trial.objects) {
-      const Trial of_object{{object}, trial.statistic, trial.range, trial.truth};
-      for (std::size_t m = 0; m < methods.size(); ++m) {
-        const Bounds bounds = interval_methods()[methods[m]].bounds(of_object, options);
-        if (bounds && (column.quantity == Quantity::accuracy ? bounds->second < trial.truth : bounds->first > trial.truth))
-          refuted[i][m] = 1;
-      }
-    }
-  });
-  std::vector<double> shares(methods.size());
-  for (const auto& of_trial : refuted) {
-    for (std::size_t m = 0; m < methods.size(); ++m) shares[m] += 100.0 * of_trial[m] / static_cast<double>(arguments.repeats);
-  }
-  return shares;
-}
-
-void print_claims(const Arguments& arguments) {
-  const std::vector<Column> columns{{Quantity::accuracy, 0.95, "accuracy of at least 95 %"},
-                                    {Quantity::accuracy, 0.99, "accuracy of at least 99 %"},
-                                    {Quantity::mean_delay, 0, "mean delay of at most its limit"}};
-  const std::vector<std::size_t> methods{0, 2, interval_methods().size() - 1};
-  print_head("true claims about each of ten objects that are refuted [%]", columns);
-  for (const Layout& layout : {Layout{10, 7, 1}, {10, 7, 2}, {10, 7, 3}, {10, 10, 3, 2}, {10, 10, 5, 2}, {10, 3, 3, 1}}) {
-    std::vector<std::string> lines(methods.size());
-    for (const Column& column : columns) {
-      for (std::size_t size = 0; size < sizes.size(); ++size) {
-        const auto shares = shares_refuted(column, layout, size, methods, arguments);
-        for (std::size_t m = 0; m < methods.size(); ++m)
-          lines[m] += fmt::format("{}{:.1f}{}", size == 0 ? " " : " / ", shares[m], size + 1 == sizes.size() ? " |" : "");
-      }
-    }
-    for (std::size_t m = 0; m < methods.size(); ++m)
-      fmt::print("| {}; {} |{}\n", layout.in_words(), interval_methods()[methods[m]].name, lines[m]);
-    std::fflush(stdout);
-  }
-}
-
 void print_study(const Arguments& arguments) {
   const auto error_at = [&](double share) {
     return 100 * std::sqrt(share * (1 - share) / static_cast<double>(arguments.repeats));
   };
   fmt::print("Seed {}, {} repeats. The standard error of a coverage of 95 % is {:.1f} points, of one of 90 % {:.1f}.\n",
              arguments.seed, arguments.repeats, error_at(0.95), error_at(0.9));
+  if (arguments.claims_alone) return print_claims(arguments);
   std::vector<OfSizes> all;
   print_coverages(
       {{Quantity::accuracy, 0.99, "accuracy 99 %"}, {Quantity::accuracy, 0.95, "95 %"}, {Quantity::accuracy, 0.8, "80 %"}},
@@ -228,8 +176,18 @@ void print_study(const Arguments& arguments) {
                    {Quantity::best_of_five, 0, "best of four accuracies less a fifth"},
                    {Quantity::mean_delay, 0, "mean delay"},
                    {Quantity::median_delay, 0, "median delay"},
+                   {Quantity::detected, 10, "detected within 10 ms"},
                    {Quantity::rate, 0, "alarms per minute"}},
-                  {{10, 7, 1}, {5, 3, 3}, {10, 7, 3}, {10, 3, 3, 1}, {10, 10, 5, 2}, {1, 7, 1}, {1, 7, 3}, {1, 10, 5, 2}},
+                  {{10, 7, 1},
+                   {5, 3, 3},
+                   {10, 7, 3},
+                   {10, 3, 3, 1},
+                   {10, 3, 5, 1},
+                   {10, 10, 5, 2},
+                   {1, 7, 1},
+                   {1, 7, 3},
+                   {1, 3, 5, 1},
+                   {1, 10, 5, 2}},
                   arguments, all);
   print_methods(all);
   print_claims(arguments);
@@ -246,6 +204,8 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", arguments.repeats, "Made-up results of each design")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--only", arguments.only, "Only designs whose name has this text, such as '3 runs, 5 trainings'");
+  app.add_flag("--claims", arguments.claims_alone, "Only the tables of claims about every object");
   app.add_flag("--short", brief, "100 repeats");
   app.add_option("--threads", arguments.threads, "0: as many as there are cores")->capture_default_str();
   CLI11_PARSE(app, argc, argv);

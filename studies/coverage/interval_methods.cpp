@@ -1,6 +1,7 @@
 #include "interval_methods.hpp"
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -23,8 +24,7 @@ Bounds chosen(const Trial& trial, const results::BootstrapOptions& options) {
   const auto figure = of_one_object(trial)
                           ? evaluation::figure_of_object(trial.objects.front(), trial.statistic, options, trial.range)
                           : evaluation::figure_over_objects(trial.objects, trial.statistic, options, trial.range);
-  if (!figure.has_interval()) return std::nullopt;
-  return std::pair{*figure.low, *figure.high};
+  return bounds_of(figure);
 }
 
 /// The same with all of the misses for Student's distribution.
@@ -268,7 +268,145 @@ Bounds hierarchical_scaled(const Trial& trial, const results::BootstrapOptions& 
   return hierarchical(trial, options, trial.range);
 }
 
+double digamma(double x) {
+  double shift = 0;
+  for (; x < 10; ++x) shift += 1 / x;
+  const double y = 1 / (x * x);
+  return std::log(x) - 0.5 / x - y * (1.0 / 12 - y * (1.0 / 120 - y / 252)) - shift;
+}
+
+double trigamma(double x) {
+  double shift = 0;
+  for (; x < 10; ++x) shift += 1 / (x * x);
+  const double y = 1 / (x * x);
+  return shift + 1 / x + y / 2 + y / x * (1.0 / 6 - y * (1.0 / 30 - y / 42));
+}
+
+/// A variance with its degrees of freedom.
+struct FreeVariance {
+  double value = 0, freedom = 0;
+
+  FreeVariance with(const FreeVariance& prior) const {
+    return {(prior.freedom * prior.value + freedom * value) / (prior.freedom + freedom), prior.freedom + freedom};
+  }
+  double square(double confidence) const {
+    const double t = any_student_quantile(freedom, confidence);
+    return t * t * value;
+  }
+};
+
+/// What the variances have in common; nothing, of no degrees of freedom, where fewer than three are above 0.
+FreeVariance prior_of(const std::vector<FreeVariance>& variances) {
+  std::vector<double> positive, logs;
+  for (const FreeVariance& variance : variances) {
+    if (variance.value > 0) positive.push_back(variance.value);
+  }
+  if (positive.size() < 3) return {};
+  const double least = 1e-5 * median(positive), d = variances.front().freedom;
+  double sum = 0, together = 0;
+  for (const FreeVariance& variance : variances) {
+    logs.push_back(std::log(std::max(variance.value, least)) - digamma(d / 2) + std::log(d / 2));
+    sum += variance.value;
+    together += variance.freedom;
+  }
+  const auto n = static_cast<double>(logs.size());
+  const double spread = n * variance_of_mean(logs) - trigamma(d / 2), mean = std::accumulate(logs.begin(), logs.end(), 0.0) / n;
+  if (spread <= 0) return {sum / n, together - d};
+  double low = 1e-3, high = 1e4;  // of half of the degrees of freedom
+  for (int step = 0; step < 60; ++step) {
+    const double middle = std::sqrt(low * high);
+    (trigamma(middle) > spread ? low : high) = middle;
+  }
+  return {std::exp(mean + digamma(low) - std::log(low)), std::min(2 * low, together - d)};
+}
+
+/// The variance that runs and trainings have in common, on the scale: from the values without each pair of them.
+double variance_of_pairs(const Trial& object, const std::function<double(double)>& scale) {
+  std::set<std::size_t> runs;
+  for (const CrossedCell& cell : object.objects.front()) runs.insert(cell.run);
+  const std::size_t trainings = trainings_of(object);
+  std::vector<std::vector<double>> rows;
+  for (const std::size_t run : runs) {
+    rows.emplace_back();
+    for (std::size_t training = 0; training < trainings; ++training) {
+      const auto value = value_without(
+          object, [&](std::size_t, const CrossedCell& cell) { return cell.run == run || cell.training == training; });
+      if (!value) return 0;
+      rows.back().push_back(scale(*value));
+    }
+  }
+  const auto n = static_cast<double>(rows.size()), k = static_cast<double>(trainings);
+  std::vector<double> of_training(trainings);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < trainings; ++i) of_training[i] += row[i] / n;
+  }
+  const double mean = std::accumulate(of_training.begin(), of_training.end(), 0.0) / k;
+  double sum = 0;
+  for (const auto& row : rows) {
+    const double of_run = std::accumulate(row.begin(), row.end(), 0.0) / k;
+    for (std::size_t i = 0; i < trainings; ++i) sum += std::pow(row[i] - of_run - of_training[i] + mean, 2);
+  }
+  return sum * (n - 1) * (k - 1) / (n * k);
+}
+
+/// The variances of one object's figure on the scale.
+struct ObjectVariances {
+  double value = 0, pairs = 0;
+  FreeVariance runs, trainings;
+};
+
+std::optional<ObjectVariances> variances_of(const Trial& object) {
+  const Without without = without_each(object);
+  const evaluation::Range& range = object.range;
+  if (without.value <= range.lowest || without.value >= range.highest || without.units.size() < 3) return std::nullopt;
+  // Without a run the figure may be at a limit: it counts as the n-th part of the value's distance.
+  const auto scaled = [&](double x, std::size_t n) {
+    const double part = 1 / static_cast<double>(n);
+    if (std::isfinite(range.lowest)) x = std::max(x, range.lowest + part * (without.value - range.lowest));
+    if (std::isfinite(range.highest)) x = std::min(x, range.highest - part * (range.highest - without.value));
+    return on_scale(range, x);
+  };
+  const auto variance_by = [&](std::vector<double> values) {
+    for (double& x : values) x = scaled(x, values.size());
+    return FreeVariance{variance_of_mean(influences(values)), static_cast<double>(values.size()) - 1};
+  };
+  const std::size_t pairs = without.units.size() * without.trainings.size();
+  return ObjectVariances{without.value, variance_of_pairs(object, [&](double x) { return scaled(x, pairs); }),
+                         variance_by(without.units), variance_by(without.trainings)};
+}
+
 }  // namespace
+
+Bounds bounds_of(const results::Figure& figure) {
+  if (!figure.has_interval()) return std::nullopt;
+  return std::pair{*figure.low, *figure.high};
+}
+
+std::vector<Bounds> moderated_bounds(const Trial& trial, const results::BootstrapOptions& options) {
+  std::vector<std::optional<ObjectVariances>> objects;
+  std::vector<FreeVariance> runs, trainings;
+  for (const auto& cells : trial.objects) {
+    objects.push_back(variances_of({{cells}, trial.statistic, trial.range}));
+    if (!objects.back()) continue;
+    runs.push_back(objects.back()->runs);
+    trainings.push_back(objects.back()->trainings);
+  }
+  const FreeVariance of_runs = prior_of(runs), of_trainings = prior_of(trainings);
+  const double confidence = 1 - 0.7 * (1 - options.confidence);
+  std::vector<Bounds> bounds;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    double square = 0;
+    if (objects[i]) {
+      FreeVariance by_training = objects[i]->trainings.with(of_trainings);
+      by_training.value = std::max(0.0, by_training.value - objects[i]->pairs);
+      square = objects[i]->runs.with(of_runs).square(confidence) + by_training.square(confidence);
+    }
+    const double s = square > 0 ? on_scale(trial.range, objects[i]->value) : 0, half = std::sqrt(square);
+    bounds.push_back(square > 0 ? Bounds({from_scale(trial.range, s - half), from_scale(trial.range, s + half)})
+                                : chosen({{trial.objects[i]}, trial.statistic, trial.range}, options));
+  }
+  return bounds;
+}
 
 const std::vector<IntervalMethod>& interval_methods() {
   static const std::vector<IntervalMethod> methods{

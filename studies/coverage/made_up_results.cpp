@@ -6,6 +6,7 @@
 #include <map>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/evaluation/detection_curve.hpp"
 
 namespace tactile::study {
 namespace {
@@ -33,14 +34,21 @@ double expected_accuracy(double centre, double deviation) {
   return expected(deviation, [&](double x) { return logistic(centre + x); });
 }
 
-/// The logit of which the expected accuracy is `level`.
+double delay_of(double logarithm) { return tick_ms * (1 + std::floor(usual_ticks * std::exp(logarithm))); }
+
+double expected_delay(double centre, double deviation) {
+  return expected(deviation, [&](double x) { return delay_of(centre + x); });
+}
+
+/// Where the effects are centred if the expected accuracy or delay is `level`.
+template <double (*expected_at)(double, double)>
 double centre_of(double level, double deviation) {
   thread_local std::map<std::pair<double, double>, double> known;
   if (const auto found = known.find({level, deviation}); found != known.end()) return found->second;
   double low = -20, high = 20;
   for (int step = 0; step < 60; ++step) {
     const double middle = (low + high) / 2;
-    (expected_accuracy(middle, deviation) < level ? low : high) = middle;
+    (expected_at(middle, deviation) < level ? low : high) = middle;
   }
   return known[{level, deviation}] = low;
 }
@@ -97,8 +105,6 @@ double measured_accuracy(double logit, Random& random) {
   return static_cast<double>(right) / samples_of_run;
 }
 
-double delay_of(double logarithm) { return tick_ms * (1 + std::floor(usual_ticks * std::exp(logarithm))); }
-
 std::vector<double> of_each(std::vector<double> sums, const std::function<double(double)>& result) {
   for (double& sum : sums) sum = result(sum);
   return sums;
@@ -130,7 +136,13 @@ evaluation::Statistic median_of(std::vector<double> values) {
   };
 }
 
-evaluation::Statistic ratio_of(std::vector<double> counts, std::vector<double> minutes) {
+/// Alarms per minute, of sums of effects on their logarithm.
+evaluation::Statistic rate_of_alarms(std::vector<double> counts, Random& random) {
+  std::vector<double> minutes;
+  for (double& count : counts) {
+    minutes.push_back(random.uniform(0.05, 0.1));
+    count = static_cast<double>(random.poisson(alarms_per_minute * minutes.back() * std::exp(count)));
+  }
   return
       [counts = std::move(counts), minutes = std::move(minutes)](const evaluation::RunsByObject& lists) -> std::optional<double> {
         double count = 0, time = 0;
@@ -142,6 +154,23 @@ evaluation::Statistic ratio_of(std::vector<double> counts, std::vector<double> m
         }
         return count / time;
       };
+}
+
+/// By the estimate of Kaplan and Meier: touches end after 6 to 100 ms, and those not detected by then are missed.
+evaluation::Statistic share_detected(const std::vector<double>& delays, double within_ms, Random& random) {
+  std::vector<results::RunDetections> runs;
+  for (const double delay : delays) {
+    results::Detection touch;
+    touch.interval.touch = Touch::press;
+    const double limit = tick_ms * std::floor(random.uniform(3, 50));
+    touch.limit = microseconds{std::llround(1000 * limit)};
+    touch.outcome = delay <= limit ? results::DetectionOutcome::detected : results::DetectionOutcome::missed;
+    touch.delay = microseconds{std::llround(1000 * std::min(delay, limit))};
+    runs.push_back({});
+    runs.back().detections.push_back(touch);
+  }
+  const evaluation::DetectionTimes times(runs, Touch::press);
+  return [times, within_ms](const evaluation::RunsByObject& lists) { return times.share_within(lists, within_ms); };
 }
 
 double true_median_delay(double deviation) {
@@ -198,11 +227,13 @@ Trial draw(const Scenario& scenario, Random& random) {
   const double inf = std::numeric_limits<double>::infinity();
   switch (scenario.quantity) {
     case Quantity::accuracy:
-      trial = {
-          trial.objects, mean_of(accuracies(centre_of(scenario.level, deviation))), {0, 1, 1.0 / samples_of_run}, scenario.level};
+      trial = {trial.objects,
+               mean_of(accuracies(centre_of<expected_accuracy>(scenario.level, deviation))),
+               {0, 1, 1.0 / samples_of_run},
+               scenario.level};
       break;
     case Quantity::difference: {
-      const double centre = centre_of(scenario.level, deviation);
+      const double centre = centre_of<expected_accuracy>(scenario.level, deviation);
       std::vector<double> values = accuracies(centre + added_logit);
       const std::vector<double> others = accuracies(centre);
       for (std::size_t i = 0; i < values.size(); ++i) values[i] -= others[i];
@@ -213,7 +244,7 @@ Trial draw(const Scenario& scenario, Random& random) {
     }
     case Quantity::best_of_five: {
       std::vector<std::vector<double>> settings;
-      for (const double level : best_levels) settings.push_back(accuracies(centre_of(level, deviation)));
+      for (const double level : best_levels) settings.push_back(accuracies(centre_of<expected_accuracy>(level, deviation)));
       trial.statistic = gain_of_best(std::move(settings));
       trial.range = {-1, 1, 1.0 / samples_of_run};
       trial.truth = best_levels[4] - best_levels[0];
@@ -225,18 +256,40 @@ Trial draw(const Scenario& scenario, Random& random) {
     case Quantity::median_delay:
       trial = {trial.objects, median_of(of_each(sums(), delay_of)), {0, inf, tick_ms}, true_median_delay(deviation)};
       break;
-    case Quantity::rate: {
-      std::vector<double> minutes, counts = sums();
-      for (double& count : counts) {
-        minutes.push_back(random.uniform(0.05, 0.1));
-        count = static_cast<double>(random.poisson(alarms_per_minute * minutes.back() * std::exp(count)));
-      }
-      trial.statistic = ratio_of(std::move(counts), std::move(minutes));
+    case Quantity::detected:
+      trial.statistic = share_detected(of_each(sums(), delay_of), scenario.level, random);
+      trial.range = {0, 1, evaluation::one_run_of(trial.objects)};
+      trial.truth = expected(deviation, [&](double x) { return delay_of(x) <= scenario.level ? 1.0 : 0.0; });
+      break;
+    case Quantity::rate:
+      trial.statistic = rate_of_alarms(sums(), random);
       trial.range = {0, inf, 1 / 0.075};
       trial.truth = alarms_per_minute * std::exp(deviation * deviation / 2);
       break;
-    }
   }
+  return trial;
+}
+
+Trial draw_objects(Quantity quantity, const std::vector<ObjectTruth>& truths, const Layout& layout, const Effects& effects,
+                   Random& random) {
+  const bool of_samples = quantity == Quantity::accuracy;
+  Trial trial{cells_of(layout), {}, {}, 0};
+  std::vector<double> values = sums_of_effects(trial.objects, layout, things_of(layout, effects, random), effects, random);
+  for (std::size_t object = 0; object < trial.objects.size(); ++object) {
+    const auto& [level, factor] = truths[object];
+    const double deviation = factor * effects.together();
+    const double centre =
+        of_samples ? centre_of<expected_accuracy>(level, deviation) : centre_of<expected_delay>(level, deviation);
+    for (const evaluation::CrossedCell& cell : trial.objects[object]) {
+      double& value = values[cell.index];
+      value = of_samples ? measured_accuracy(centre + factor * value, random) : delay_of(centre + factor * value);
+    }
+    trial.truths.push_back(level);
+    trial.truth += level / static_cast<double>(truths.size());
+  }
+  trial.statistic = mean_of(std::move(values));
+  trial.range = of_samples ? evaluation::Range{0, 1, 1.0 / samples_of_run}
+                           : evaluation::Range{0, std::numeric_limits<double>::infinity(), tick_ms};
   return trial;
 }
 

@@ -37,19 +37,31 @@ struct Trial {
   evaluation::Statistic statistic;
   evaluation::Range range;
   double truth = 0;
+  std::vector<double> truths{};  ///< of each object, where they differ
 };
 
-enum class Quantity { accuracy, difference, best_of_five, mean_delay, median_delay, rate };
+enum class Quantity { accuracy, difference, best_of_five, mean_delay, median_delay, detected, rate };
 
 struct Scenario {
   Quantity quantity = Quantity::accuracy;
-  double level = 0;  ///< the expected accuracy; of a difference, that of the first of the two settings; unused for others
-  Layout layout;     ///< one object: the figure of an object, which stays the same; the effects of objects are not drawn
+  /// The expected accuracy; of a difference, that of the first of the two settings; of `detected`, the time [ms] within which
+  /// touches are detected; unused for others.
+  double level = 0;
+  Layout layout;  ///< one object: the figure of an object, which stays the same; the effects of objects are not drawn
   Effects effects;
 };
 
 /// The true figure is the expected one over new trainings, runs and, if there are several, objects. With one training the
 /// training stays as it is: neither its effect on all objects nor, of one object, that on the object is drawn.
 Trial draw(const Scenario& scenario, Random& random);
+
+/// What is true of an object: its expected figure, and how many times the usual effects act on it.
+struct ObjectTruth {
+  double level = 0, factor = 1;
+};
+
+/// Objects with figures of their own, for claims about every one of them: accuracies or mean delays.
+Trial draw_objects(Quantity quantity, const std::vector<ObjectTruth>& truths, const Layout& layout, const Effects& effects,
+                   Random& random);
 
 }  // namespace tactile::study

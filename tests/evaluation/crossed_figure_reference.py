@@ -55,6 +55,16 @@ def by_jackknife(table, scale):
     return variance(by_row), variance(by_column), (rest**2).sum() * (n - 1) * (k - 1) / (n * k)
 
 
+def of_these_objects(tables):
+    """Bounds of the mean over objects that stay, each a table [run][training]: runs are nested in objects, trainings are shared."""
+    of_runs = np.array([mean_squares(table)[0] for table in tables]) / len(tables) ** 2
+    both = sum(mean_squares(table)[2] for table in tables) / len(tables) ** 2
+    by_training = np.mean([table.mean(0) for table in tables], axis=0).var(ddof=1) / tables[0].shape[1]
+    freedom = int(of_runs.sum() ** 2 / sum(v**2 / (len(table) - 1) for v, table in zip(of_runs, tables)))
+    half = half_width(of_runs.sum(), by_training, both, freedom + 1, tables[0].shape[1])
+    return bounds(np.mean(tables), half, False)
+
+
 def main():
     print("quantiles of t:", [round(stats.t.ppf((1 + c) / 2, d), 10) for d, c in ((1, 0.95), (2, 0.95), (3, 0.99), (9, 0.95), (30, 0.995), (2, CONFIDENCE))])
 
@@ -71,6 +81,8 @@ def main():
     for training in range(3):
         gaps[training, training] = np.nan  # training k learned from run k
     print("with gaps, logit:", bounds(np.nanmean(gaps), half_width(*by_jackknife(gaps, logit), 4, 3), True))
+
+    print("these objects:", of_these_objects([one, np.vstack([COMPLETE[2].T, COMPLETE[3].T])]))
 
     # Shares of the variance: runs are nested in objects.
     runs = COMPLETE.mean(1)

@@ -127,6 +127,33 @@ TEST(CrossedFigureOfObject, OfOneRunPerTrainingIsThatOfItsCells) {
   EXPECT_NEAR(*figure.high, 3 + t_of_2 * 2 / std::sqrt(3.0), 1e-9);
 }
 
+TEST(CrossedFigureOfTheseObjects, LeavesOutHowObjectsDiffer) {
+  // Runs of 1, 3, 5 and of 101, 103, 105: each object's mean has the variance 4 / 3, and theirs a half of that; 2 + 2 degrees.
+  const CrossedResults objects{all_cells(1, 3), all_cells(1, 3, 3)};
+  const results::Figure figure = figure_of_these_objects(objects, mean_of_objects({1, 3, 5, 101, 103, 105}));
+  const double half = student_quantile(4, 0.965) * std::sqrt(2.0 / 3);
+  EXPECT_DOUBLE_EQ(figure.value, 53);
+  EXPECT_NEAR(*figure.low, 53 - half, 1e-9);
+  EXPECT_NEAR(*figure.high, 53 + half, 1e-9);
+  // Where the runs of one object alone differ, the other adds no degrees.
+  const results::Figure of_one = figure_of_these_objects(objects, mean_of_objects({1, 3, 5, 9, 9, 9}));
+  EXPECT_NEAR(*of_one.high, 6 + t_of_2 / std::sqrt(3.0), 1e-9);
+}
+
+TEST(CrossedFigureOfTheseObjects, IsThatOfTheAnalysisOfVariance) {  // crossed_figure_reference.py
+  std::vector<double> values = of_four_runs;
+  values.insert(values.end(), {0.97, 0.99, 0.73, 0.78, 0.98, 0.96, 0.80, 0.84, 0.95, 0.99, 0.70, 0.75});
+  const results::Figure figure = figure_of_these_objects({all_cells(3, 4), all_cells(3, 4, 12)}, mean_of_objects(values));
+  EXPECT_NEAR(*figure.low, 0.747040237777394, 1e-9);
+  EXPECT_NEAR(*figure.high, 1.0037930955559393, 1e-9);
+}
+
+TEST(CrossedFigureOfTheseObjects, HasNoBoundsWhereOneHasLessThanThreeRuns) {
+  const results::Figure figure = figure_of_these_objects({all_cells(1, 3), all_cells(1, 2, 3)}, mean_of_objects({1, 3, 5, 7, 9}));
+  EXPECT_DOUBLE_EQ(figure.value, 5.5);
+  EXPECT_FALSE(figure.low || figure.high);
+}
+
 TEST(CrossedFigureOverObjects, IsThatOfTheAnalysisOfVariance) {  // crossed_figure_reference.py
   const results::Figure figure = figure_over_objects(all_cells_of(4, 3, 2), mean_of_objects(accuracies));
   EXPECT_EQ(figure.n, 4U);

@@ -66,6 +66,12 @@ class Crossing {
     return value && std::isfinite(*value) ? value : std::nullopt;
   }
 
+  std::size_t smallest_group(Level level) const {
+    std::size_t smallest = count(level);
+    for (const auto& [first, last] : groups(level)) smallest = std::min(smallest, last - first);
+    return smallest;
+  }
+
   /// Groups of numbers of a level, of which as many are drawn as there are: all trainings, all objects, the runs of each object.
   std::vector<std::pair<std::size_t, std::size_t>> groups(Level level) const {
     if (level == by_run) return runs_of_objects_;
@@ -183,31 +189,37 @@ std::optional<double> variance_of_draws(Crossing& crossing, Level level, std::si
 struct Variance {
   double on_scale = 0;
   bool rough = false;  // it comes from draws
+  std::size_t freedom = 1;
 };
 
 std::optional<Variance> variance_over(Crossing& crossing, Level level, const Scale& scale,
                                       const results::BootstrapOptions& options) {
   if (crossing.count(level) < 2) return Variance{};
-  double plain = 0, on_scale = 0;
+  double plain = 0, on_scale = 0, squares = 0;
+  std::size_t fewest = crossing.smallest_group(level) - 1;
   for (const auto& group : crossing.groups(level)) {
     const Deletions without = deletions(crossing, level, group);
+    const double of_group = without.variance(&scale);
     plain += without.variance();
-    on_scale += without.variance(&scale);
+    on_scale += of_group;
+    squares += of_group * of_group / static_cast<double>(group.second - group.first - 1);
   }
+  const std::size_t freedom =
+      squares > 0 ? std::max(fewest, static_cast<std::size_t>(on_scale * on_scale / squares * (1 + 1e-9))) : fewest;
   const auto drawn = variance_of_draws(crossing, level, (options.draws + 1) / 2, options.seed);
   if (!drawn) return std::nullopt;
-  if (*drawn <= rough * plain) return Variance{on_scale, false};
-  return Variance{std::max(on_scale, *drawn * scale.gradient() * scale.gradient()), true};
+  if (*drawn <= rough * plain) return Variance{on_scale, false, freedom};
+  return Variance{std::max(on_scale, *drawn * scale.gradient() * scale.gradient()), true, freedom};
 }
 
-/// The part of both variances that comes from single results: from the figure without each pair of a training and another.
-double variance_of_both(Crossing& crossing, Level level, const Scale& scale) {
-  const std::size_t rows = crossing.count(level), columns = crossing.count(by_training);
+/// The part of both variances that comes from single results: from the figure without each pair of a training and one of a group.
+double variance_of_both(Crossing& crossing, Level level, std::pair<std::size_t, std::size_t> group, const Scale& scale) {
+  const std::size_t rows = group.second - group.first, columns = crossing.count(by_training);
   std::vector<double> of_row(rows), of_column(columns), table(rows * columns);
   const auto n_rows = static_cast<double>(rows), n_columns = static_cast<double>(columns);
   TimesTaken weights = crossing.all();
   for (std::size_t row = 0; row < rows; ++row) {
-    weights[level][row] = 0;
+    weights[level][group.first + row] = 0;
     for (std::size_t column = 0; column < columns; ++column) {
       weights[by_training][column] = 0;
       const auto value = crossing.value(weights);
@@ -217,7 +229,7 @@ double variance_of_both(Crossing& crossing, Level level, const Scale& scale) {
       of_row[row] += x / n_columns;
       of_column[column] += x / n_rows;
     }
-    weights[level][row] = 1;
+    weights[level][group.first + row] = 1;
   }
   const double mean = std::accumulate(of_row.begin(), of_row.end(), 0.0) / n_rows;
   double sum = 0;
@@ -230,6 +242,12 @@ double variance_of_both(Crossing& crossing, Level level, const Scale& scale) {
   return sum * (n_rows - 1) * (n_columns - 1) / (n_rows * n_columns);
 }
 
+double variance_of_both(Crossing& crossing, Level level, const Scale& scale) {
+  double sum = 0;
+  for (const auto& group : crossing.groups(level)) sum += variance_of_both(crossing, level, group, scale);
+  return sum;
+}
+
 results::Figure figure_of(Crossing& crossing, Level level, const results::BootstrapOptions& options, const Range& range) {
   results::Figure figure;
   figure.n = crossing.count(level);
@@ -237,14 +255,14 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
   figure.trainings = crossing.count(by_training);
   const auto value = crossing.value(crossing.all());
   if (value) figure.value = *value;
-  if (!value || figure.n < fewest_units) return figure;
+  if (!value || crossing.smallest_group(level) < fewest_units) return figure;
   const Scale scale(range, *value);
   const auto of_units = variance_over(crossing, level, scale, options);
   const auto of_trainings = variance_over(crossing, by_training, scale, options);
   if (!of_units || !of_trainings) return figure;
   const std::size_t count = crossing.count(by_training);
   const double confidence = 1 - share_of_misses * (1 - options.confidence);
-  const double t_units = student_quantile(figure.n - 1, confidence);
+  const double t_units = student_quantile(of_units->freedom, confidence);
   double square = t_units * t_units * of_units->on_scale;
   if (count > 1) {
     const bool subtracts = count >= fewest_to_subtract && !of_units->rough && !of_trainings->rough;
@@ -268,7 +286,12 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
 
 results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic, const results::BootstrapOptions& options,
                                  const Range& range) {
-  Crossing crossing({cells}, statistic);
+  return figure_of_these_objects({cells}, statistic, options, range);
+}
+
+results::Figure figure_of_these_objects(const CrossedResults& objects, const Statistic& statistic,
+                                        const results::BootstrapOptions& options, const Range& range) {
+  Crossing crossing(objects, statistic);
   return figure_of(crossing, by_run, options, range);
 }
 

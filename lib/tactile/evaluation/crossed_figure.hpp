@@ -85,6 +85,12 @@ struct Range {
 results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
                                  const results::BootstrapOptions& options = {}, const Range& range = {});
 
+/// The same of several objects that stay: trainings are drawn, and the runs of each object. V_runs is the sum of the objects'
+/// variances; its degrees of freedom are Satterthwaite's, (sum V_o)^2 / sum(V_o^2 / (n_o - 1)), rounded down. There are no bounds
+/// where an object has fewer than three runs.
+results::Figure figure_of_these_objects(const CrossedResults& objects, const Statistic& statistic,
+                                        const results::BootstrapOptions& options = {}, const Range& range = {});
+
 /// The same over objects: they take the place of the runs above. An object is left out or drawn with all of its runs, so the
 /// effect of its runs is in that of the objects. Objects without cells are passed over.
 results::Figure figure_over_objects(const CrossedResults& objects, const Statistic& statistic,

@@ -235,4 +235,14 @@ results::DelayTable delay_table(std::span<const results::RunDetections> runs, To
   return table;
 }
 
+results::Figure mean_delay_of_these_objects(std::span<const results::RunDetections> runs, Touch touch,
+                                            const results::BootstrapOptions& options) {
+  const TouchDetections of(runs, touch);
+  const auto of_object = [&](std::span<const std::size_t> indexes) -> std::optional<double> {
+    const auto delays = delays_ms(runs, {{indexes.begin(), indexes.end()}}, touch);
+    return delays.empty() ? std::nullopt : std::optional(mean_of(delays));
+  };
+  return figure_of_these_objects(without_names(of.objects), mean_over_objects(of_object), options, of.range);
+}
+
 }  // namespace tactile::evaluation

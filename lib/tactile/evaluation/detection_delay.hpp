@@ -42,4 +42,8 @@ results::DelaySummary delay_summary(std::span<const results::RunDetections> runs
 results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
                                 const results::BootstrapOptions& options = {});
 
+/// The mean over these very objects of each one's mean delay, with missed and early intervals left out as in the table.
+results::Figure mean_delay_of_these_objects(std::span<const results::RunDetections> runs, Touch touch,
+                                            const results::BootstrapOptions& options = {});
+
 }  // namespace tactile::evaluation

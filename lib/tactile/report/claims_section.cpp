@@ -106,9 +106,9 @@ void add_claims(ReportPage& page, const ReportInput& input) {
   page.html.paragraph(
       "A claim holds where its whole interval lies on the claimed side of the limit. It does not hold where the whole interval "
       "lies on the other side. Otherwise the claim cannot be decided, and the table gives the reason. A claim about every object "
-      "needs three runs of each object. It does not hold once one object lies beyond the limit; the interval of that object is "
-      "widened for the number of objects. A claim over objects needs five objects. Claims are measured on the reported runs, "
-      "which no setting was chosen on. The last column has the paper's method: all test runs.");
+      "needs three runs of each object. It does not hold once one object lies beyond the limit, by an interval that is widened "
+      "for the number of objects, or once the mean over these objects does. A claim over objects needs five objects. Claims are "
+      "measured on the reported runs, which no setting was chosen on. The last column has the paper's method: all test runs.");
   HtmlTable table{.caption = "The paper's claims, one by one",
                   .head = {"claim", "outcome", "paper", "measured", "by the paper's method"},
                   .rows = {},

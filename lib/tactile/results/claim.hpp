@@ -47,6 +47,7 @@ struct Claim : ClaimOutcome {
   std::string paper;  ///< what the paper says
   std::string unit;   ///< of `measured`, `limit` and `objects`: "%", "points" (of percent), "ms", "objects"
   ClaimScope scope = ClaimScope::over_objects;  ///< not in JSON
+  Figure mean{};                                ///< over these very objects, where the claim is about each of them; not in JSON
   Asked asked = Asked::below;
   double limit = std::numeric_limits<double>::quiet_NaN();
   std::optional<ClaimOutcome> all_test;  ///< chosen on the reported runs themselves, as in the paper

@@ -291,6 +291,30 @@ TEST(Claims, DelayIsThatOfTheSlowestObjectAndMissesKeepItFromHolding) {
   EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::does_not);
 }
 
+TEST(Claims, AboutEveryObjectDoNotHoldWhereTheMeanOverTheseIsBeyondTheLimit) {
+  ClaimInputs inputs;
+  const auto add_object = [&](const std::string& name, int middle_ms) {
+    for (const int more : {-2, 0, 2}) inputs.detections.push_back(met(name, middle_ms + more, 2));
+  };
+  for (int object = 0; object < 10; ++object) add_object("box-" + std::to_string(object), 8);
+  const auto claim = claim_named(inputs, "press-delay");
+  EXPECT_LT(*claim.measured.low, 5) << "three runs of no object are enough by themselves";
+  EXPECT_EQ(claim.verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim.why, "");
+  // On the logarithm, a run left out moves the mean by 0.1 of 8: V = 40 / 3 / 80^2, nearly; t = 2.26 of 20 degrees.
+  EXPECT_NEAR(*claim.mean.low, 8 * std::exp(-2.26 * std::sqrt(40.0 / 3) / 80), 0.02);
+  EXPECT_EQ(
+      claim.in_words,
+      "Below 5 ms for 0 of 10 objects; the slowest is box-0 with 8.00 ms. It does not hold because of the mean over these 10 "
+      "objects: 8.00 ms [7.22, 8.87].");
+
+  // A mean that is on the claimed side says nothing of one object that may not be.
+  for (auto& run : inputs.detections) {
+    for (auto& detection : run.detections) detection.delay -= run.object == "box-0" ? 0ms : 4ms;
+  }
+  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::cannot_tell);
+}
+
 TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
   ClaimInputs inputs;
   inputs.tick_ms = 2;

@@ -76,39 +76,49 @@ std::size_t enough_for(double factor, std::size_t count, double confidence) {
   return enough;
 }
 
-/// What would decide a claim at the values seen, by the figure that is furthest from deciding:
-///
-///   factor = ((bound - value) / (value - limit))^2, of the bound beyond the limit
+results::Verdict verdict_of(const results::Claim& claim, const results::Figure& figure) {
+  return claim.asked == results::Asked::below ? below(figure, claim.limit) : above(figure, claim.limit);
+}
+
+/// How many times narrower, squared, an interval must be to decide: ((bound - value) / (value - limit))^2, of the bound beyond
+/// the limit; 0 where it decides, or is unknown.
+double factor_of(const results::Figure& figure, double limit) {
+  const double effect = figure.value - limit;
+  const std::optional<double>& bound = effect < 0 ? figure.high : figure.low;
+  const bool is_across = bound && (effect < 0 ? *bound >= limit : *bound <= limit);
+  if (!is_across) return 0;
+  return effect == 0 ? INFINITY : std::pow((*bound - figure.value) / effect, 2);
+}
+
+/// What would decide a claim at the values seen, by the figure that is furthest from deciding; of a claim about every object that
+/// seems wrong, by the outermost object or the mean, whichever is nearer to it.
 std::string enough_of(const results::Claim& claim) {
   constexpr double most = 20;
   const results::Figure& measured = claim.measured;
-  const bool is_refuted = claim.asked == results::Asked::below ? measured.value > claim.limit : measured.value < claim.limit;
-  double factor = 0;
-  std::size_t n = measured.n;
-  const auto take = [&](const results::Figure& figure) {
-    const double effect = figure.value - claim.limit;
-    const std::optional<double>& bound = effect < 0 ? figure.high : figure.low;
-    const bool is_across = bound && (effect < 0 ? *bound >= claim.limit : *bound <= claim.limit);
-    if (!is_across || figure.n < 2) return;
-    const double of_figure = effect == 0 ? INFINITY : std::pow((*bound - figure.value) / effect, 2);
-    if (of_figure > factor) factor = of_figure, n = figure.n;
+  const auto is_refuted = [&](const results::Figure& figure) {
+    return claim.asked == results::Asked::below ? figure.value > claim.limit : figure.value < claim.limit;
   };
-  double confidence = 0.95;
+  double factor = 0, confidence = 0.95;
+  std::size_t n = measured.n, parts = 1;  // runs are of so many objects
   if (claim.scope != results::ClaimScope::every_object) {
-    take(measured);
-  } else if (is_refuted) {
+    factor = factor_of(measured, claim.limit);
+  } else if (is_refuted(measured)) {
     // One object beyond the limit is enough, but by the wide interval.
+    factor = factor_of(measured, claim.limit);
     confidence = 1 - 0.05 / static_cast<double>(claim.objects.size());
-    results::Figure outermost = measured;
-    for (const auto& object : claim.objects) outermost.n = object.second.value == measured.value ? object.second.n : outermost.n;
-    take(outermost);
+    for (const auto& object : claim.objects) n = object.second.value == measured.value ? object.second.n : n;
+    const double of_mean = is_refuted(claim.mean) ? factor_of(claim.mean, claim.limit) : 0;
+    if (of_mean > 0 && of_mean < factor) factor = of_mean, confidence = 0.95, n = claim.mean.n, parts = measured.n;
   } else {
-    for (const auto& object : claim.objects) take(object.second);
+    for (const auto& object : claim.objects) {
+      const double of_object = factor_of(object.second, claim.limit);
+      if (of_object > factor) factor = of_object, n = object.second.n;
+    }
   }
-  if (factor <= 1) return "somewhat more trainings and runs would decide";
+  if (factor <= 1 || n < 2) return "somewhat more trainings and runs would decide";
   if (!(factor <= most)) return fmt::format("the value is so near the limit that {:.0f} times the data would not decide", most);
   return fmt::format("if the value stays, about {} trainings and {} {} would decide",
-                     enough_for(factor, measured.trainings, confidence), enough_for(factor, n, confidence),
+                     enough_for(factor, measured.trainings, confidence), (enough_for(factor, n, confidence) + parts - 1) / parts,
                      claim.scope == results::ClaimScope::over_objects ? "objects" : "runs of each object");
 }
 
@@ -144,10 +154,16 @@ void judge(results::Claim& claim) {
     return;
   }
   const std::string lacking = too_few(claim);
-  claim.verdict = claim.asked == results::Asked::below ? below(claim.measured, claim.limit) : above(claim.measured, claim.limit);
+  claim.verdict = verdict_of(claim, claim.measured);
+  const bool by_mean =
+      claim.verdict == results::Verdict::cannot_tell && verdict_of(claim, claim.mean) == results::Verdict::does_not;
+  if (by_mean) claim.verdict = results::Verdict::does_not;
   if (!lacking.empty() && (claim.scope == results::ClaimScope::over_objects || claim.measured.trainings < fewest_trainings))
     claim.verdict = results::Verdict::cannot_tell;
   claim.can_be_told = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
+  if (by_mean && claim.verdict == results::Verdict::does_not)
+    claim.in_words += fmt::format(" It does not hold because of the mean over these {} objects: {}.", claim.measured.n,
+                                  results::text_of(claim.mean, " " + claim.unit, ".2f"));
   if (claim.verdict != results::Verdict::cannot_tell) return;
   const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking

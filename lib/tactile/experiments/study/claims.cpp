@@ -22,11 +22,6 @@ constexpr const char* exception_object = "plastic-container";
 constexpr double near_points = 5;  ///< taken for "comparable"
 constexpr microseconds shortest{2'000}, marginal{20'000}, chosen{40'000};
 
-std::map<std::string, results::Figure> scaled(std::map<std::string, results::Figure> figures, double factor) {
-  for (auto& [name, figure] : figures) figure = tactile::results::scaled(figure, factor);
-  return figures;
-}
-
 results::Claim unmeasured(std::string id, results::ClaimScope scope, std::string claim, std::string paper, std::string unit,
                           results::Asked asked, double limit) {
   results::Claim empty;
@@ -40,6 +35,17 @@ results::Claim unmeasured(std::string id, results::ClaimScope scope, std::string
   return empty;
 }
 
+/// A figure of one object by its runs; nothing where there is nothing to measure.
+using OfRuns = std::function<std::optional<double>(std::span<const std::size_t>)>;
+
+bool has_samples(const results::RunConfusion& run) { return run.confusion.samples() > 0; }
+
+double accuracy_over(std::span<const results::RunConfusion> all, std::span<const std::size_t> runs) {
+  results::Confusion sum;
+  for (const std::size_t run : runs) sum += all[run].confusion;
+  return sum.accuracy().value_or(NAN);
+}
+
 /// Intervals that hold for `count` objects at once.
 results::BootstrapOptions wide_for(std::size_t count, results::BootstrapOptions options) {
   options.confidence = 1 - (1 - options.confidence) / static_cast<double>(std::max<std::size_t>(count, 1));
@@ -47,7 +53,8 @@ results::BootstrapOptions wide_for(std::size_t count, results::BootstrapOptions 
 }
 
 /// Sets the objects' figures, the outermost of them as the measured one, and the number of objects that the claim is true for.
-void take(results::Claim& claim, ObjectFigures figures) {
+void take(results::Claim& claim, ObjectFigures figures, const results::Figure& mean) {
+  claim.mean = mean;
   claim.measured = claim.asked == results::Asked::below ? largest_of(figures) : smallest_of(figures);
   claim.objects = std::move(figures.objects);
   claim.kept = 0;
@@ -57,6 +64,18 @@ void take(results::Claim& claim, ObjectFigures figures) {
     ++*claim.of;
     *claim.kept += (claim.asked == results::Asked::below ? figure.value < claim.limit : figure.value > claim.limit) ? 1U : 0U;
   }
+}
+
+/// The same by a figure of each object.
+void take(results::Claim& claim, const std::map<std::string, evaluation::CrossedObject>& objects, const OfRuns& of_runs,
+          const evaluation::Range& range, const results::BootstrapOptions& options) {
+  const evaluation::Statistic mean = evaluation::mean_over_objects(of_runs);
+  ObjectFigures figures;
+  for (const auto& [name, cells] : objects) {
+    figures.objects[name] = evaluation::figure_of_object(cells, mean, options, range);
+    figures.wide[name] = evaluation::figure_of_object(cells, mean, wide_for(objects.size(), options), range);
+  }
+  take(claim, std::move(figures), evaluation::figure_of_these_objects(evaluation::without_names(objects), mean, options, range));
 }
 
 /// The object whose value is `claim.measured`.
@@ -85,7 +104,6 @@ class Histories {
       if (!same) throw Error("accuracies of histories on different runs; expected the same runs for each");
     }
     if (!histories_.empty()) {
-      const auto has_samples = [](const results::RunConfusion& run) { return run.confusion.samples() > 0; };
       objects_ = evaluation::results_by_object(std::span<const results::RunConfusion>(histories_.begin()->second), has_samples);
     }
   }
@@ -100,9 +118,7 @@ class Histories {
   const std::map<std::string, evaluation::CrossedObject>& objects() const { return objects_; }
 
   double accuracy(microseconds history, std::span<const std::size_t> runs) const {
-    results::Confusion sum;
-    for (const std::size_t run : runs) sum += histories_.at(history)[run].confusion;
-    return sum.accuracy().value_or(NAN);
+    return accuracy_over(histories_.at(history), runs);
   }
 
   double mean_accuracy(microseconds history, const evaluation::RunsByObject& objects) const {
@@ -142,18 +158,12 @@ results::Claim history_2_worst(const Histories& histories, const results::Bootst
       "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", results::Asked::below, 0);
   if (!histories.has_others(shortest)) return claim;
   const auto others = histories.those([](microseconds history) { return history != shortest; });
-  const evaluation::Statistic less_lowest = [&](const evaluation::RunsByObject& drawn) -> std::optional<double> {
+  const OfRuns less_lowest = [&](std::span<const std::size_t> runs) {
     double lowest = 1;
-    for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, drawn.front()));
-    return 100 * (histories.accuracy(shortest, drawn.front()) - lowest);
+    for (const microseconds other : others) lowest = std::min(lowest, histories.accuracy(other, runs));
+    return 100 * (histories.accuracy(shortest, runs) - lowest);
   };
-  ObjectFigures figures;
-  for (const auto& [object, runs] : histories.objects()) {
-    figures.objects[object] = evaluation::figure_of_object(runs, less_lowest, options, histories.points());
-    figures.wide[object] =
-        evaluation::figure_of_object(runs, less_lowest, wide_for(histories.objects().size(), options), histories.points());
-  }
-  take(claim, std::move(figures));
+  take(claim, histories.objects(), less_lowest, histories.points(), options);
   const double furthest = claim.measured.value;
   claim.in_words = fmt::format("2 ms is the worst for {}; {}: {}, where {}.", kept_of(claim),
                                furthest < 0 ? "least so" : "furthest off", furthest_object(claim),
@@ -221,16 +231,17 @@ results::Claim marginal_past_20(const Histories& histories, const results::Boots
   return claim;
 }
 
-results::Claim accuracy_at_40(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+results::Claim accuracy_at_40(const Histories& histories, const results::BootstrapOptions& options) {
   results::Claim claim =
       unmeasured("accuracy-at-40", results::ClaimScope::every_object,
                  "With 40 ms the accuracy is above 95 % for every object: that of the lowest object",
                  "The average accuracy of the nine test runs exceeds 95 % for all ten objects", "%", results::Asked::above, 95);
-  const auto found = inputs.histories.find(chosen);
-  if (found == inputs.histories.end()) return claim;
-  ObjectFigures figures{scaled(evaluation::accuracy_of(found->second, options).objects, 100), {}};
-  figures.wide = scaled(evaluation::accuracy_of(found->second, wide_for(figures.objects.size(), options)).objects, 100);
-  take(claim, std::move(figures));
+  if (!histories.has(chosen)) return claim;
+  evaluation::Range range = histories.points();
+  range.lowest = 0;
+  take(
+      claim, histories.objects(), [&](std::span<const std::size_t> runs) { return 100 * histories.accuracy(chosen, runs); },
+      range, options);
   claim.in_words = fmt::format("Above 95 % for {}; the lowest is {} with {:.2f} %.", kept_of(claim), furthest_object(claim),
                                claim.measured.value);
   return claim;
@@ -247,7 +258,7 @@ results::Claim delay_claim(Touch touch, const ClaimInputs& inputs, const results
   ObjectFigures figures;
   for (const auto& [object, delay] : delays.objects) figures.objects[object] = delay.mean_ms;
   for (const auto& [object, delay] : wide.objects) figures.wide[object] = delay.mean_ms;
-  take(claim, std::move(figures));
+  take(claim, std::move(figures), evaluation::mean_delay_of_these_objects(inputs.detections, touch, options));
   claim.of = claim.objects.size();
   const results::DelaySummary& all = delays.all;
   claim.in_words = std::isnan(claim.measured.value) ? fmt::format("No {} of {} was detected.", name_of(touch), all.intervals)
@@ -359,15 +370,15 @@ results::Claim unseen_near_seen(const ClaimInputs& inputs, const results::Bootst
     seen.push_back(inputs.seen[i]);
     held_out.push_back(inputs.held_out[i]);
   }
-  const results::Accuracy difference = evaluation::accuracy_difference(seen, held_out, options);
-  if (difference.objects.empty()) return claim;
-  ObjectFigures figures{scaled(difference.objects, 100), {}};
-  figures.wide = scaled(evaluation::accuracy_difference(seen, held_out, wide_for(figures.objects.size(), options)).objects, 100);
-  take(claim, std::move(figures));
+  const auto objects = evaluation::results_by_object(std::span<const results::RunConfusion>(seen), has_samples);
+  if (objects.empty()) return claim;
+  take(
+      claim, objects,
+      [&](std::span<const std::size_t> runs) { return 100 * (accuracy_over(held_out, runs) - accuracy_over(seen, runs)); },
+      {-100, 100, 100 * evaluation::range_of_shares(seen).step}, options);
   claim.in_words = fmt::format("Less than 5 points are lost for {}; {} {} {:.2f} points.", kept_of(claim), furthest_object(claim),
                                claim.measured.value < 0 ? "loses most," : "gains least,", std::abs(claim.measured.value));
-  claim.note = fmt::format("The mean over these objects changes by {:+.2f} points, which decides nothing here.",
-                           100 * difference.mean.value);
+  claim.note = fmt::format("The mean over these objects changes by {:+.2f} points.", claim.mean.value);
   return claim;
 }
 
@@ -394,7 +405,7 @@ std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::
   std::vector<results::Claim> claims{history_2_worst(histories, options),
                                      best_history_40(histories, options),
                                      marginal_past_20(histories, options),
-                                     accuracy_at_40(inputs, options),
+                                     accuracy_at_40(histories, options),
                                      delay_claim(Touch::press, inputs, options),
                                      delay_claim(Touch::slip, inputs, options),
                                      slip_at_once(inputs, options),
