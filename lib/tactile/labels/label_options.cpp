@@ -23,7 +23,6 @@ nlohmann::json settings_of(const LabelOptions& options) {
       {"video", {{"width", options.signals.video.width}, {"region", region}}},
       {"touches",
        {{"releases", options.touches.releases},
-        {"releases_after_slip", options.touches.releases_after_slip},
         {"deepens", options.touches.deepens},
         {"like_a_press", options.touches.like_a_press},
         {"shortest_press_us", options.touches.shortest_press.count()},

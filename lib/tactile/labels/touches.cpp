@@ -81,7 +81,7 @@ class Classifier {
   BurstKind kind_of(std::size_t i, std::span<const ArmMove> taps) {
     if (std::any_of(taps.begin(), taps.end(), [&](const ArmMove& tap) { return common_time(rate_, bursts_[i], tap) > 0us; }))
       return BurstKind::tap;
-    if (last_slip_ && i > *last_slip_) return lets_go(i) && !is_after_effect(i) ? BurstKind::release : BurstKind::after;
+    if (last_slip_ && i > *last_slip_) return reverses(i) && !is_after_effect(i) ? BurstKind::release : BurstKind::after;
     if (releases(i)) {
       standing_press_.reset();
       return BurstKind::release;
@@ -93,7 +93,6 @@ class Classifier {
 
   bool is_after_effect(std::size_t i) const { return alignment::is_after_effect(bursts_[i], rate_, bursts_); }
   bool reverses(std::size_t i) const { return undoes_[i] > options_.releases; }
-  bool lets_go(std::size_t i) const { return undoes_[i] > (bursts_[i].slow ? options_.releases : options_.releases_after_slip); }
   bool is_shorter(std::size_t i, microseconds than) const {
     return rate_.bin * static_cast<std::int64_t>(bursts_[i].end - bursts_[i].begin) < than;
   }

@@ -33,7 +33,6 @@ struct TouchesOptions {
   double deepens = 0.4;                       ///< a burst whose `undoes` is less than the negative of this presses deeper, 0 to 1
   double like_a_press = 0.1;                  ///< of the standing press's events: the least of its release, or of a deeper press
   double releases = 0.5;                      ///< a burst whose `undoes` is greater is a release, 0 to 1
-  double releases_after_slip = 0.2;           ///< the same after the last slip, which has moved what the press had lit
 };
 
 /// Classifies bursts, in order of time:
@@ -41,7 +40,7 @@ struct TouchesOptions {
 /// - Of each lift, the burst with the most events in it is the slip; a slow one only if there is no other and a press stands.
 ///   If it is not known whether the arm rose, the last burst that reverses nothing is the slip.
 /// - A burst during a tap of the arm is the tap.
-/// - A burst after the last slip that reverses some of what came before is a release, any other is `after`. One for which
+/// - A burst after the last slip that reverses what came before is a release, any other is `after`. One for which
 ///   `is_after_effect` holds is brief. While a press stands, a burst is also brief if it is smaller than that press, and shorter
 ///   than a stage takes or slow: tips that spring back or creep. It is not brief if it lasts more than half as long as that press
 ///   and reverses its effect on the picture (a fast stage opens), or more than a third as long and repeats it (a fast stage
