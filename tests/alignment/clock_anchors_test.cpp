@@ -192,7 +192,7 @@ TEST(ClockAnchors, AShearWithoutAShapeIsPlacedByItsOnsetAndWide) {
   const FoundAnchors found = session.anchors();
   const ClockAnchor* shear = first_of(found, AnchorKind::first_shear);
   ASSERT_NE(shear, nullptr);
-  EXPECT_GT(shear->sigma_us, 5'000);
+  EXPECT_GT(shear->bias_us, 5'000) << "all lifts of a mount have its slack";
   EXPECT_LT(std::abs(error_ms(*shear)), 1.96e-3 * std::hypot(shear->sigma_us, shear->bias_us));
 }
 
@@ -295,10 +295,12 @@ TEST(ClockAnchors, ARestingArmLeavesTheStagesCommands) {
   ASSERT_EQ(count_of(found, AnchorKind::stage_output), 2U);
   EXPECT_LT(std::abs(error_ms(found.anchors[0])), 300.0);
   EXPECT_GT(found.anchors[0].sigma_us, 100'000) << "how far the stage travels is not known";
-  EXPECT_NEAR(error_ms(found.anchors[1]), 0.0, 15.0) << "what opens is seen at once";
+  EXPECT_NEAR(error_ms(found.anchors[1]), -25.0, 15.0) << "what opens is seen soon: 30 ms after the command, give or take 100";
   const ClockFit fit = fit_clock(found.anchors, robot_zero_us);
   ASSERT_TRUE(fit.clock);
-  EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 160'000);
+  EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 240'000);
+  EXPECT_LT(fit.clock->offset_low_us, camera_zero_us - robot_zero_us);
+  EXPECT_GT(fit.clock->offset_high_us, camera_zero_us - robot_zero_us);
 }
 
 TEST(ClockAnchors, HostTimesOfBothDevices) {

@@ -236,9 +236,19 @@ TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
 TEST(VideoClock, IsRefusedIfOnlyTheEndOfOneBurstGivesIt) {
   const MadeFilm made{.motions = {lift}};
   const std::vector<SeenBurst> ends{burst(2.6, 2.85)}, starts_too{burst(2.115, 2.85)};
-  EXPECT_EQ(fit_video_clock(film_of(made), ends).refused,
-            "only one burst of events ends with a motion of the film, and nothing confirms it");
+  // It may as well start with the motion.
+  EXPECT_NE(fit_video_clock(film_of(made), ends).refused.find("at two offsets"), std::string::npos);
   EXPECT_TRUE(fit_video_clock(film_of(made), starts_too).clock);
+}
+
+TEST(VideoClock, IsNotGivenByTwoEndsThatAreAsFarApartByChance) {
+  // The object is gone from the film when the stage stops, and from the skin before the arm does: 0.11 s later both fit.
+  const MadeFilm made{.motions = {closing, lift}};
+  const std::vector<SeenBurst> bursts{burst(1.4, 1.72), burst(2.115, 2.96)};
+  const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
+  if (fit.clock) {
+    EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 1e-3 * static_cast<double>(fit.clock->uncertainty().count()));
+  }
 }
 
 FittedClock clock_of(const MadeFilm& made, std::int64_t within_us = 2'000) {

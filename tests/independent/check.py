@@ -117,17 +117,23 @@ class ThePixels(unittest.TestCase):
 
 
 class TheJudge(unittest.TestCase):
-    def run_of(self, truths, labels, flags=()):
+    def run_of(self, truths, labels, flags=(), robot=None, remarks=()):
+        """`robot`: the error [us] of its clock in the middle of its log and the half-width that the labels state."""
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder) / "cup" / "01"
             folder.mkdir(parents=True)
             full = [{"what": c, "class": c, "labelled": True, "start_us": s, "end_us": e, "first_event_us": s, "gross_us": None}
                     for c, s, e in truths]
             parameters = {"case": "ordinary", "press_speeds_mm_s": [5.0], "visible_us": [s for _, s, _ in truths]}
-            (folder / "truth.json").write_text(json.dumps({"intervals": full, "parameters": parameters}))
+            clock = lambda offset, half: {"offset_us": offset, "offset_low_us": offset - half, "offset_high_us": offset + half, "drift_ppm": 100.0,
+                                          "reference_us": 1_000_000, "method": "first shear (1)"}
+            (folder / "robot.csv").write_text("timestamp x\n1.0 0\n2.0 0\n3.0 0\n")
+            clocks = {"robot": robot and clock(7_000_000 + robot[0], robot[1]), "video": None}
+            true = {"robot": robot and {"offset_us": 7_000_000, "drift_ppm": 100.0, "reference_us": 1_000_000}, "video": None}
+            (folder / "truth.json").write_text(json.dumps({"intervals": full, "parameters": parameters, "clocks": true}))
             made = [{"class": c, "start_us": s, "end_us": e, "start_low_us": s - 9, "start_high_us": s + 9} for c, s, e in labels]
             marks = [{"interval": i, "reason": r, "confirmed": False} for i, r in flags]
-            (folder / "labels.json").write_text(json.dumps({"intervals": made, "flags": marks}))
+            (folder / "labels.json").write_text(json.dumps({"intervals": made, "flags": marks, "clocks": clocks, "remarks": list(remarks)}))
             return judge.judge_run(folder)
 
     def test_a_label_is_matched_once_and_errors_keep_their_sign(self):
@@ -146,6 +152,15 @@ class TheJudge(unittest.TestCase):
         self.assertFalse(goals["wrong, missed or superfluous without a flag"])
         self.assertFalse(goals["presses of 2 mm/s or more missed"])
         self.assertTrue(goals["ordinary runs flagged"])
+
+    def test_a_clock_that_is_certain_and_wrong_misses_a_goal(self):
+        kept = lambda *runs: [k for _, _, _, k in judge.clock_goals_of(runs)]
+        self.assertEqual(kept(self.run_of([], [], robot=(900, 1000))), [True, True])
+        self.assertEqual(kept(self.run_of([], [], robot=(-1500, 1000))), [False, True])
+        self.assertEqual(kept(self.run_of([], [], robot=(-2500, 1000))), [False, False])
+        self.assertEqual(kept(self.run_of([], [], robot=(-2500, 1000), remarks=["the robot's clock is doubtful"])), [False, True])
+        self.assertEqual(kept(self.run_of([], [], [(None, "doubtful")], robot=(-2500, 1000))), [False, True])
+        self.assertEqual(kept(self.run_of([], [])), [])
 
 
 if __name__ == "__main__":

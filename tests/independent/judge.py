@@ -20,6 +20,7 @@ import generate
 
 NEAR_US = 150_000   # a label and a truth of one class belong together if they overlap, or begin this near to each other
 WRONG_US = 30_000   # an error above this needs a flag
+CLOCK_WORDS = {"robot": ("robot's clock", "match of the arm", "match of arm"), "IMU": ("robot's clock", "match of arm"), "film": ("film",)}
 
 
 def pairs_of(truths, labels):
@@ -37,6 +38,38 @@ def pairs_of(truths, labels):
             found[i] = k
             used.add(k)
     return found, [k for k in range(len(labels)) if k not in used]
+
+
+def middle_of_clock(path, column):
+    """The middle of a table's stamps [us]."""
+    with open(path, newline="") as file:
+        names, *rows = [re.split("[, ]", line.strip()) for line in file if line.strip()]
+    k = names.index(column)
+    return 0.5 * (float(rows[0][k]) + float(rows[-1][k])) * (1e6 if column == "timestamp" else 1)
+
+
+def judge_clocks(folder, truth, labels, flags):
+    """Each clock's error in the middle of its stamps and the half-width that the labels state. The IMU has the camera's clock: what it relates is
+    the robot's."""
+    found = []
+    for key, table, column in (("robot", "robot.csv", "timestamp"), ("video", "video.csv", "pts_us")):
+        stated, true = labels["clocks"][key], truth["clocks"].get(key)
+        if stated is None or true is None:
+            continue
+        middle = middle_of_clock(folder / table, column)
+        for clock in stated if isinstance(stated, list) else [stated]:
+            at = lambda c: c["offset_us"] + c["drift_ppm"] * 1e-6 * (middle - c["reference_us"])
+            low, high = clock["offset_low_us"] - clock["offset_us"], clock["offset_high_us"] - clock["offset_us"]
+            name = "film" if key == "video" else "IMU" if "IMU" in clock["method"] else "robot"
+            named = any(word in remark for remark in labels["remarks"] for word in CLOCK_WORDS[name])
+            error = at(clock) - at(true)
+            found.append({"clock": name, "error": error, "half_width": 0.5 * (high - low), "covered": bool(low <= -error <= high),
+                          "told": bool(flags) or named})
+    return found
+
+
+def is_certain_and_wrong(clock):
+    return abs(clock["error"]) > 2 * clock["half_width"] and not clock["told"]
 
 
 def judge_run(folder):
@@ -63,6 +96,7 @@ def judge_run(folder):
                        "flagged": flagged(found[i]) if i in found else run_flagged})
     false = [{"class": labels["intervals"][k]["class"], "flagged": flagged(k), "on": on_what(truth, labels["intervals"][k])} for k in spurious]
     return {"run": f"{folder.parent.name}/{folder.name}", "case": truth["parameters"]["case"], "onsets": onsets, "spurious": false,
+            "clocks": judge_clocks(folder, truth, labels, flags),
             "flags": [("run: " if f["interval"] is None else labels["intervals"][f["interval"]]["class"] + ": ") + f["reason"] for f in flags]}
 
 
@@ -115,6 +149,33 @@ def print_speeds(onsets):
         print(f"  {low:>2}-{high:<4} {len(mine):4}  {len(mine) - len(hit):6}  {quantiles(hit)[0]:8.2f}")
 
 
+def print_clocks(runs):
+    print(f"\nclocks of all runs\n{'':10}{'n':>4} {'median':>8} {'p95':>8} {'max':>9} {'half-width':>11} {'covered':>8}"
+          f" {'beyond twice, untold':>21}  [ms]")
+    for name in CLOCK_WORDS:
+        mine = [c for r in runs for c in r["clocks"] if c["clock"] == name]
+        if mine:
+            row = quantiles([c["error"] for c in mine])
+            print(f"{name:10}{len(mine):4} {row[0]:8.2f} {row[1]:8.2f} {row[2]:9.2f} {np.median([c['half_width'] for c in mine]) / 1000:11.2f}"
+                  f" {np.mean([c['covered'] for c in mine]):8.0%} {sum(map(is_certain_and_wrong, mine)):21}")
+    for r in runs:
+        for c in r["clocks"]:
+            if not c["covered"]:
+                print(f"  {r['run']:26} {c['clock']} off by {c['error'] / 1000:.1f} ms, stated ± {c['half_width'] / 1000:.1f} ms"
+                      + ("" if c["told"] else ", NO REMARK OR FLAG"))
+
+
+def clock_goals_of(runs):
+    goals = []
+    for name in CLOCK_WORDS:
+        mine = [c for r in runs for c in r["clocks"] if c["clock"] == name]
+        if mine:
+            covered, wrong = np.mean([c["covered"] for c in mine]), sum(map(is_certain_and_wrong, mine))
+            goals += [(f"{name} clocks inside their interval", covered, ">= 0.90", covered >= 0.9),
+                      (f"{name} clocks beyond twice it, untold", wrong, "0", wrong == 0)]
+    return goals
+
+
 def goals_of(ordinary, sampled):
     onsets = [o for r in ordinary for o in r["onsets"]]
     errors = lambda kind: [o["error"] for o in onsets if o["class"] == kind and o["found"]]
@@ -165,7 +226,7 @@ def main():
     sampled = runs_with_samples(options.tactile, options.folder)
     ordinary = [r for r in runs if r["case"] == "ordinary"]
     special = [r for r in runs if r["case"] != "ordinary"]
-    goals = goals_of(ordinary, sampled) if ordinary else []
+    goals = (goals_of(ordinary, sampled) if ordinary else []) + clock_goals_of(runs)
     print(f"{len(ordinary)} ordinary runs, {len(special)} special ones")
     print_speeds([o for r in runs for o in r["onsets"]])
     for title, some in (("ordinary runs", ordinary), ("special cases", special)):
@@ -174,7 +235,8 @@ def main():
             print_flags(f"flags of {title}", some)
             print(f"\n{title}, one by one")
             print_defects(some)
-    print("\ngoals, on ordinary runs" if goals else "")
+    print_clocks(runs)
+    print("\ngoals, on ordinary runs; of clocks, on all" if goals else "")
     for name, value, limit, kept in goals:
         print(f"  {'kept  ' if kept else 'MISSED'}  {name:44} {value:8.2f}  {limit}")
     if options.json:

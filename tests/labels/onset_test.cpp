@@ -136,7 +136,8 @@ TEST(PressOnset, MayLieAsEarlyAsPixelsThatNoiseHasResetAreBlind) {
   lit.reset_share = 1.0;
   const alignment::UncertainTime anew = press_onset(lit).time;
   EXPECT_EQ(fresh.at, anew.at);
-  EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 25'000, 500);
+  // They are blind for 25 ms more; a press reaches 0.6 of that, since some pixels were near their threshold.
+  EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 15'000, 500);
 }
 
 TEST(SlipOnset, IsTheJumpAfterTheRingingAndNotTheRinging) {

@@ -16,6 +16,7 @@ namespace tactile::alignment {
 namespace {
 
 constexpr double rests_after_s = 0.3;  // the skin rests so soon after the arm's last motion
+constexpr double pressed_later = 0.6;  // the worth of a lift without a press before it, if the skin moves later
 
 /// The activity of the skin on a grid of whole milliseconds: the root of the events above the quiet rate, 0 where they could be
 /// noise. The root limits the first shear and tips that spring back, which are far above the rest.
@@ -74,8 +75,9 @@ std::vector<MotionPhase> motions_in_skin(std::span<const MotionPhase> all) {
 /// A shift at which the log may lie on the events.
 struct EventAnchors::Candidate {
   double shift_s = 0;
-  double score = 0;  ///< of the correlation
-  double worth = 0;  ///< with all that speaks for and against it
+  double score = 0;           ///< of the correlation
+  double worth = 0;           ///< with all that speaks for and against it
+  bool may_be_press = false;  ///< nothing moves before its lift, and more moves when the arm rests again
 };
 
 EventAnchors::EventAnchors(AnchorSearch& search)
@@ -152,7 +154,7 @@ bool EventAnchors::is_left_by_imu(double shift_s) const {
 /// Evidence against a lift without a press before it: the skin did not move before. The object may be held when the recording
 /// begins, but not if the skin moves later, when the arm rests again.
 double EventAnchors::worth_without_press(double first_start_s, double last_end_s) const {
-  constexpr double slack_s = 0.1, held_before = 0.75, pressed_later = 0.6;
+  constexpr double slack_s = 0.1, held_before = 0.75;
   const auto starts = [&](auto&& when) {
     return std::any_of(starts_.begin(), starts_.end(), [&](const ActivityStart& start) { return when(start.at_s); });
   };
@@ -180,7 +182,11 @@ void EventAnchors::judge(Candidate& candidate) const {
   for (std::size_t i = 0; i < activity_.size(); ++i)
     (search_.grid_s() * static_cast<double>(i) > last_s + rests_after_s ? after : before) += activity_[i];
   if (before + after > 0) candidate.worth *= 0.7 + 0.3 * before / (before + after);
-  if (lifts > 0) candidate.worth *= worth_without_press(first_s, last_s);
+  if (lifts > 0) {
+    const double worth = worth_without_press(first_s, last_s);
+    candidate.worth *= worth;
+    candidate.may_be_press = worth == pressed_later;
+  }
   for (const StageCommand& command : commands_) {
     const double at_s = command.at_s + candidate.shift_s;
     if (at_s < 0 || at_s + longest_travel_s > length_s_) continue;
@@ -206,6 +212,11 @@ std::optional<double> EventAnchors::match() {
                        .likeness = best.worth,
                        .ratio = second != all.end() && second->worth > 0 ? best.worth / second->worth : infinite};
   search_.found.events = match;
+  if (best.may_be_press) {
+    search_.found.doubts.emplace_back(
+        "the arm's motion matches only the first burst of events, which may be a press: more follow when the arm would rest");
+    return std::nullopt;
+  }
   if (match.ratio >= search_.options.ambiguous_below) return best.shift_s;
   for (const Candidate& candidate : all) {
     if (candidate.worth * search_.options.ambiguous_below > best.worth) possible_s_.push_back(candidate.shift_s);

@@ -20,12 +20,26 @@ double saturating_distance(std::int64_t a, std::int64_t b) {
   return std::abs(static_cast<double>(a > b ? saturating_subtract(a, b) : saturating_subtract(b, a)));
 }
 
-/// The burst that ends with a motion of the film.
+/// The burst that ends with a motion of the film, or starts with it.
 struct BurstFit {
   const SeenBurst* burst = nullptr;
-  bool starts_too = false;
+  bool starts = false, ends = false;
   double score = 0;  ///< 0 to 1 for its end, and 0 to 1 for its start
 };
+
+/// How much a motion changes the film [grey levels].
+double change_of(const FilmedMotion& motion) {
+  return motion.energy * 1e-6 * static_cast<double>(saturating_subtract(us_of(motion.end.at), us_of(motion.start.at)));
+}
+
+/// Without what is far fainter than the largest motion: a coder's corrections, or light.
+std::vector<FilmedMotion> without_faint(std::vector<FilmedMotion> filmed) {
+  constexpr double least = 0.005;
+  double largest = 0;
+  for (const FilmedMotion& motion : filmed) largest = std::max(largest, change_of(motion));
+  std::erase_if(filmed, [&](const FilmedMotion& motion) { return change_of(motion) < least * largest; });
+  return filmed;
+}
 
 /// Motions of a film and bursts of the events; an offset is camera time less the film's.
 class BurstMatch {
@@ -40,19 +54,22 @@ class BurstMatch {
     double score = 0;
   };
 
-  /// Of every pair of a burst's end and a motion's end.
+  /// Of every pair of a burst's end and a motion's end, or of their starts.
   std::vector<Candidate> candidates(const VideoClockOptions& options) const {
     std::vector<Candidate> found;
+    const auto add = [&](std::int64_t rough_us) {
+      if (options.coarse_offset_us &&
+          saturating_distance(rough_us, *options.coarse_offset_us) > static_cast<double>(options.search.count()))
+        return;
+      Candidate candidate{settled(rough_us), 0};
+      for (const FilmedMotion& other : filmed_) candidate.score += fit_of(other, candidate.offset_us).score;
+      candidate.score *= share_in_both(candidate.offset_us);
+      found.push_back(candidate);
+    };
     for (const FilmedMotion& motion : filmed_) {
       for (const SeenBurst& burst : bursts_) {
-        const std::int64_t rough_us = saturating_subtract(us_of(burst.end), us_of(motion.end.at));
-        if (options.coarse_offset_us &&
-            saturating_distance(rough_us, *options.coarse_offset_us) > static_cast<double>(options.search.count()))
-          continue;
-        Candidate candidate{settled(rough_us), 0};
-        for (const FilmedMotion& other : filmed_) candidate.score += fit_of(other, candidate.offset_us).score;
-        candidate.score *= share_in_both(candidate.offset_us);
-        found.push_back(candidate);
+        add(saturating_subtract(us_of(burst.end), us_of(motion.end.at)));
+        if (!motion.start_cut) add(saturating_subtract(us_of(burst.start), us_of(motion.start.at)));
       }
     }
     return found;
@@ -71,10 +88,10 @@ class BurstMatch {
     return anchors;
   }
 
-  /// Bursts that end with a motion at the offset, and whether one of them starts with it too.
+  /// Bursts that start or end with a motion at the offset, whether one of them starts so, and whether one does both.
   struct Matched {
     std::set<const SeenBurst*> bursts;
-    bool starts_too = false;
+    bool starts = false, starts_and_ends = false;
   };
   Matched matched(std::int64_t offset_us) const {
     Matched matched;
@@ -82,34 +99,37 @@ class BurstMatch {
       const BurstFit found = fit_of(motion, offset_us);
       if (found.burst == nullptr) continue;
       matched.bursts.insert(found.burst);
-      matched.starts_too |= found.starts_too;
+      matched.starts |= found.starts;
+      matched.starts_and_ends |= found.starts && found.ends;
     }
     return matched;
   }
 
  private:
+  /// The burst whose end comes nearest to the motion's; if none is near, the one whose start does. Whatever fires, moves: the
+  /// motion starts no later than the burst, and ends no earlier.
   BurstFit fit_of(const FilmedMotion& motion, std::int64_t offset_us) const {
+    BurstFit best;
+    for (const SeenBurst& burst : bursts_) {
+      const BurstFit fit = fit_of(motion, burst, offset_us);
+      if (std::pair(fit.ends, fit.score) > std::pair(best.ends, best.score)) best = fit;
+    }
+    return best;
+  }
+
+  static BurstFit fit_of(const FilmedMotion& motion, const SeenBurst& burst, std::int64_t offset_us) {
     constexpr double farthest = 3;  // standard deviations
-    if (motion.end_cut) return {};
-    const auto camera_of = [&](const VideoSpan& span) {
-      return CameraTime{microseconds{saturating_add(us_of(span.at), offset_us)}};
+    const auto later = [offset_us](CameraTime seen, const VideoSpan& span) {
+      return static_cast<double>(between(CameraTime{microseconds{saturating_add(us_of(span.at), offset_us)}}, seen).count()) /
+             sigma_of(span);
     };
-    const auto apart = [](CameraTime one, CameraTime other, double sigma) {
-      return static_cast<double>(between(one, other).count()) / sigma;
-    };
-    const CameraTime end = camera_of(motion.end);
-    auto burst =
-        std::lower_bound(bursts_.begin(), bursts_.end(), end, [](const SeenBurst& b, CameraTime t) { return b.end < t; });
-    if (burst != bursts_.begin() && (burst == bursts_.end() || between(end, burst->end) > between((burst - 1)->end, end)))
-      --burst;
-    const double end_apart = apart(end, burst->end, sigma_of(motion.end));
-    if (std::abs(end_apart) > farthest) return {};
-    // Whatever fires, moves.
-    const double start_late = apart(burst->start, camera_of(motion.start), sigma_of(motion.start));
-    if (start_late > farthest && !motion.start_cut) return {};
-    const bool starts_too = std::abs(start_late) <= farthest && !motion.start_cut;
+    const double start_late = later(burst.start, motion.start), end_late = later(burst.end, motion.end);
+    if ((start_late < -farthest && !motion.start_cut) || (end_late > farthest && !motion.end_cut)) return {};
+    const bool starts = std::abs(start_late) <= farthest && !motion.start_cut;
+    const bool ends = std::abs(end_late) <= farthest && !motion.end_cut;
+    if (!starts && !ends) return {};
     const auto likely = [](double x) { return std::exp(-0.5 * x * x); };
-    return {&*burst, starts_too, likely(end_apart) * (1 + (starts_too ? likely(start_late) : 0.0))};
+    return {&burst, starts, ends, (ends ? likely(end_late) : 0.0) + (starts ? likely(start_late) : 0.0)};
   }
 
   /// Calls `use` with each end, and each start that counts, of a burst and its motion at the offset.
@@ -118,8 +138,8 @@ class BurstMatch {
     for (const FilmedMotion& motion : filmed_) {
       const BurstFit found = fit_of(motion, offset_us);
       if (found.burst == nullptr) continue;
-      if (found.starts_too) use(found.burst->start, motion.start);
-      use(found.burst->end, motion.end);
+      if (found.starts) use(found.burst->start, motion.start);
+      if (found.ends) use(found.burst->end, motion.end);
     }
   }
 
@@ -161,11 +181,12 @@ class BurstMatch {
   std::vector<SeenBurst> bursts_;  ///< by their ends
 };
 
-/// Any motion in view may end with one burst by chance. A second burst confirms it, or the start of the same one if the film
-/// matches clearly nowhere else.
+/// Any motion in view may end with one burst by chance, and two ends may lie as far apart as two others. A start confirms them:
+/// that of a lift. One burst alone must start and end with a motion, if the film matches clearly nowhere else.
 bool is_confirmed(const BurstMatch::Matched& matched, double score, double ambiguity) {
   constexpr double least_score = 0.5, least_ambiguity = 2;
-  return matched.bursts.size() > 1 || (matched.starts_too && score >= least_score && ambiguity >= least_ambiguity);
+  if (matched.bursts.size() > 1) return matched.starts;
+  return matched.starts_and_ends && score >= least_score && ambiguity >= least_ambiguity;
 }
 
 }  // namespace
@@ -174,7 +195,7 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
   constexpr std::size_t most = 200;  // enough of a film with hundreds of motions
   constexpr double same_us = 120'000;
   VideoClockFit fit;
-  std::vector<FilmedMotion> filmed = filmed_motions(energy, most);
+  std::vector<FilmedMotion> filmed = without_faint(filmed_motions(energy, most));
   if (filmed.empty()) {
     fit.refused = "nothing moves in the film";
     return fit;
@@ -201,7 +222,9 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, std::span<const SeenBu
   fit.refused = set_ambiguity(fit, best->score, second, options);
   if (!fit.refused.empty()) return fit;
   if (!is_confirmed(match.matched(best->offset_us), best->score, fit.ambiguity)) {
-    fit.refused = "only one burst of events ends with a motion of the film, and nothing confirms it";
+    fit.refused = match.matched(best->offset_us).bursts.size() > 1
+                      ? "two bursts of events end with motions of the film, but none starts with one"
+                      : "only one burst of events ends with a motion of the film, and nothing confirms it";
     return fit;
   }
   fit.anchors = match.anchors(best->offset_us);

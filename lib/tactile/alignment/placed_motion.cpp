@@ -103,11 +103,14 @@ class SpeedMatch {
   std::vector<double> counts_, weights_;
 };
 
-/// The mean of two estimates by their variances.
-void combine(PlacedMotion& placed, double shift_s, double sigma_s) {
-  const double weight = 1.0 / (sigma_s * sigma_s), own = 1.0 / (placed.sigma_s * placed.sigma_s);
-  placed.shift_s = (weight * shift_s + own * placed.shift_s) / (weight + own);
-  placed.sigma_s = 1.0 / std::sqrt(weight + own);
+/// The mean by the variances of a shift that an unknown slack gives, and of one that the rate gives. All lifts of a mount have
+/// the slack, so that what it leaves open is common to them.
+PlacedMotion combined(const PlacedMotion& by_slack, double shift_s, double sigma_s, double common_s) {
+  const double slack_s = by_slack.common_s;
+  const double share = sigma_s * sigma_s / (sigma_s * sigma_s + slack_s * slack_s);
+  return {.shift_s = share * by_slack.shift_s + (1.0 - share) * shift_s,
+          .sigma_s = (1.0 - share) * sigma_s,
+          .common_s = std::hypot(share * slack_s, common_s)};
 }
 
 }  // namespace
@@ -142,7 +145,9 @@ std::optional<PlacedMotion> place_shear(const Milliseconds& ms, const MotionPhas
   // If nothing else is known: between the greatest slack and none.
   const double longest_lag_s = time_of_travel(lift, most_slack_m);
   const double latest_s = 1e-3 * static_cast<double>(onset) + 0.001 - start_s;
-  PlacedMotion placed{.shift_s = latest_s - 0.5 * longest_lag_s, .sigma_s = longest_lag_s / std::sqrt(12.0)};
+  constexpr double onset_sigma_s = 1e-3;
+  const PlacedMotion placed{
+      .shift_s = latest_s - 0.5 * longest_lag_s, .sigma_s = onset_sigma_s, .common_s = longest_lag_s / std::sqrt(12.0)};
 
   // After the first milliseconds, in which an edge moves by less than its own width, and well before the top, where the first
   // tips let go.
@@ -169,10 +174,10 @@ std::optional<PlacedMotion> place_shear(const Milliseconds& ms, const MotionPhas
     return lift.profile->commanded_m_s(1e-3 * static_cast<double>(ms_at) - start_s - best.at);
   };
   const double onset_speed_m_s = std::max(speed_at(onset), 0.25 * speed_at(last));  // the onset may precede a start placed late
-  placed.common_s = std::min(distance_off_m / std::max(onset_speed_m_s, 1e-6), longest_lag_s);
-  placed.likeness = std::clamp(1.0 - best.value / spread, 0.0, 1.0);
-  combine(placed, best.at, std::hypot(std::sqrt(2.0 * dispersion / best.curvature), model_s, ringing_s));
-  return placed;
+  PlacedMotion by_rate = combined(placed, best.at, std::hypot(std::sqrt(2.0 * dispersion / best.curvature), model_s, ringing_s),
+                                  std::min(distance_off_m / std::max(onset_speed_m_s, 1e-6), longest_lag_s));
+  by_rate.likeness = std::clamp(1.0 - best.value / spread, 0.0, 1.0);
+  return by_rate;
 }
 
 std::optional<PlacedMotion> place_ring_down(const Milliseconds& ms, const MotionPhase& lift, double start_s, double shift_s) {

@@ -11,8 +11,9 @@ namespace tactile::alignment {
 namespace {
 
 constexpr double shortest_travel_s = 0.03;
-// From an opening of the stage until the tips are seen to move, and its standard deviation.
-constexpr double opening_s = 0.006, opening_sigma_s = 0.03;
+// From the command to open until the tips are seen to move, and its standard deviation: a slow stage, or one that sits on a
+// screw, takes a tenth of a second.
+constexpr double opening_s = 0.03, opening_sigma_s = 0.05;
 
 double delay_of(const StageCommand& command, const AnchorOptions& options) {
   return command.closes ? in_s(options.stage_delay) : opening_s;

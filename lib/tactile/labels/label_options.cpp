@@ -37,6 +37,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
         {"noise_ahead_us", options.onset.noise_ahead.count()},
         {"longest_blind_us", options.onset.longest_blind.count()},
         {"blind_anew_us", options.onset.blind_reset.count()},
+        {"press_blind_share", options.onset.press_blind_share},
         {"too_wide_ms", options.onset.too_wide_ms}}},
       {"end",
        {{"still_share", options.end.still_share},

@@ -13,6 +13,7 @@
 #include "tactile/labels/arm_moves.hpp"
 #include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/run_bursts.hpp"
+#include "tactile/labels/stage_presses.hpp"
 #include "tactile/labels/unlikely_presses.hpp"
 #include "tactile/labels/unlogged_lift.hpp"
 
@@ -22,22 +23,6 @@ namespace {
 constexpr microseconds start_and_stop = 500ms;  // the recorders of one run may begin and end so far apart
 constexpr microseconds least_rest = 20ms;       // of a skin that is seen at rest before a touch
 constexpr microseconds frame_of_film = 50ms;    // a motion may show in the film a frame before it
-
-/// The command that caused a press: the last change of an output to a greater value within two seconds before it.
-std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
-                                        CameraTime press) {
-  constexpr microseconds longest_travel = 2s;
-  std::optional<CameraTime> command;
-  for (std::size_t i = 0; i < signals.robot.size(); ++i) {
-    if (!clocks.pieces[i]) continue;
-    for (const robot::OutputChange& change : signals.robot[i].log.output_changes) {
-      const CameraTime at = clocks.pieces[i]->relation.camera_from(change.at);
-      if (change.to > change.from && at <= press && at >= before(press, longest_travel))
-        command = std::max(command.value_or(at), at);
-    }
-  }
-  return command;
-}
 
 const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
   const auto nearest = std::min_element(moves.lifts.begin(), moves.lifts.end(), [&](const ArmMove& a, const ArmMove& b) {
@@ -78,6 +63,7 @@ class Labeller {
     look_for_what_is_missing();
     cut_overlaps(labels_.intervals);
     std::ranges::move(unlikely_presses(labels_), std::back_inserter(labels_.flags));
+    std::ranges::move(missing_presses(signals_, clocks_, labels_), std::back_inserter(labels_.flags));
     name_intervals(labels_.intervals);
     labels_.provenance = {{"made_by", "tactile label"},
                           {"settings", settings_of(options_)},

@@ -26,6 +26,7 @@ struct OnsetOptions {
   microseconds noise_ahead{400};        ///< so long before an onset noise may look like its first event
   microseconds longest_blind{15'000};   ///< the greatest such time
   microseconds blind_reset{40'000};     ///< the same where noise has reset all pixels
+  double press_blind_share = 0.6;       ///< of that time: where a press begins, some of many pixels are near their threshold
   double too_wide_ms = 40.0;            ///< doubtful if the interval is wider than this
 };
 

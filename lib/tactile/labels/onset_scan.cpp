@@ -119,11 +119,13 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion) {
   return scan;
 }
 
-FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, const OnsetOptions& options) {
+FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, double blind_share,
+                   const OnsetOptions& options) {
   const alignment::EventRate& rate = lit.rate;
   const auto more = static_cast<double>((options.blind_reset - options.longest_blind).count());
   const microseconds longest = options.longest_blind + microseconds{std::llround(lit.reset_share * more)};
-  const microseconds blind = std::max(options.latency, blind_time_before(rate.bin, counts, repeats, scan.best, longest));
+  const auto blind_us = static_cast<double>(blind_time_before(rate.bin, counts, repeats, scan.best, longest).count());
+  const microseconds blind = std::max(options.latency, microseconds{std::llround(blind_share * blind_us)});
   FoundTime result{.time = {.at = before(rate.begin_of(scan.best), rate.bin / 2),
                             .low = before(rate.begin_of(scan.low), rate.bin + blind),
                             .high = after(rate.begin_of(scan.high), rate.bin / 2 + options.noise_ahead)},

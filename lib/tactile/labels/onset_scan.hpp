@@ -53,7 +53,9 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion);
 
 /// The events of a bin were caused since the read-out before it.
 /// @param counts, repeats  of the place where it begins
-FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, const OnsetOptions& options);
+/// @param blind_share      of the time for which its pixels were blind: so long before its first event the motion may begin
+FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, double blind_share,
+                   const OnsetOptions& options);
 
 inline double half_event_per(std::size_t bins) { return 0.5 / static_cast<double>(std::max<std::size_t>(bins, 1)); }
 

@@ -133,7 +133,8 @@ FoundTime press_onset(const LitRate& lit, const OnsetOptions& options, std::opti
     counts = lit.places[i].counts;
     repeats = lit.places[i].repeats;
   }
-  return found_at(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, counts, repeats, options);
+  return found_at(lit, {begin + scan.best, begin + scan.low, begin + scan.high}, counts, repeats, options.press_blind_share,
+                  options);
 }
 
 }  // namespace tactile::labels

@@ -168,7 +168,7 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(span / rate.bin); };
   const std::size_t width = std::max<std::size_t>(1, bins(1ms));
   const Scan scan = slip_scan(lit, slip_range(lit, width, options, lift_start), width, arm_rings.value_or(true));
-  FoundTime onset = found_at(lit, scan, rate.counts, lit.repeats, options);
+  FoundTime onset = found_at(lit, scan, rate.counts, lit.repeats, 1.0, options);
   if (const auto jump = sharper_jump(lit, scan.best, width, bins(options.first_drag))) {
     onset.time.high = std::max(onset.time.high, after(rate.begin_of(*jump), rate.bin));
     if (arm_rings.value_or(false))
