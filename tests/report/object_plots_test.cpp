@@ -82,7 +82,7 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   drawn(unseen_plot("Nothing", {}));
 }
 
-TEST(Captions, SpeakOfIntervalsAndWhiskersOnlyWhereThereAreSome) {
+TEST(Captions, MentionIntervalsAndWhiskersOnlyWhereThereAreSome) {
   const HistoryCurve bare{.name = "fan", .points = {{.history_ms = 2, .accuracy = {.value = 0.9, .n = 1}}}};
   const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));
   EXPECT_FALSE(contains(without, "with its 95 % interval"));

@@ -13,8 +13,8 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/table_file.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/robot/log_table.hpp"
 
 namespace tactile::robot {
 namespace {
