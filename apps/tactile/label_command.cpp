@@ -21,7 +21,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_runs.hpp"
 #include "tactile/pictures/run_picture.hpp"
-#include "tactile/robot/log_table.hpp"
+#include "tactile/robot/robot_log.hpp"
 #include "truth_tables.hpp"
 
 namespace tactile::cli {

@@ -14,11 +14,11 @@ struct LogRows {
   std::optional<double> rate_hz;  ///< over steps up to `longest_step_s`; nothing without such a step
 };
 
-/// Reads a log with a header row, separated by commas, semicolons, tabs or spaces. A last row without newline does not count.
+/// Reads a table with a header row. A last row without newline does not count.
 /// @param column          with the times
 /// @param unit_s          of that column [s]
 /// @param longest_step_s  longer steps are gaps and restarts, and do not count for the rate [s]
-/// @return  nothing if there is no such file, it has no such column, or a row is longer than 64 KiB
+/// @return  nothing if there is no such file, it has no such column, or a row is longer than 1 MiB
 std::optional<LogRows> log_rows(const std::filesystem::path& file, std::string_view column, double unit_s, double longest_step_s);
 
 }  // namespace tactile::cli

@@ -339,6 +339,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
 }  // namespace
 
 void add_trade_command(CLI::App& app) {
+  // A long list of one option per line, in the order of --help: divided, it would no longer show the whole.
   auto args = std::make_shared<TradeArguments>();
   Command command = add_command(app, "trade", "Measure speed against accuracy, delay and false alarms, and recommend settings",
                                 [args](const CommonArguments& common) { trade(*args, common); });

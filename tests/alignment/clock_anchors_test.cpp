@@ -95,8 +95,8 @@ std::size_t count_of(const FoundAnchors& found, AnchorKind kind) {
 }
 
 bool says(const FoundAnchors& found, const std::string& words) {
-  for (const std::string& doubt : found.doubts) {
-    if (doubt.find(words) != std::string::npos) return true;
+  for (const Doubt& doubt : found.doubts) {
+    if (doubt.words.find(words) != std::string::npos) return true;
   }
   return false;
 }
@@ -252,7 +252,7 @@ TEST(ClockAnchors, AnImuMatchesAnArmThatSpeedsUpSlowly) {
   Session session{.log = arm.log(-0.9, 5.9, robot_zero_us), .rate = quiet_recording(5.5), .imu = felt_by(arm, 0, 5.5)};
   const FoundAnchors found = session.anchors();
   const ClockAnchor* imu = first_of(found, AnchorKind::imu);
-  ASSERT_NE(imu, nullptr) << (found.doubts.empty() ? "" : found.doubts.front());
+  ASSERT_NE(imu, nullptr) << (found.doubts.empty() ? "" : found.doubts.front().words);
   EXPECT_LT(std::abs(error_ms(*imu)), 1.96e-3 * std::hypot(imu->sigma_us, imu->bias_us));
 }
 

@@ -59,7 +59,7 @@ TEST(CommandLine, HelpKeepsWithin80Columns) {
   }
 }
 
-TEST(CommandLine, SaysInOneSentenceWhatIsWrongAndWhatIsRight) {
+TEST(CommandLine, ReportsInOneSentenceWhatIsWrongAndWhatIsRight) {
   const std::vector<std::tuple<std::string, int, std::string>> cases{
       {"doctor --thrads 1", 109,
        "--thrads: is not an option of 'tactile doctor'; the nearest is '--threads', and 'tactile doctor --help' lists all"},
@@ -262,7 +262,7 @@ TEST(Config, GivesARequiredOptionToo) {
   EXPECT_TRUE(std::filesystem::exists(folder / "sheet.png"));
 }
 
-TEST(Doctor, SaysWhatMattersInJson) {
+TEST(Doctor, ReportsWhatMattersInJson) {
   const auto result = run_tactile("doctor --json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* key : {"\"libtorch\"", "\"blas\"", "\"timer_step_ns\"", "\"disk_write_mb_per_s\"", "\"libcaer\""}) {

@@ -31,7 +31,7 @@ TEST(ConvertCommand, GoesToCsvAndBack) {
   EXPECT_EQ(info.at("width"), 160);
 }
 
-TEST(ConvertCommand, CutsHalfOpenAndSaysWhatItWrote) {
+TEST(ConvertCommand, CutsHalfOpenAndReportsWhatItWrote) {
   const test::TemporaryFolder folder;
   const test::CommandResult result = run_tactile(
       "convert --json --from-us 1700000011005000 --to-us 1700000011010033 " + vendor_file + " cut.aedat4", folder.path());
@@ -75,7 +75,7 @@ TEST(ConvertCommand, TakesARunForItsRecording) {
   EXPECT_NE(all.err.find("such as data/fan/01"), std::string::npos) << all.err;
 }
 
-TEST(ConvertCommand, SaysThatItGuessedTheSensor) {
+TEST(ConvertCommand, ReportsThatItGuessedTheSensor) {
   const test::TemporaryFolder folder;
   write_whole(folder / "a.csv", "t_us,x,y,on\n0,339,0,1\n");
   const test::CommandResult result = run_tactile("convert a.csv a.aedat4", folder.path());
@@ -83,7 +83,7 @@ TEST(ConvertCommand, SaysThatItGuessedTheSensor) {
   EXPECT_NE(result.err.find("346x260"), std::string::npos) << result.err;
 }
 
-TEST(ConvertCommand, SaysInOneLineWhatIsWrong) {
+TEST(ConvertCommand, ReportsInOneLineWhatIsWrong) {
   const test::TemporaryFolder folder;
   write_whole(folder / "bad.csv", "t_us,x,y,on\n5,1,1,1\n4,1,1,1\n");
   const auto error_of = [&](const std::string& arguments) {

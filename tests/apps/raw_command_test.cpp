@@ -79,7 +79,7 @@ TEST_F(RawCommands, ViewDrawsIt) {
   EXPECT_GT(fs::file_size(folder / "sheet.png"), 1'000U);
 }
 
-TEST_F(RawCommands, RepairSaysThatItIsNone) {
+TEST_F(RawCommands, RepairReportsThatItIsNone) {
   const test::CommandResult result = run_tactile("repair a.raw b.aedat4", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("is a Prophesee RAW file, which has no packets to repair"), std::string::npos) << result.err;

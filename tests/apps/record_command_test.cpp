@@ -114,7 +114,7 @@ TEST_F(RecordCommand, ReportsWhatItRecordedBesidesTheEvents) {
   EXPECT_NE(text.out.find("1001 in 100.0 ms, 10.0 k/s"), std::string::npos) << text.out;
 }
 
-TEST_F(RecordCommand, SaysWhatAReplayedRecordingLacks) {
+TEST_F(RecordCommand, ReportsWhatAReplayedRecordingLacks) {
   fs::copy_file(folder / "recordings/dv-lz4.aedat4", folder / "cut.aedat4");
   fs::resize_file(folder / "cut.aedat4", 40'000);
   const CommandResult cut = run("record --from file:cut.aedat4 --speed 0");
@@ -163,7 +163,7 @@ TEST_F(RecordCommand, NeverWritesOverARun) {
   EXPECT_TRUE(fs::exists(folder / "data/unnamed/08/events.aedat4"));
 }
 
-TEST_F(RecordCommand, SaysInOneLineWhyItDoesNotBegin) {
+TEST_F(RecordCommand, ReportsInOneLineWhyItDoesNotBegin) {
   write_whole(folder / "no-plan.json", "{}");
   for (const char* arguments :
        {"--from tcp://127.0.0.1:1", "--from unix:nowhere", "--from file:nowhere.aedat4", "--from file:no-plan.json",
@@ -223,7 +223,7 @@ TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
   }
 }
 
-TEST_F(RecordCommand, LeavesAServerThatSaysNothingOnCtrlC) {
+TEST_F(RecordCommand, LeavesAServerThatSendsNothingOnCtrlC) {
   std::atomic<bool> is_connected = false, is_over = false;
   ScriptedServer server([&](ScriptedServer::Socket&) {
     is_connected = true;
@@ -267,7 +267,7 @@ TEST_F(RecordCommand, KeepsWhatCameFromAStreamThatBreaksOff) {
   EXPECT_EQ(events_in_file(run_folder("unnamed", "01").events()), events);
 }
 
-TEST_F(RecordCommand, SaysThatAServerSendsGarbageOrNothing) {
+TEST_F(RecordCommand, ReportsThatAServerSendsGarbageOrNothing) {
   for (const bool silent : {false, true}) {
     ScriptedServer server([&](ScriptedServer::Socket& client) {
       if (!silent) test::send_all(client, std::string(100'000, 'x'));
@@ -359,7 +359,7 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   EXPECT_EQ(run_json("fan", "01").at("settings").at("start_on"), "actual_digital_output_bits:0");
 }
 
-TEST_F(RecordCommand, SaysThatNothingCameFromTheRobot) {
+TEST_F(RecordCommand, ReportsThatNothingCameFromTheRobot) {
   test::FakeController controller;
   controller.stall(true);
   const CommandResult result =
@@ -442,7 +442,7 @@ TEST_F(RecordCommand, RefusesABitThatTheRobotDoesNotHave) {
   }
 }
 
-TEST_F(RecordCommand, SaysThatABitIsHighAlready) {
+TEST_F(RecordCommand, ReportsThatABitIsHighAlready) {
   test::FakeController controller;
   RunningCommand command("record --from sim --start-on robot_mode --robot 127.0.0.1:" + std::to_string(controller.port()),
                          folder.path());

@@ -87,7 +87,7 @@ TEST_F(RepairCommand, CutsTheLogsOfARunAheadOfThePowerCutsZeros) {
   EXPECT_EQ(run("info --check data/fan/02").exit_code, 0);
 }
 
-TEST_F(RepairCommand, SaysInOneLineWhyItDoesNotWrite) {
+TEST_F(RepairCommand, ReportsInOneLineWhyItDoesNotWrite) {
   write_whole(folder / "there.aedat4", "precious");
   fs::create_hard_link(folder / "cut.aedat4", folder / "same.aedat4");
   for (const char* out : {"cut.aedat4", "./cut.aedat4", "same.aedat4", "there.aedat4", "whole.csv"}) {

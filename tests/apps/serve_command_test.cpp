@@ -165,7 +165,7 @@ TEST(ServeCommand, TakesNoLessTimeThanTheRecordingOverTheSpeed) {
   }
 }
 
-TEST(ServeCommand, GoesRoundWithTimesThatGoOn) {
+TEST(ServeCommand, RepeatsWithTimesThatContinue) {
   RunningCommand serving(words({"serve", recording, "--port", "0", "--speed", "0", "--loop"}));
   transport::DvStreamClient client(events_address(serving), long_enough);
   const std::vector<events::Event> once = events_in_file(recording);
@@ -224,7 +224,7 @@ TEST(ServeCommand, ServesAUnixSocketAndRemovesItAtTheEnd) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(ServeCommand, SaysOfASimulatedRunThatItIs) {
+TEST(ServeCommand, ReportsThatARunIsSimulated) {
   const TemporaryFolder folder;
   const RunFolder run{folder / "fan/01", "fan", "01"};
   std::filesystem::create_directories(run.folder);
@@ -265,7 +265,7 @@ TEST(ServeCommand, ServesTheStreamThatIsChosen) {
   EXPECT_NE(unchosen.err.find("2 event streams"), std::string::npos) << unchosen.err;
 }
 
-TEST(ServeCommand, SaysWhatARecordingLacks) {
+TEST(ServeCommand, ReportsWhatARecordingLacks) {
   const TemporaryFolder folder;
   std::filesystem::copy_file(recording, folder / "cut.aedat4");
   std::filesystem::resize_file(folder / "cut.aedat4", 40'000);

@@ -34,7 +34,7 @@ CameraSourceOptions in_mode(const std::string& mode) {
   return options;
 }
 
-TEST(OpenCameraSource, SaysWhatASourceLooksLikeWhenItIsGivenNone) {
+TEST(OpenCameraSource, ExplainsWhatASourceLooksLikeWhereNoneIsGiven) {
   for (const char* text : {"", "cam", "simulator", "http://127.0.0.1:7777", "cameras", "sim.water-bottle"}) {
     const std::string refusal = refusal_of(text);
     EXPECT_NE(refusal.find("'" + std::string(text) + "' is no source"), std::string::npos) << refusal;
@@ -48,7 +48,7 @@ TEST(OpenCameraSource, SaysWhatASourceLooksLikeWhenItIsGivenNone) {
   }
 }
 
-TEST(OpenCameraSource, TellsWhoGivesAPathThatItTakesAPrefix) {
+TEST(OpenCameraSource, ExplainsThatAPathTakesAPrefix) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "a.aedat4").string();
   write_whole(file, "");
@@ -88,7 +88,7 @@ TEST(OpenCameraSource, ChoosesAStreamOnlyOfAFile) {
   }
 }
 
-TEST(OpenCameraSource, SaysWhyThereIsNoCameraAndWhatElseThereIs) {
+TEST(OpenCameraSource, ExplainsWhyThereIsNoCameraAndWhatElseThereIs) {
   const std::string refusal = refusal_of("camera:NOTHERE");
   EXPECT_EQ(refusal.find("camera:NOTHERE: "), 0U) << refusal;
   if (is_built_with_libcaer()) {

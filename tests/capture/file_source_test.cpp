@@ -128,7 +128,7 @@ TEST(FileSource, GivesNothingWhileNothingIsDueAndLosesNothingByIt) {
   }));
 }
 
-TEST(FileSource, SaysWhatItReplaysAndWhetherAnyCameraSawIt) {
+TEST(FileSource, ReportsWhatItReplaysAndWhetherAnyCameraSawIt) {
   const test::TemporaryFolder folder;
   const fs::path run = folder / "fan" / "01";
   fs::create_directories(run);

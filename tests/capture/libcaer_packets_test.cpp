@@ -89,7 +89,7 @@ TEST(LibcaerPackets, KeepWhatTheInertialSensorFelt) {
   EXPECT_EQ(samples[0].angular_rate_dps[2], 3.0F);
 }
 
-TEST(LibcaerPackets, TellTheEarliestTimeOfAContainerAndAClockSetBack) {
+TEST(LibcaerPackets, ReportTheEarliestTimeOfAContainerAndAClockSetBack) {
   const std::unique_ptr<caer_event_packet_container, decltype(&caerEventPacketContainerFree)> container(
       caerEventPacketContainerAllocate(3), &caerEventPacketContainerFree);
   EXPECT_EQ(lowest_device_time(container.get()), std::nullopt);

@@ -39,7 +39,7 @@ CameraPacket next_packet(CameraSource& source) {
 
 class OverTheNetwork : public testing::TestWithParam<events::Compression> {};
 
-TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamSaysOfItsCamera) {
+TEST_P(OverTheNetwork, BringsEventsAndWhatTheStreamKnowsOfItsCamera) {
   events::Stream stream = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
   set_info(stream, readout_mode_attribute, "constant-500");
   set_info(stream, events::simulated_attribute, "true");

@@ -123,7 +123,7 @@ TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
   EXPECT_EQ(read_run_info(summary.run).complete, true);
 }
 
-TEST_F(RunRecorderTest, SaysThatItIsNotCompleteWhileItRecords) {
+TEST_F(RunRecorderTest, ReportsThatItIsNotCompleteWhileItRecords) {
   const std::vector<events::Event> events = test::steady_events(1000, 0, 10, size);
   RunRecorder recorder(sources_of(event_source(test::packets_of_events(events, 100, false))), nullptr, nullptr);
   const RunFolder run = make_run_folder(data.path(), "fan");

@@ -74,7 +74,7 @@ TEST_F(SessionPlanFile, NamesTheKeyAndWhatIsExpected) {
   EXPECT_TRUE(complaint_of(R"("start_on": "a b")").starts_with(file + ": 'start_on': 'a b' is not a bit of the robot; expected"));
 }
 
-TEST(CompleteRuns, CountsThoseThatSayTheyAre) {
+TEST(CompleteRuns, CountsThoseThatAreMarkedSo) {
   const test::TemporaryFolder data;
   EXPECT_EQ(complete_runs(data / "none", {}, "fan"), 0);
   for (const bool complete : {true, false, true}) {

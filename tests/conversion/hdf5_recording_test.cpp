@@ -146,7 +146,7 @@ TEST(Hdf5Recording, ReadsWhatAnotherProgramMade) {
   EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().source, "a text of variable length");
 }
 
-TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
+TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileLacksIt) {
   const test::TemporaryFolder folder;
   python(folder,
          "with h5py.File('theirs.h5', 'w') as f:\n"
@@ -159,7 +159,7 @@ TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileDoesNotSay) {
   EXPECT_NE(refusal_of(folder / "out.h5", {.size = events::SensorSize{64, 48}}).find("omit --size"), std::string::npos);
 }
 
-TEST(Hdf5Recording, SaysInWordsWhatIsWrongWithAFile) {
+TEST(Hdf5Recording, ReportsInWordsWhatIsWrongWithAFile) {
   const test::TemporaryFolder folder;
   const auto refusal = [&](const std::string& change) {
     python(folder,
@@ -251,7 +251,7 @@ TEST(Hdf5Recording, NeverCrashesOnADamagedFile) {
   }
 }
 
-TEST(Hdf5Recording, SaysThatADatasetIsNoRecording) {
+TEST(Hdf5Recording, ReportsThatADatasetIsNoRecording) {
   const test::TemporaryFolder folder;
   python(folder,
          "for name, attributes in (('dataset.h5', ()), ('dataset.events.h5', ('manifest_sha256',))):\n"

@@ -53,7 +53,7 @@ TEST(SentenceOf, PutsMemoryAndJsonIntoPlainWords) {
             "a value in a JSON file is a list; expected an object or a list; expected a file as tactile writes it");
 }
 
-TEST(Member, SaysWhatItIsAndWhatIsExpected) {
+TEST(Member, ReportsWhatItIsAndWhatIsExpected) {
   const nlohmann::json json = {{"class", 5}, {"list", "a"}, {"number", {1}}, {"truth", nullptr}, {"text", {{"a", 1}}}};
   const auto text_of = [&](auto type, const char* key) {
     return test::error_of([&] { member<decltype(type)>(json, key, "labels.json"); });

@@ -117,7 +117,7 @@ TEST(JsonFields, TakeWholeNumbersRangesAndSizesForWhatTheyAre) {
     EXPECT_NE(refusal(R"({"size": )" + wrong + "}"), "") << wrong;
 }
 
-TEST(JsonFields, TellTheNearestNameOfOneTheyDoNotKnow) {
+TEST(JsonFields, GiveTheNearestNameOfAnUnknownOne) {
   EXPECT_EQ(refusal(R"({"treshold": 1})"), "FILE: there is no 'treshold'; the nearest is 'threshold'");
   EXPECT_EQ(refusal(R"({"lens": {"blurr": 1}})"), "FILE: there is no 'lens.blurr'; the nearest is 'lens.blur'");
   EXPECT_EQ(refusal(R"({"spare": {"wile": {}}})"), "FILE: there is no 'spare.wile'; the nearest is 'spare.wide'");

@@ -48,7 +48,7 @@ TEST_F(RunFilesTest, AreAsListedUntilOneChanges) {
   EXPECT_EQ(check(FileComparison::size).changed, Names{"events.aedat4"});
 }
 
-TEST_F(RunFilesTest, TellWhatIsMissingAndWhatIsNotListed) {
+TEST_F(RunFilesTest, ReportWhatIsMissingAndWhatIsNotListed) {
   std::filesystem::remove(run.robot());
   write_whole(run.video(), "film");
   EXPECT_EQ(check().missing, Names{"robot.csv"});
@@ -69,7 +69,7 @@ TEST_F(RunFilesTest, NeverLeadOutOfTheRun) {
   EXPECT_EQ(check().reasons.size(), 2U);
 }
 
-TEST_F(RunFilesTest, TellOfAListThatIsNone) {
+TEST_F(RunFilesTest, ReportAListThatIsNone) {
   info.extra["files"] = 5;
   EXPECT_EQ(check().reasons.size(), 1U);
   info.extra["files"] = {{"events.aedat4", {{"bytes", -6}, {"sha256", 7}}}};

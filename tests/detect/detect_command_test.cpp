@@ -449,7 +449,7 @@ TEST(DetectCommand, DoesNotCountMaskedPixels) {
   EXPECT_LT(masked, all);
 }
 
-TEST(DetectCommand, SaysWhatIsWrong) {
+TEST(DetectCommand, ReportsWhatIsWrong) {
   const fs::path folder = trained().folder.path();
   const auto expect_error = [&](const std::string& options, const std::string& words) {
     const auto result = run_tactile("detect --model small " + options, folder);

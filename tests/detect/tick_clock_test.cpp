@@ -55,7 +55,7 @@ TEST(TickClock, ClosesByEventsAloneIfRequested) {
   EXPECT_FALSE(clock.next_by_host());
 }
 
-TEST(TickClock, SkipsToTheNewestAndSaysHowManyItLeftOut) {
+TEST(TickClock, SkipsToTheNewestAndReportsHowManyItLeftOut) {
   TickClock clock(usual);
   clock.arrived(camera_time(0), camera_time(1'000), host_time(base + 1'000));
   clock.arrived(camera_time(1'000), camera_time(51'000), host_time(base + 51'000));

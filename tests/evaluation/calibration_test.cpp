@@ -27,13 +27,13 @@ TEST(CalibrationError, WeighsEachBinsGapByItsSamples) {
   EXPECT_EQ(calibration_error({}), 0.0);
 }
 
-TEST(CalibrationError, IsNoneWhereProbabilitiesAreWhatTheySay) {
+TEST(CalibrationError, IsNoneWhereProbabilitiesAreWhatTheyPromise) {
   Reliability reliability;
   for (int i = 0; i < 5; ++i) reliability.add(0.8, i < 4);
   EXPECT_NEAR(calibration_error(reliability), 0.0, 1e-12);
 }
 
-TEST(Calibration, TellsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
+TEST(Calibration, FindsErrorsOfOppositeRunsOnlyWhereTheyDoNotCancel) {
   // One run is too sure, the other not enough: together they are right.
   Reliability sure, unsure;
   for (int i = 0; i < 10; ++i) sure.add(0.7, i < 5);

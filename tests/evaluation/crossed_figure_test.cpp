@@ -238,7 +238,7 @@ TEST(CrossedFigureOverObjects, DependsOnTheSeedOnlyWhereDrawsCount) {
   EXPECT_NE(low(rough, 1), low(rough, 2));
 }
 
-TEST(CrossedFigureOverObjects, OfAMedianComesFromDrawsWhereLeavingOutSaysNothing) {
+TEST(CrossedFigureOverObjects, OfAMedianComesFromDrawsWhereLeavingOutGivesNothing) {
   // Five of nine objects have 4 ms. Without any one the median is still 4: only draws show that it may be 2 or 6.
   const std::vector<double> delays{2, 2, 4, 4, 4, 4, 4, 6, 6};
   const results::Figure figure = figure_over_objects(all_cells_of(9, 1, 1), median_of_all(delays));

@@ -240,7 +240,7 @@ std::vector<RunFalseAlarms> alike(std::initializer_list<const char*> objects, st
   return made;
 }
 
-TEST(FalseAlarmTable, DoesNotTakeNoAlarmInTwentySecondsForNone) {
+TEST(FalseAlarmTable, HasAnIntervalAboveZeroWithoutAnAlarm) {
   // Four runs of 5 s; Garwood's bound for none met is 3.68888, over a third of a minute.
   const results::Figure per_min = false_alarm_table(alike({"fan", "box", "hub", "bottle"}, 1, 0, 5s)).per_min;
   EXPECT_EQ(per_min.value, 0);

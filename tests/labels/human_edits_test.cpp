@@ -145,6 +145,19 @@ TEST(HumanEdits, AConfirmedFlagStaysConfirmedIfItIsFoundAgain) {
   EXPECT_FALSE(labels.flags.at(3).confirmed);
 }
 
+TEST(HumanEdits, AFlagIsFoundAgainByItsKeyWhateverItsWords) {
+  Labels old = labels_of({interval_of("press-1", Touch::press, 100, 200)});
+  old.flags = {{.interval_index = 0, .reason = "it's weak", .confirmed = true, .key = "weak 3"},
+               {.interval_index = {}, .reason = "no robot log", .confirmed = true, .key = "no-robot-log"}};
+  Labels fresh = labels_of({interval_of("press-1", Touch::press, 110, 210)});
+  fresh.flags = {flag_of(doubt("weak", "weak: {} events", 3), 0), flag_of(doubt("weak", "weak: {} events", 4), 0),
+                 flag_of(doubt("other", "no robot log"))};
+  const Labels labels = kept(fresh, old);
+  EXPECT_TRUE(labels.flags.at(0).confirmed);
+  EXPECT_FALSE(labels.flags.at(1).confirmed) << "another value";
+  EXPECT_FALSE(labels.flags.at(2).confirmed) << "another kind";
+}
+
 TEST(HumanEdits, AMereInstantWithinAPersonsIntervalIsDropped) {
   const Labels labels =
       kept(labels_of({interval_of("slip-1", Touch::slip, 200, 200)}), labels_of({persons("press-1", Touch::press, 100, 300)}));

@@ -39,7 +39,7 @@ TEST(Labels, SurviveTheirFile) {
   labels.robot_clocks = {clock_of(5)};
   labels.rejected = {{Touch::press, camera_time(7'000), camera_time(8'000)}};
   labels.releases = {{Touch::none, camera_time(9'000), camera_time(9'500)}};
-  labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false},
+  labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false, .key = "onset-width 45"},
                   {.interval_index = {}, .reason = "whole", .confirmed = true}};
   labels.provenance = {{"made_by", "a test"}};
   write_labels(folder / "labels.json", labels);
@@ -64,6 +64,9 @@ TEST(Labels, SurviveTheirFile) {
   ASSERT_EQ(read.rejected.size(), 1U);
   EXPECT_EQ(read.rejected[0].touch, Touch::press);
   EXPECT_EQ(read.rejected[0].end, camera_time(8'000));
+  ASSERT_EQ(read.flags.size(), 2U);
+  EXPECT_EQ(read.flags[0].key, "onset-width 45");
+  EXPECT_EQ(read.flags[1].key, "") << "of an older version";
   EXPECT_EQ(read.provenance, labels.provenance);
 }
 

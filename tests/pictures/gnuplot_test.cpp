@@ -111,7 +111,7 @@ TEST(PlotText, QuotesAndMends) {
   EXPECT_EQ(plot_text("\xC0\xAF|\xED\xA0\x80|\xF5|\xE2\x82"), "'?\?|?\?\?|?|?\?'") << "too long, half a pair, none, cut off";
 }
 
-TEST(Draw, SaysWhatGnuplotComplainsOfAndLeavesNothing) {
+TEST(Draw, ReportsWhatGnuplotComplainsOfAndLeavesNothing) {
   const TemporaryFolder folder;
   Plot plot = line_plot();
   plot.script = "plot nonsense(x) wrong";
@@ -132,7 +132,7 @@ TEST(Draw, KeepsThePictureThatIsThereIfItFails) {
   EXPECT_EQ(read_text(folder / "line.png"), before);
 }
 
-TEST(Draw, SaysHowToInstallGnuplotWhereItIsNot) {
+TEST(Draw, ExplainsHowToInstallGnuplotWhereItIsNot) {
   const TemporaryFolder folder;
   const WithVariable no_programs("PATH", folder.path().string());
   const std::string error = error_of([&] { draw(line_plot(), folder / "line.png"); });
@@ -140,7 +140,7 @@ TEST(Draw, SaysHowToInstallGnuplotWhereItIsNot) {
   EXPECT_NE(error.find("apt install gnuplot-nox"), std::string::npos) << error;
 }
 
-TEST(Draw, SaysWhatEndedGnuplot) {
+TEST(Draw, ReportsWhatEndedGnuplot) {
   const TemporaryFolder folder;
   {
     std::ofstream(folder / "gnuplot") << "#!/bin/sh\nkill -TERM $$\n";

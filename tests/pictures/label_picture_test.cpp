@@ -217,7 +217,7 @@ TEST(LabelPicture, WritesWordsWhereNoLineCrossesThem) {
   EXPECT_TRUE(says(picture, "set label 'lift start −10.0 ms' at first -11.2,")) << "to the left of its line";
 }
 
-TEST(LabelPicture, EnlargesFourOnsetsWithTheSlipsAndSaysSo) {
+TEST(LabelPicture, EnlargesFourOnsetsWithTheSlipsAndReportsIt) {
   LabelPicture picture = whole_picture();
   picture.labels.intervals.clear();
   for (int i = 0; i < 9; ++i)

@@ -71,7 +71,7 @@ TEST(ForMoments, RendersWhatTheDatasetHolds) {
   EXPECT_EQ(count, expected.size());
 }
 
-TEST(ForMoments, DenoisesAsTheEquationsSay) {
+TEST(ForMoments, DenoisesByTheEquations) {
   MadeRecording made({.sensor = {20, 15}, .mean_gap_us = 60});
   const std::vector<CameraTime> times{made.at_ms(300), made.at_ms(700)};
   for_moments(made.reader, 0, {.history = 40ms}, times, MomentDetail::all, [&](const Moment& moment) {

@@ -31,7 +31,7 @@ TEST(WordPlaces, StayWithinThePanel) {
   }
 }
 
-TEST(WordPlaces, MoveOffWhereItIsCrowdedAndSayThatALineIsWanted) {
+TEST(WordPlaces, MoveOffWhereItIsCrowdedAndReportThatALineIsWanted) {
   WordPlaces places(panel);
   places.take(160, 120, 240, 180);
   const WordPlaces::Place place = places.near(200, 150, 20);

@@ -90,7 +90,7 @@ TEST(VariancePlot, NamesEveryShareHoweverSmall) {
   for (const char* words : {"trainings 0 %", "objects 98 %", "runs 2 %"}) EXPECT_TRUE(contains(svg, words)) << words;
 }
 
-TEST(Captions, SpeakOfIntervalsAndWhiskersOnlyWhereThereAreSome) {
+TEST(Captions, MentionIntervalsAndWhiskersOnlyWhereThereAreSome) {
   const HistoryCurve bare{.name = "fan", .points = {{.history_ms = 2, .accuracy = {.value = 0.9, .n = 1}}}};
   const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));
   EXPECT_FALSE(contains(without, "with its 95 % interval"));

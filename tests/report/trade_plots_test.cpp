@@ -254,7 +254,7 @@ TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
   }
 }
 
-TEST(TradePlots, TellTheFrontByFilledMarksAndJoinItByNoLine) {
+TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
   ReportedTrade trade = trade_of(
       {beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000), setting("sure", 1000, 0.95, 1, 9000)});
   for (const bool has_intervals : {true, false}) {

@@ -11,7 +11,6 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/robot/log_table.hpp"
 #include "tactile/robot/robot_log.hpp"
 
 namespace tactile::robot {

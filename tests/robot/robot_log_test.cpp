@@ -13,8 +13,8 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/core/table_file.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/robot/log_table.hpp"
 
 namespace tactile::robot {
 namespace {
@@ -524,7 +524,7 @@ TEST(RobotLog, RefusesWhatRecordPyWritesInBytesAndExplainsHowToConvertIt) {
 }
 
 TEST(RobotLog, RefusesWhatIsNoTextInRows) {
-  const std::string complaint = complaint_about(header(",") + "\n" + std::string(LogTable::longest_row + 10, 'x'));
+  const std::string complaint = complaint_about(header(",") + "\n" + std::string(TableFile::longest_row + 10, 'x'));
   EXPECT_NE(complaint.find("row 2 has no end within 1048576 bytes"), std::string::npos) << complaint;
   EXPECT_NE(
       complaint_about(header(",") + "\n" + row("1", ",") + "\n" + row("1e9999", ",") + "\n").find("row 3, column 'timestamp'"),

@@ -11,6 +11,7 @@
 #include "tactile/alignment/clock_fit.hpp"
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/motion_phases.hpp"
+#include "tactile/core/doubt.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/robot/robot_log.hpp"
 
@@ -57,7 +58,7 @@ struct LagMatch {
 
 struct FoundAnchors {
   std::vector<ClockAnchor> anchors;     ///< by kind, then time
-  std::vector<std::string> doubts;      ///< sentences: what could not be used, and why
+  std::vector<Doubt> doubts;            ///< what could not be used, and why
   std::optional<LagMatch> imu, events;  ///< the first search, where it was possible
 };
 

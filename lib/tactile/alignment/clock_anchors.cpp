@@ -15,7 +15,8 @@ namespace {
 void add_content_anchors(AnchorSearch& search) {
   const std::optional<ArmMotion> motion = arm_motion(search.inputs.robot, {.step = search.options.grid});
   if (!motion) {
-    search.found.doubts.emplace_back("the robot log is too short, or too long, to be matched with the recording");
+    search.found.doubts.push_back(
+        doubt("log-length", "the robot log is too short, or too long, to be matched with the recording"));
     return;
   }
   std::optional<double> shift_s;
@@ -27,7 +28,8 @@ void add_content_anchors(AnchorSearch& search) {
   } else if (events.has_commands()) {
     events.add_stage_anchors_alone();
   } else if (!events.has_motion()) {
-    search.found.doubts.emplace_back("the arm does not move, and no output changes: the recording shows nothing of the log");
+    search.found.doubts.push_back(
+        doubt("arm-rests", "the arm does not move, and no output changes: the recording shows nothing of the log"));
   }
   if (search.found.anchors.empty() && search.found.doubts.empty())
     search.found.doubts.emplace_back(
@@ -39,12 +41,12 @@ void add_content_anchors(AnchorSearch& search) {
 FoundAnchors clock_anchors(const AnchorInputs& inputs, const AnchorOptions& options) {
   FoundAnchors none;
   if (inputs.robot.states.size() < 2 || inputs.rate.counts.empty()) {
-    none.doubts.emplace_back("the robot log or the recording is empty");
+    none.doubts.push_back(doubt("log-or-recording-empty", "the robot log or the recording is empty"));
     return none;
   }
   ClockOrigins origins{.robot = inputs.robot.states.front().t, .camera = inputs.rate.begin, .apart_us = 0};
   if (__builtin_sub_overflow(us_of(origins.camera), us_of(origins.robot), &origins.apart_us)) {
-    none.doubts.emplace_back("the two clocks lie further apart than 64 bits of microseconds");
+    none.doubts.push_back(doubt("clocks-apart", "the two clocks lie further apart than 64 bits of microseconds"));
     return none;
   }
   AnchorInputs known = inputs;

@@ -202,7 +202,7 @@ std::optional<double> EventAnchors::match() {
   for (Candidate& candidate : all) judge(candidate);
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
   if (all.empty() || all.front().worth < least_worth) {
-    search_.found.doubts.emplace_back("no activity of the skin matches the arm's motion");
+    search_.found.doubts.push_back(doubt("skin-unlike-arm", "no activity of the skin matches the arm's motion"));
     return std::nullopt;
   }
   const Candidate& best = all.front();
@@ -222,9 +222,10 @@ std::optional<double> EventAnchors::match() {
     if (candidate.worth * search_.options.ambiguous_below > best.worth) possible_s_.push_back(candidate.shift_s);
   }
   search_.found.doubts.push_back(
-      fmt::format("the match of the arm's motion and the events is ambiguous: the best is only {:.2f} times as good as the "
-                  "second, {:.2f} s away; expected {:.2f}",
-                  match.ratio, std::abs(second->shift_s - best.shift_s), search_.options.ambiguous_below));
+      doubt("skin-ambiguous",
+            "the match of the arm's motion and the events is ambiguous: the best is only {:.2f} times as good as the "
+            "second, {:.2f} s away; expected {:.2f}",
+            match.ratio, std::abs(second->shift_s - best.shift_s), search_.options.ambiguous_below));
   return std::nullopt;
 }
 

@@ -230,15 +230,16 @@ double unexplained(const std::vector<TimedSpeed>& rows, const ImuVelocity& imu, 
 }
 
 /// Why a coarse match is refused; empty if it is not.
-std::string refusal_of(const std::optional<CoarseMatch>& coarse, const AnchorOptions& options) {
-  if (!coarse) return "the camera's IMU measured no motion, or the arm made none";
+Doubt refusal_of(const std::optional<CoarseMatch>& coarse, const AnchorOptions& options) {
+  if (!coarse) return doubt("imu-still", "the camera's IMU measured no motion, or the arm made none");
   const LagMatch& match = coarse->match;
   if (match.likeness < options.least_likeness) {
-    return fmt::format("the IMU's acceleration does not match the arm's: likeness {:.2f}, expected at least {:.2f}",
-                       match.likeness, options.least_likeness);
+    return doubt("imu-unlike", "the IMU's acceleration does not match the arm's: likeness {:.2f}, expected at least {:.2f}",
+                 match.likeness, options.least_likeness);
   }
   if (match.ratio < options.ambiguous_below) {
-    return fmt::format(
+    return doubt(
+        "imu-ambiguous",
         "the match of arm and IMU is ambiguous: the best lag is only {:.2f} times as good as the second, expected {:.2f}",
         match.ratio, options.ambiguous_below);
   }
@@ -253,7 +254,7 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
   const ImuVelocity velocity(imu, search.origins);
   const std::optional<CoarseMatch> coarse = match_imu(search, motion, imu, velocity);
   if (coarse) search.found.imu = coarse->match;
-  if (std::string reason = refusal_of(coarse, search.options); !reason.empty()) {
+  if (Doubt reason = refusal_of(coarse, search.options); !reason.empty()) {
     search.found.doubts.push_back(std::move(reason));
     if (coarse && coarse->match.likeness >= search.options.least_likeness) search.left_by_imu_s = coarse->as_good_s;
     return std::nullopt;
@@ -284,7 +285,7 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
     search.add(window.middle_s, best.at, sigma_s, AnchorKind::imu, common_s);
   }
   if (!known.found.empty()) return known.found.front().second;
-  search.found.doubts.emplace_back("no motion of the arm lies whole within the IMU's samples");
+  search.found.doubts.push_back(doubt("imu-too-short", "no motion of the arm lies whole within the IMU's samples"));
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tactile/core/doubt.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/events/simulated_recording.hpp"
@@ -34,13 +35,13 @@ std::vector<CameraSpan> gaps_in(const EventRate& rate, const QuietRate& quiet, m
 
 /// Losses before the file: any time may lack its events. Elements that did not fit their stream (`back_in_time`, `outside`) are
 /// no such loss.
-std::vector<std::string> losses_in(const RunInfo& run) {
+std::vector<Doubt> losses_in(const RunInfo& run) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> reasons{{{"queue_full", "the disk was too slow"},
                                                                                   {"unwritten", "the file could not be written"},
                                                                                   {"source", "the source lost them"}}};
   const nlohmann::json dropped = run.extra.value("dropped", nlohmann::json());
   const nlohmann::json by_reason = dropped.is_object() ? dropped.value("by_reason", nlohmann::json()) : nlohmann::json();
-  std::vector<std::string> losses;
+  std::vector<Doubt> losses;
   for (const auto& [key, why] : reasons) {
     const nlohmann::json counts = by_reason.is_object() ? by_reason.value(key, nlohmann::json()) : nlohmann::json();
     const auto count = [&](const char* name) {
@@ -49,8 +50,9 @@ std::vector<std::string> losses_in(const RunInfo& run) {
     };
     const std::uint64_t packets = count("packets"), events = count("events"), others = count("others");
     if (packets + events + others == 0) continue;
-    losses.push_back(fmt::format("the recording lacks {} events, {} other elements and {} whole packets: {} (run.json: {})",
-                                 events, others, packets, why, key));
+    losses.push_back(doubt(fmt::format("lost-{}", key),
+                           "the recording lacks {} events, {} other elements and {} whole packets: {} (run.json: {})", events,
+                           others, packets, why, key));
   }
   return losses;
 }
@@ -72,24 +74,25 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   const events::RecordingProblems& problems = recording.problems();
   if (problems.truncated_bytes > 0)
     signals.problems.push_back(
-        fmt::format("the recording is cut off: {} bytes after its last whole packet", problems.truncated_bytes));
+        doubt("recording-cut-off", "the recording is cut off: {} bytes after its last whole packet", problems.truncated_bytes));
   if (const auto unread = problems.broken_packets + problems.mismatched_packets; unread > 0)
-    signals.problems.push_back(fmt::format("{} packets of the recording cannot be read", unread));
+    signals.problems.push_back(doubt("packets-unread", "{} packets of the recording cannot be read", unread));
   if (signals.rate.saturated_bins > 0) {
-    signals.problems.push_back(
-        fmt::format("{} read-outs of the recording are full: events were lost in them, and the highest rates are not known",
-                    signals.rate.saturated_bins));
+    signals.problems.push_back(doubt(
+        "read-outs-full", "{} read-outs of the recording are full: events were lost in them, and the highest rates are not known",
+        signals.rate.saturated_bins));
   }
   if (signals.rate.flicker_hz)
-    signals.problems.push_back(fmt::format("the light flickers at {:.0f} Hz: its events hide touches", *signals.rate.flicker_hz));
+    signals.problems.push_back(
+        doubt("flicker", "the light flickers at {:.0f} Hz: its events hide touches", *signals.rate.flicker_hz));
   signals.gaps = gaps_in(signals.rate, signals.quiet, options.shortest_gap);
   const auto longest = std::max_element(signals.gaps.begin(), signals.gaps.end(), [](const CameraSpan& a, const CameraSpan& b) {
     return between(a.begin, a.end) < between(b.begin, b.end);
   });
   if (longest != signals.gaps.end()) {
-    signals.problems.push_back(fmt::format("the recording has a gap: no pixel fires for {} ms, from {} after its first event on",
-                                           between(longest->begin, longest->end).count() / 1000,
-                                           in_seconds(between(signals.rate.begin, longest->begin).count())));
+    signals.problems.push_back(doubt(
+        "recording-gap", "the recording has a gap: no pixel fires for {} ms, from {} after its first event on",
+        between(longest->begin, longest->end).count() / 1000, in_seconds(between(signals.rate.begin, longest->begin).count())));
   }
 }
 
@@ -159,20 +162,20 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
           std::max_element(log.gaps.begin(), log.gaps.end(), [](const robot::RobotGap& a, const robot::RobotGap& b) {
             return a.first_after - a.last_before < b.first_after - b.last_before;
           });
-      signals.problems.push_back(fmt::format(
-          "the robot log has {} gap{}, the longest of {} ms, {} after its first row (at {} of its clock)", log.gaps.size(),
-          log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000,
-          in_seconds((longest->last_before - log.states.front().t).count()), in_seconds(us_of(longest->last_before))));
+      signals.problems.push_back(
+          doubt("robot-log-gap", "the robot log has {} gap{}, the longest of {} ms, {} after its first row (at {} of its clock)",
+                log.gaps.size(), log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000,
+                in_seconds((longest->last_before - log.states.front().t).count()), in_seconds(us_of(longest->last_before))));
     }
     std::vector<MotionPhase> phases = motion_phases(log);
     signals.coarse_offsets.push_back(coarse_offset(signals, log));
     signals.robot.push_back({std::move(log), std::move(phases)});
   }
-  if (signals.robot.empty()) signals.problems.emplace_back("the robot log has no row");
+  if (signals.robot.empty()) signals.problems.push_back(doubt("robot-log-empty", "the robot log has no row"));
   if (signals.robot.size() > 1)
-    signals.problems.push_back(fmt::format("the robot's clock restarts {} time{} within its log", signals.robot.size() - 1,
-                                           signals.robot.size() == 2 ? "" : "s"));
-  if (file.cut_off) signals.problems.emplace_back("the robot log is cut off in its last row");
+    signals.problems.push_back(doubt("robot-clock-restarts", "the robot's clock restarts {} time{} within its log",
+                                     signals.robot.size() - 1, signals.robot.size() == 2 ? "" : "s"));
+  if (file.cut_off) signals.problems.push_back(doubt("robot-log-cut-off", "the robot log is cut off in its last row"));
 }
 
 }  // namespace
@@ -186,8 +189,9 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   read_recording(signals, options);
   if (std::filesystem::exists(run.info())) {
     signals.info = read_run_info(run);
-    if (!signals.info.complete) signals.problems.emplace_back("run.json says that the recording was not completed");
-    for (std::string& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
+    if (!signals.info.complete)
+      signals.problems.push_back(doubt("run-incomplete", "run.json says that the recording was not completed"));
+    for (Doubt& loss : losses_in(signals.info)) signals.problems.push_back(std::move(loss));
   }
   signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
@@ -198,13 +202,14 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
           std::filesystem::exists(run.video_times()) ? video::read_video_times(run.video_times()) : std::vector<VideoTime>();
       signals.video = motion_energy(run.video(), times, options.video);
       if (const std::size_t lost = signals.video->rows_without_frame; lost > 0)
-        signals.problems.push_back(fmt::format("the film lacks {} of the {} frames of video.csv", lost, times.size()));
+        signals.problems.push_back(
+            doubt("film-lacks-frames", "the film lacks {} of the {} frames of video.csv", lost, times.size()));
     } catch (const OutsideFilm&) {
       throw;  // the requested part of the film does not exist
     } catch (const Error& e) {
       std::string why = e.what();
       if (const std::string folder = run.folder.string() + "/"; why.starts_with(folder)) why.erase(0, folder.size());
-      signals.problems.push_back("the film cannot be used: " + why);
+      signals.problems.push_back(doubt("film-unusable", "the film cannot be used: {}", why));
     }
   } else {
     signals.remarks.emplace_back("no film: press and slip follow from events and robot log only");

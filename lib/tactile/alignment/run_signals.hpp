@@ -10,6 +10,7 @@
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/motion_energy.hpp"
 #include "tactile/alignment/motion_phases.hpp"
+#include "tactile/core/doubt.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/robot/robot_log.hpp"
@@ -53,8 +54,8 @@ struct RunSignals {
   std::vector<CameraArrival> host_from_camera;              ///< of run.json: when the camera's data arrived at the host
   std::vector<events::ImuSample> imu;                       ///< by time; empty if the recording has none
   std::optional<MotionEnergy> video;
-  std::vector<std::string> problems;  ///< of the files, in words: a person should check them
-  std::vector<std::string> remarks;   ///< what is missing or unusual, but does no harm
+  std::vector<Doubt> problems;       ///< of the files: a person should check them
+  std::vector<std::string> remarks;  ///< what is missing or unusual, but does no harm
 };
 
 /// Reads events, IMU, robot log, film and run.json; not truth.json.

@@ -25,7 +25,8 @@ void set_bounds(RobotClocks& clocks, const RunSignals& run) {
     std::optional<FittedClock>&first = clocks.pieces[i], &second = clocks.pieces[i + 1];
     if (!first || !second || *first->to <= *second->from) continue;
     (first->uncertainty() > second->uncertainty() ? first : second).reset();
-    clocks.doubts.emplace_back("two pieces of the robot log would overlap: the clock with the greater uncertainty is refused");
+    clocks.doubts.push_back(
+        doubt("pieces-overlap", "two pieces of the robot log would overlap: the clock with the greater uncertainty is refused"));
   }
 }
 
@@ -88,7 +89,7 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
       ClockFit fitted = found.anchors.empty() ? ClockFit{} : fit_clock(found.anchors, first_us(piece), fit);
       if (fitted.clock && run.robot.size() == 1) own.push_back({r, middle_us(piece), *fitted.clock});
       if (!fitted.clock && !found.anchors.empty())
-        clocks[r].doubts.push_back("the robot's clock cannot be related: " + fitted.refused);
+        clocks[r].doubts.push_back(doubt("clock-refused", "the robot's clock cannot be related: {}", fitted.refused));
       clocks[r].pieces.push_back(std::move(fitted.clock));
       clocks[r].anchors.push_back(std::move(found.anchors));
     }
@@ -113,7 +114,9 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
       if (!fitted.clock) continue;  // each keeps its own
       fitted.clock->method += fmt::format(", {} of a session's {} runs", groups[g].size(), runs.size());
       clocks[r].pieces[0] = std::move(fitted.clock);
-      if (g > 0) clocks[r].doubts.emplace_back("the robot's clock differs from that of most runs of its session");
+      if (g > 0)
+        clocks[r].doubts.push_back(
+            doubt("clock-unlike-session", "the robot's clock differs from that of most runs of its session"));
     }
   }
   return clocks;

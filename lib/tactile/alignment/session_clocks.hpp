@@ -8,6 +8,7 @@
 #include "tactile/alignment/clock_anchors.hpp"
 #include "tactile/alignment/clock_fit.hpp"
 #include "tactile/alignment/run_signals.hpp"
+#include "tactile/core/doubt.hpp"
 
 namespace tactile::alignment {
 
@@ -20,7 +21,7 @@ struct RobotClocksOptions {
 struct RobotClocks {
   std::vector<std::optional<FittedClock>> pieces;  ///< of each of the run's pieces; nothing where it could not be related
   std::vector<std::vector<ClockAnchor>> anchors;   ///< of each piece, by this run itself
-  std::vector<std::string> doubts;                 ///< sentences: why a clock could not be related
+  std::vector<Doubt> doubts;                       ///< why a clock could not be related
 };
 
 /// Relates the robot's clocks of runs that share them (or of one run). Each piece is fitted by its own anchors first. Then

@@ -105,7 +105,7 @@ void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands
     });
   });
   if (matches.empty() || !(all_events > 0)) {
-    search.found.doubts.emplace_back("the skin does nothing that a command to the stage could have caused");
+    search.found.doubts.push_back(doubt("stage-unseen", "the skin does nothing that a command to the stage could have caused"));
     return;
   }
   const StageMatch& best = matches.front();
@@ -116,9 +116,10 @@ void match_stage(AnchorSearch& search, const std::vector<StageCommand>& commands
   const double needed = commands.size() == 1 ? std::max(3.0, search.options.ambiguous_below) : search.options.ambiguous_below;
   if (other != matches.end() && best.explained < needed * other->explained) {
     search.found.doubts.push_back(
-        fmt::format("which activity of the skin the stage's commands caused is ambiguous: the best match explains only {:.2f} "
-                    "times as many events as the second, expected {:.2f}",
-                    best.explained / other->explained, needed));
+        doubt("stage-ambiguous",
+              "which activity of the skin the stage's commands caused is ambiguous: the best match explains only {:.2f} "
+              "times as many events as the second, expected {:.2f}",
+              best.explained / other->explained, needed));
     return;
   }
   for (const StageCommand& command : commands) {

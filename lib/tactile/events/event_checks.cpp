@@ -5,12 +5,18 @@
 #include <cstdint>
 #include <limits>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
+// Highway compiles what follows once for each kind of processor and takes the best of them at run time.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tactile/events/event_checks.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-namespace tactile::events {
+HWY_BEFORE_NAMESPACE();
+namespace tactile::events::HWY_NAMESPACE {
 namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
 
 EventsCheck check_one_by_one(std::span<const Event> events, SensorSize size) {
   const auto width = static_cast<std::uint32_t>(size.width), height = static_cast<std::uint32_t>(size.height);
@@ -25,34 +31,63 @@ EventsCheck check_one_by_one(std::span<const Event> events, SensorSize size) {
   return {.inside = outside == 0, .ascending = falls == 0};
 }
 
-#if defined(__x86_64__)
-/// Checks four events at a time, two per register. An event is eight numbers of 16 bits: four of its time, x, y, the polarity
-/// with a byte of padding, and padding. That byte counts as polarity here, so events found outside must be checked again.
-__attribute__((target("avx2"))) EventsCheck check_in_pairs(std::span<const Event> events, SensorSize size) {
-  const auto most_x = static_cast<std::int16_t>(size.width - 1), most_y = static_cast<std::int16_t>(size.height - 1);
-  const __m256i most = _mm256_setr_epi16(-1, -1, -1, -1, most_x, most_y, 1, -1, -1, -1, -1, -1, most_x, most_y, 1, -1);
-  __m256i largest[2] = {_mm256_setzero_si256(), _mm256_setzero_si256()}, falls = largest[0];
-  const Event* event = events.data();
-  const std::size_t begin = reinterpret_cast<std::uintptr_t>(event) % sizeof most == sizeof(Event) ? 1 : 0;  // for aligned loads
-  __m256i before = _mm256_set1_epi64x(us_of(event[begin].t));
+#if HWY_TARGET == HWY_SCALAR
+EventsCheck check_in_vectors(std::span<const Event> events, SensorSize size) { return check_one_by_one(events, size); }
+#else
+/// Checks two vectors of events at a time. An event is eight numbers of 16 bits: four of its time, x, y, the polarity with a byte
+/// of padding, and padding. That byte counts as polarity here, so events found outside must be checked again.
+EventsCheck check_in_vectors(std::span<const Event> events, SensorSize size) {
+  const hn::ScalableTag<std::uint16_t> words;
+  const hn::ScalableTag<std::int64_t> longs;
+  const std::size_t events_of_vector = hn::Lanes(words) / 8, lanes = hn::Lanes(longs);
+  if (events.size() <= 4 * events_of_vector) return check_one_by_one(events, size);
+  constexpr std::uint16_t any = 0xFFFF;
+  const auto most_x = static_cast<std::uint16_t>(size.width - 1), most_y = static_cast<std::uint16_t>(size.height - 1);
+  HWY_ALIGN const std::uint16_t most[8] = {any, any, any, any, most_x, most_y, 1, any};
+  // Two vectors hold the times in the order 0, k, 1, k + 1, ...; the time before each of them is found at these lanes. The first
+  // is that of the last event, which the next pair of vectors needs.
+  HWY_ALIGN std::int64_t lane_before[hn::MaxLanes(longs)];
+  for (std::size_t lane = 2; lane < lanes; ++lane) lane_before[lane] = static_cast<std::int64_t>(lane - 2);
+  lane_before[0] = static_cast<std::int64_t>(lanes - 1), lane_before[1] = static_cast<std::int64_t>(lanes - 2);
+  const auto place_before = hn::SetTableIndices(longs, lane_before);
+  const auto is_first = hn::FirstN(longs, 1);
+  const Event* const all = events.data();
+  const std::size_t vector_bytes = events_of_vector * sizeof(Event);
+  const std::size_t begin = (vector_bytes - reinterpret_cast<std::uintptr_t>(all) % vector_bytes) % vector_bytes / sizeof(Event);
+  auto largest = hn::Zero(words), largest_of_second = largest;
+  auto before = hn::Set(longs, us_of(all[begin].t)), falls = hn::Zero(longs);
   std::size_t i = begin;
-  for (; i + 4 <= events.size(); i += 4) {
-    const __m256i first = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(event + i));
-    const __m256i second = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(event + i + 2));
-    largest[0] = _mm256_max_epu16(largest[0], first);
-    largest[1] = _mm256_max_epu16(largest[1], second);
-    const __m256i times = _mm256_unpacklo_epi64(first, second);                       // of the events 0, 2, 1, 3
-    const __m256i turned = _mm256_permute4x64_epi64(times, _MM_SHUFFLE(1, 0, 2, 3));  // of 3, 1, 0, 2
-    falls = _mm256_or_si256(falls, _mm256_cmpgt_epi64(_mm256_blend_epi32(turned, before, 3), times));
+  for (; i + 2 * events_of_vector <= events.size(); i += 2 * events_of_vector) {
+    const auto first = hn::LoadU(words, reinterpret_cast<const std::uint16_t*>(all + i));
+    const auto second = hn::LoadU(words, reinterpret_cast<const std::uint16_t*>(all + i + events_of_vector));
+    largest = hn::Max(largest, first);
+    largest_of_second = hn::Max(largest_of_second, second);
+    const auto times = hn::InterleaveLower(longs, hn::BitCast(longs, first), hn::BitCast(longs, second));
+    const auto turned = hn::TableLookupLanes(times, place_before);
+    falls = hn::Or(falls, hn::VecFromMask(longs, hn::Lt(times, hn::IfThenElse(is_first, before, turned))));
     before = turned;
   }
-  const __m256i over = _mm256_subs_epu16(_mm256_max_epu16(largest[0], largest[1]), most);
-  const EventsCheck start = check_one_by_one(events.first(begin + 1), size);
-  const EventsCheck rest = check_one_by_one(events.subspan(i - 1), size);
-  return {.inside = start.inside && rest.inside && _mm256_testz_si256(over, over) != 0,
-          .ascending = start.ascending && rest.ascending && _mm256_testz_si256(falls, falls) != 0};
+  const auto over = hn::SaturatedSub(hn::Max(largest, largest_of_second), hn::LoadDup128(words, most));
+  const EventsCheck start = check_one_by_one(events.first(begin + 1), size), rest = check_one_by_one(events.subspan(i - 1), size);
+  return {.inside = start.inside && rest.inside && hn::AllTrue(words, hn::Eq(over, hn::Zero(words))),
+          .ascending = start.ascending && rest.ascending && hn::AllTrue(longs, hn::Eq(falls, hn::Zero(longs)))};
 }
 #endif
+
+EventsCheck check(std::span<const Event> events, SensorSize size) {
+  const EventsCheck found = check_in_vectors(events, size);
+  return found.inside ? found : check_one_by_one(events, size);
+}
+
+}  // namespace
+}  // namespace tactile::events::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tactile::events {
+namespace {
+
+HWY_EXPORT(check);
 
 }  // namespace
 
@@ -62,16 +97,7 @@ SensorSize bounds_of(const std::optional<SensorSize>& declared) {
   return {.width = std::min(size.width, most), .height = std::min(size.height, most)};
 }
 
-EventsCheck check_events(std::span<const Event> events, SensorSize size) {
-#if defined(__x86_64__)
-  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
-  if (has_avx2 && events.size() > 8) {
-    const EventsCheck check = check_in_pairs(events, size);
-    return check.inside ? check : check_one_by_one(events, size);
-  }
-#endif
-  return check_one_by_one(events, size);
-}
+EventsCheck check_events(std::span<const Event> events, SensorSize size) { return HWY_DYNAMIC_DISPATCH(check)(events, size); }
 
 std::span<Event> without_outside(std::span<Event> events, SensorSize size) {
   const auto kept_end = std::remove_if(events.begin(), events.end(), [size](const Event& e) { return is_outside(e, size); });
@@ -79,3 +105,4 @@ std::span<Event> without_outside(std::span<Event> events, SensorSize size) {
 }
 
 }  // namespace tactile::events
+#endif

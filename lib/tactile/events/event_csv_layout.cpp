@@ -60,21 +60,9 @@ EventColumn column_named(std::string_view name, std::optional<TimeUnit>& unit) {
   return words.size() == 1 && is_one_of({"p", "pol", "polarity", "on"}) ? EventColumn::on : EventColumn::skipped;
 }
 
-/// Comma, semicolon and tab come first, since cells may have blanks too.
-char separator_of(std::string_view row) {
-  for (const char mark : {',', ';', '\t'}) {
-    if (row.find(mark) != std::string_view::npos) return mark;
-  }
-  return ' ';
-}
-
 std::vector<std::string_view> cells_of(std::string_view row, char separator) {
-  std::vector<std::string_view> cells = split_cells(row, separator);
-  for (std::string_view& cell : cells) {
-    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
-    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
-  }
-  if (separator == ' ') std::erase_if(cells, [](std::string_view cell) { return cell.empty(); });
+  std::vector<std::string_view> cells;
+  split_cells(row, separator, cells);
   return cells;
 }
 

@@ -42,20 +42,19 @@ std::span<const Event> PixelMask::without(std::span<const Event> events, std::ve
 MaskPixels read_mask(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   CsvRows rows(text);
-  const auto x = rows.column("x"), y = rows.column("y");
-  if (!x || !y) throw Error(file.string() + ": has no columns x and y; expected a mask, as tactile characterise writes it");
+  if (!rows.column("x") || !rows.column("y"))
+    throw Error(file.string() + ": has no columns x and y; expected a mask, as tactile characterise writes it");
   MaskPixels pixels;
-  while (rows.next()) {
-    if (rows.row().empty()) continue;
-    const auto number = [&](std::size_t column) {
-      const auto value = column < rows.cells().size() ? whole_number_in(rows.cells()[column]) : std::nullopt;
+  while (rows.next_filled()) {
+    const auto number = [&](std::string_view column) {
+      const auto value = whole_number_in(rows[column].value_or(""));
       if (!value || *value < 0 || *value > most_side)
         throw Error(fmt::format("{}, line {}: '{}' is no pixel; expected x,y from 0 to {}", file.string(), rows.line(),
                                 rows.row(), most_side));
       return static_cast<int>(*value);
     };
-    const int px = number(*x);
-    pixels.emplace_back(px, number(*y));
+    const int px = number("x");
+    pixels.emplace_back(px, number("y"));
   }
   return ordered(std::move(pixels));
 }

@@ -22,6 +22,7 @@ using SumFor = std::conditional_t<sizeof(Number) == 1, std::int32_t, std::int64_
 template <class Number>
 using RealFor = std::conditional_t<sizeof(Number) == 1, float, double>;
 
+// Highway 1.0.3, that of Debian 12, has no product of bytes that adds neighbours (_mm256_maddubs_epi16), on which the sums rest.
 #if defined(__x86_64__)
 constexpr std::uint32_t planes = CellCounts<std::uint8_t>::planes;
 constexpr int digits = 3;  // a weight is split into digits of 7 bits

@@ -1,7 +1,5 @@
 #include "tactile/labels/human_edits.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -105,8 +103,9 @@ Merged merge(const Labels& fresh, const Labels& old) {
 
 bool was_confirmed(const LabelFlag& flag, const std::vector<Kept>& kept, const Labels& old) {
   return std::any_of(old.flags.begin(), old.flags.end(), [&](const LabelFlag& before) {
-    if (!before.confirmed || before.reason != flag.reason || before.interval_index.has_value() != flag.interval_index.has_value())
-      return false;
+    // Older versions wrote no keys.
+    const bool is_same = before.key.empty() ? before.reason == flag.reason : before.key == flag.key;
+    if (!before.confirmed || !is_same || before.interval_index.has_value() != flag.interval_index.has_value()) return false;
     if (!flag.interval_index) return true;
     const TouchInterval now = kept[*flag.interval_index].interval.interval(),
                         then = old.intervals[*before.interval_index].interval();
@@ -130,10 +129,10 @@ std::vector<LabelFlag> merged_flags(std::vector<LabelFlag> fresh, const Merged& 
   }
   for (std::size_t i = merged.persons; i < merged.kept.size(); ++i) {
     if (merged.kept[i].begun_in.empty()) continue;
-    flags.push_back({.interval_index = place[i],
-                     .reason = fmt::format("its onset was found within {}, which a person made: it begins where that ends",
-                                           merged.kept[i].begun_in),
-                     .confirmed = false});
+    flags.push_back(
+        flag_of(doubt("onset-in-persons", "its onset was found within {}, which a person made: it begins where that ends",
+                      merged.kept[i].begun_in),
+                place[i]));
   }
   return flags;
 }

@@ -14,7 +14,7 @@ bool has_human_edits(const Labels& labels);
 ///   lies in it by more than half; if it has the same class, its evidence goes to the person's. Else the person's start ends the
 ///   new interval; a new interval that starts within the person's begins at the person's end and is flagged.
 /// - A new interval of the same class as a rejected one that it overlaps is dropped.
-/// - A flag is confirmed if it is on a person's interval, or if a flag with the same words was confirmed on the whole run or on
+/// - A flag is confirmed if it is on a person's interval, or if a flag with the same key was confirmed on the whole run or on
 ///   an overlapping interval of the class.
 ///
 /// Ids of a person's intervals stay; a new one with the same id gets another.

@@ -46,15 +46,15 @@ class Labeller {
       : signals_(signals), clocks_(clocks), options_(options), moves_(arm_moves(signals, clocks)) {}
 
   Labels labels() {
-    for (const std::string& problem : signals_.problems) flag(problem);
+    for (const Doubt& problem : signals_.problems) flag(problem);
     labels_.remarks = signals_.remarks;
     // A doubt does not matter where another anchor gives the clock, or where there is nothing to place.
-    for (const std::string& doubt : clocks_.doubts) a_clock_is_refused() ? flag(doubt) : labels_.remarks.push_back(doubt);
+    for (const Doubt& one : clocks_.doubts) a_clock_is_refused() ? flag(one) : labels_.remarks.push_back(one.words);
     if (signals_.has_robot && !lifts_are_known() && !moves_.rises) {
-      flag(fmt::format(
-          "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are distinguished by "
-          "their order alone",
-          1e-3 * in_ms(moves_.logged), 1e-3 * in_ms(recorded())));
+      flag(doubt("robot-log-no-lift",
+                 "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are distinguished by "
+                 "their order alone",
+                 1e-3 * in_ms(moves_.logged), 1e-3 * in_ms(recorded())));
     }
 
     relate_clocks();
@@ -75,8 +75,8 @@ class Labeller {
   }
 
  private:
-  void flag(std::string reason, std::optional<std::size_t> interval = std::nullopt) {
-    labels_.flags.push_back({.interval_index = interval, .reason = std::move(reason), .confirmed = false});
+  void flag(Doubt reason, std::optional<std::size_t> interval = std::nullopt) {
+    labels_.flags.push_back(flag_of(std::move(reason), interval));
   }
 
   /// Whether a piece of the log with motion or commands has no clock.
@@ -110,13 +110,6 @@ class Labeller {
     return unlogged_lift(signals_.imu, video_motions_, signals_.rate, bursts, may_slip);
   }
 
-  static std::string words_without_log(const std::optional<UnloggedLift>& lift) {
-    if (!lift) return "no robot log: press and slip are distinguished by their order alone";
-    return lift->witness == LiftWitness::imu
-               ? "no robot log: the slip is the burst in which the camera's IMU felt the last motion"
-               : "no robot log: the slip is the burst in which the film shows the last large motion";
-  }
-
   void find_intervals() {
     events::RecordingReader recording(signals_.run.events());
     const std::vector<alignment::Burst> bursts = bursts_of_run(recording, signals_, moves_.lifts, options_.signals.activity);
@@ -128,7 +121,7 @@ class Labeller {
     if (lifts_are_known()) slips_in = moves_.lifts;
     if (unlogged) slips_in = std::vector{unlogged->move};
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
-    if (!signals_.has_robot) flag(words_without_log(unlogged));
+    if (!signals_.has_robot) flag(no_robot_log(unlogged));
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
@@ -141,7 +134,7 @@ class Labeller {
         add(Touch::press, onset, press_end(lit[i], onset.time, options_.end));
       } else if (kinds[i] == BurstKind::slip) {
         FoundTime onset = slip_onset(lit[i], options_.onset, earliest_slip(bursts[i]), moves_.rings);
-        if (is_confirmed_by_lift(onset.time, bursts[i])) onset.doubt.clear();
+        if (is_confirmed_by_lift(onset.time, bursts[i])) onset.doubt = {};
         const std::optional<alignment::UncertainTime> stop = arm_stop(bursts[i]);
         const FoundTime end = slip_end(lit[i], onset.time, options_.end, stop);
         if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end, stop.has_value());
@@ -159,10 +152,10 @@ class Labeller {
     const std::optional<double> sheared = travel_until(*lift, seen_until.at), whole = travel_until(*lift, lift->end);
     if (!sheared || *sheared > longest_shear_m || *whole < *sheared + least_rest_m) return false;
     ++firm_lifts_;
-    flag(fmt::format(
-        "the skin moves over the first {:.1f} mm of the lift only, of {:.0f} mm: the object came along, or slid without "
-        "a trace",
-        1e3 * *sheared, 1e3 * *whole));
+    flag(doubt("lift-firm",
+               "the skin moves over the first {:.1f} mm of the lift only, of {:.0f} mm: the object came along, or slid without "
+               "a trace",
+               1e3 * *sheared, 1e3 * *whole));
     return true;
   }
 
@@ -182,8 +175,8 @@ class Labeller {
                                                        : 2 * (burst.end - burst.begin) < press_bins;
     const bool is_faint = burst.slow || burst.events < 0.5 * pressed;
     if (is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
-    flag(fmt::format("no label explains the burst of events from {:.2f} s to {:.2f} s",
-                     1e-3 * in_ms(between(signals_.rate.begin, begin)), 1e-3 * in_ms(between(signals_.rate.begin, end))));
+    flag(doubt("burst-unexplained", "no label explains the burst of events from {:.2f} s to {:.2f} s",
+               1e-3 * in_ms(between(signals_.rate.begin, begin)), 1e-3 * in_ms(between(signals_.rate.begin, end))));
   }
 
   /// A burst after the log's end may be the slip of a lift that was not logged.
@@ -197,8 +190,9 @@ class Labeller {
     }
     const CameraTime begin = signals_.rate.begin_of(burst.begin);
     if (!logged_until || begin <= *logged_until) return;
-    flag(fmt::format("the robot log ends {:.2f} s before the burst of events at {:.2f} s: whether the arm rose then is not known",
-                     1e-3 * in_ms(between(*logged_until, begin)), 1e-3 * in_ms(between(signals_.rate.begin, begin))));
+    flag(doubt("burst-unlogged",
+               "the robot log ends {:.2f} s before the burst of events at {:.2f} s: whether the arm rose then is not known",
+               1e-3 * in_ms(between(*logged_until, begin)), 1e-3 * in_ms(between(signals_.rate.begin, begin))));
   }
 
   /// An onset or end in a gap is found at the gap's edge: it may lie anywhere within.
@@ -208,19 +202,20 @@ class Labeller {
       if (gap.begin > after(t.high, near) || gap.end < before(t.low, near)) continue;
       t.low = std::min(t.low, gap.begin);
       t.high = std::max(t.high, gap.end);
-      flag(fmt::format("its {} may lie in the recording's gap of {:.0f} ms", what, in_ms(between(gap.begin, gap.end))),
-           labels_.intervals.size());
+      flag(
+          doubt(what + "-in-gap", "its {} may lie in the recording's gap of {:.0f} ms", what, in_ms(between(gap.begin, gap.end))),
+          labels_.intervals.size());
     }
   }
 
   /// @param ends_with_arm  the arm's stop is known: a slip that is no longer seen ends by then
   void add(Touch touch, FoundTime start, FoundTime end, bool ends_with_arm = false) {
     if (start.time.at < after(signals_.rate.begin, least_rest))
-      start.doubt = "the recording begins within it: its onset lies before the first event";
+      start.doubt = doubt("onset-unrecorded", "the recording begins within it: its onset lies before the first event");
     if (!labels_.intervals.empty() && start.time.at <= labels_.intervals.back().start.at) {
       const CameraTime first = after(labels_.intervals.back().start.at, signals_.rate.bin);
       start.time = {.at = first, .low = std::min(start.time.low, first), .high = std::max(start.time.high, first)};
-      start.doubt = "its onset cannot be distinguished from that of the touch before";
+      start.doubt = doubt("onset-with-touch-before", "its onset cannot be distinguished from that of the touch before");
     }
     allow_for_gaps(start.time, "onset");
     allow_for_gaps(end.time, "end");
@@ -234,8 +229,8 @@ class Labeller {
     if (!end.doubt.empty() && end_is_wide) {
       flag(end.doubt, labels_.intervals.size());
     } else if (!end.doubt.empty() && is_worth_a_word) {
-      labels_.remarks.push_back(
-          fmt::format("the {} at {:.0f} ms: {}", name_of(touch), in_ms(between(signals_.rate.begin, start.time.at)), end.doubt));
+      labels_.remarks.push_back(fmt::format("the {} at {:.0f} ms: {}", name_of(touch),
+                                            in_ms(between(signals_.rate.begin, start.time.at)), end.doubt.words));
     }
     labels_.intervals.push_back({.id = {},
                                  .touch = touch,
@@ -291,8 +286,9 @@ class Labeller {
     labels_.video_clock = std::move(fit.clock);
     if (const auto later = skin_in_film_disagrees(signals_, clocks_, *labels_.video_clock, options_.video_clock,
                                                   options_.longest_disagreement)) {
-      flag(fmt::format("the film's motions match the skin's bursts {:.2f} s {} the time at which the robot's clock puts them",
-                       1e-3 * std::abs(in_ms(*later)), *later > 0us ? "after" : "before"));
+      flag(doubt("film-unlike-skin",
+                 "the film's motions match the skin's bursts {:.2f} s {} the time at which the robot's clock puts them",
+                 1e-3 * std::abs(in_ms(*later)), *later > 0us ? "after" : "before"));
     }
     video_motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
@@ -318,12 +314,12 @@ class Labeller {
                !alignment::video_rises_near(*signals_.video, *labels_.video_clock, interval.start.at,
                                             options_.longest_disagreement)) {
       // A stage that closes slowly on an object of the same grey shows in few films; an arm that rises shows in any.
-      const std::string sentence = fmt::format("the film shows nothing that rises within {:.0f} ms of this slip's start",
-                                               in_ms(options_.longest_disagreement));
+      const Doubt unseen = doubt("slip-not-in-film", "the film shows nothing that rises within {:.0f} ms of this slip's start",
+                                 in_ms(options_.longest_disagreement));
       const ArmMove* lift = lift_of(moves_, interval);
       const bool lift_agrees =
           lift != nullptr && lift->uncertainty <= options_.longest_disagreement && is_slip_of(*lift, interval.start.at);
-      lift_agrees ? labels_.remarks.push_back(sentence) : flag(sentence, index);
+      lift_agrees ? labels_.remarks.push_back(unseen.words) : flag(unseen, index);
     }
   }
 
@@ -340,17 +336,19 @@ class Labeller {
     const LabelledInterval& slip = labels_.intervals[index];
     const microseconds lag = between(lift.start, slip.start.at);
     if (!is_slip_of(lift, slip.start.at)) {
-      flag(fmt::format("the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after",
-                       std::abs(in_ms(lag)), lag < 0us ? "before" : "after", in_ms(lift.uncertainty + options_.earliest_slip),
-                       in_ms(lift.uncertainty + options_.latest_slip)),
+      flag(doubt(lag < 0us ? "slip-before-lift" : "slip-after-lift",
+                 "the slip starts {:.0f} ms {} the lift; expected it from {:.0f} ms before to {:.0f} ms after",
+                 std::abs(in_ms(lag)), lag < 0us ? "before" : "after", in_ms(lift.uncertainty + options_.earliest_slip),
+                 in_ms(lift.uncertainty + options_.latest_slip)),
            index);
     }
     // Tips that are not seen to move may slide on until the end of the interval.
     const CameraTime stop = after(slip.start.at, between(lift.start, lift.end));
     const microseconds longer = between(stop, std::clamp(stop, slip.end.at, slip.end.high));
     if (std::chrono::abs(longer) > options_.longest_disagreement) {
-      flag(fmt::format("the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them",
-                       std::abs(in_ms(longer)), longer > 0us ? "longer" : "less", in_ms(options_.longest_disagreement)),
+      flag(doubt(longer > 0us ? "slip-longer-than-lift" : "slip-shorter-than-lift",
+                 "the slip lasts {:.0f} ms {} than the lift; expected at most {:.0f} ms between them", std::abs(in_ms(longer)),
+                 longer > 0us ? "longer" : "less", in_ms(options_.longest_disagreement)),
            index);
     }
   }
@@ -362,18 +360,18 @@ class Labeller {
     };
     const auto slips = static_cast<std::size_t>(count(Touch::slip)) + firm_lifts_;
     if (moves_.all_placed && slips < moves_.lifts.size()) {
-      flag(fmt::format("{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
-                       moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
+      flag(doubt("lifts-without-slip", "{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
+                 moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
     } else if (slips == 0 && lifts_are_known() && !moves_.rises) {
       labels_.remarks.emplace_back("no slip, and the robot log has no lift");
     } else if (slips == 0) {
-      flag("no slip found: the event rate has no burst for it");
+      flag(doubt("no-slip", "no slip found: the event rate has no burst for it"));
     }
     if (count(Touch::press) > 0) return;
     if (nothing_moved_before_lift()) {
       labels_.remarks.emplace_back("no press, and the film shows no motion before the lift");
     } else {
-      flag("no press found: the event rate has no burst for it");
+      flag(doubt("no-press", "no press found: the event rate has no burst for it"));
     }
   }
 

@@ -229,7 +229,8 @@ Labels read_labels(const std::filesystem::path& file) {
         throw Error(where + ": a flag's 'interval' is no index; expected one from 0, or null");
       labels.flags.push_back({.interval_index = index.is_null() ? std::nullopt : std::optional(index.get<std::size_t>()),
                               .reason = member<std::string>(flag, "reason", where),
-                              .confirmed = flag.contains("confirmed") && member<bool>(flag, "confirmed", where)});
+                              .confirmed = flag.contains("confirmed") && member<bool>(flag, "confirmed", where),
+                              .key = flag.contains("key") ? member<std::string>(flag, "key", where) : std::string()});
     }
     labels.provenance = object.value("provenance", json::object());
   } catch (const json::exception& e) {
@@ -278,7 +279,8 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
   for (const LabelFlag& flag : labels.flags) {
     object["flags"].push_back({{"interval", flag.interval_index ? json(*flag.interval_index) : json(nullptr)},
                                {"reason", flag.reason},
-                               {"confirmed", flag.confirmed}});
+                               {"confirmed", flag.confirmed},
+                               {"key", flag.key}});
   }
   for (const TouchInterval& release : labels.releases)
     object["releases"].push_back({{"start_us", us_of(release.start)}, {"end_us", us_of(release.end)}});

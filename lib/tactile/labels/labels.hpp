@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/alignment/fitted_clock.hpp"
+#include "tactile/core/doubt.hpp"
 #include "tactile/core/touch.hpp"
 
 namespace tactile::labels {
@@ -38,7 +39,13 @@ struct LabelFlag {
   std::optional<std::size_t> interval_index;
   std::string reason;
   bool confirmed = false;  ///< a person found the label right: the flag no longer stands
+  std::string key = {};    ///< kind and values, as `Doubt` has them; empty if an older version wrote the flag
 };
+
+/// @param interval_index  nothing: of the whole run
+inline LabelFlag flag_of(Doubt doubt, std::optional<std::size_t> interval_index = std::nullopt) {
+  return {.interval_index = interval_index, .reason = std::move(doubt.words), .key = std::move(doubt.key)};
+}
 
 struct Labels {
   std::vector<LabelledInterval> intervals;  ///< by start; never overlapping

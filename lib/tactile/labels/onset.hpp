@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "tactile/core/doubt.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/labels/lit_rate.hpp"
 
@@ -14,7 +15,7 @@ constexpr double half_chi2 = 1.92;  ///< half of the 95 % point of chi^2 with on
 /// else `doubt` is empty.
 struct FoundTime {
   alignment::UncertainTime time;
-  std::string doubt;
+  Doubt doubt;
 };
 
 struct OnsetOptions {

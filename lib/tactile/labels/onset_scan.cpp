@@ -131,7 +131,8 @@ FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts r
                             .high = after(rate.begin_of(scan.high), rate.bin / 2 + options.noise_ahead)},
                    .doubt = {}};
   const double width_ms = 1e-3 * static_cast<double>(between(result.time.low, result.time.high).count());
-  if (width_ms > options.too_wide_ms) result.doubt = fmt::format("its onset is only known to within {:.0f} ms", width_ms);
+  if (width_ms > options.too_wide_ms)
+    result.doubt = doubt("onset-width", "its onset is only known to within {:.0f} ms", width_ms);
   return result;
 }
 

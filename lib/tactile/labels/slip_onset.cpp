@@ -172,7 +172,8 @@ FoundTime slip_onset(const LitRate& lit, const OnsetOptions& options, const std:
   if (const auto jump = sharper_jump(lit, scan.best, width, bins(options.first_drag))) {
     onset.time.high = std::max(onset.time.high, after(rate.begin_of(*jump), rate.bin));
     if (arm_rings.value_or(false))
-      onset.doubt = "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon";
+      onset.doubt =
+          doubt("onset-ringing", "its onset may be the arm's ringing: it begins gradually, and a sharper rise follows soon");
   }
   return onset;
 }

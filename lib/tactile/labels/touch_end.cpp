@@ -64,7 +64,7 @@ double least_limit(const Steps& steps, double dispersion, std::size_t width, dou
 void check_width(FoundTime& end, const EndOptions& options) {
   const double width_ms = 1e-3 * static_cast<double>(between(end.time.low, end.time.high).count());
   if (width_ms > options.too_wide_ms && end.doubt.empty())
-    end.doubt = fmt::format("its end is only known to within {:.0f} ms", width_ms);
+    end.doubt = doubt("end-width", "its end is only known to within {:.0f} ms", width_ms);
 }
 
 /// An interval has a length: its end is a bin after its onset at least.
@@ -106,7 +106,8 @@ std::size_t burst_steps(const LitRate& lit, const Steps& steps) {
 /// The end of a touch that has too few steps for one.
 FoundTime unknown_end(const LitRate& lit, const alignment::UncertainTime& onset) {
   const CameraTime end = std::max(after(onset.at, lit.rate.bin), lit.rate.begin_of(lit.burst_end));
-  return {.time = {.at = end, .low = onset.at, .high = end}, .doubt = "its end cannot be told from its onset"};
+  return {.time = {.at = end, .low = onset.at, .high = end},
+          .doubt = doubt("end-at-onset", "its end cannot be distinguished from its onset")};
 }
 
 /// The decline of a press: its peak above the quiet rate, and the step where it has faded into the noise for long enough.
@@ -216,10 +217,10 @@ FoundTime press_end(const LitRate& lit, const alignment::UncertainTime& onset, c
                          .high = after(steps.time_of(high), options.least_error)},
                 .doubt = {}};
   if (best.z - steps.quiet > 0.8 * options.still_share * decline.peak) {
-    end.doubt = "its tips creep on at about 1 % of their peak speed";
+    end.doubt = doubt("end-creep", "its tips creep on at about 1 % of their peak speed");
     end.time.high = std::max(end.time.high, lit.rate.begin_of(lit.burst_end));
   }
-  if (decline.faded >= searched) end.doubt = "it does not come to rest before the next motion";
+  if (decline.faded >= searched) end.doubt = doubt("end-no-rest", "it does not come to rest before the next motion");
   // A slow stage's last motion makes few events, and creep hides it: what is extrapolated falls short.
   constexpr double falls_short = 0.15;
   const microseconds open = between(end.time.at, end.time.high);
@@ -269,7 +270,7 @@ FoundTime slip_end(const LitRate& lit, const alignment::UncertainTime& onset, co
     }
     end.time.low = std::min(end.time.low, end.time.at);
   }
-  if (seen >= rates.size()) end.doubt = "the recording ends before it does";
+  if (seen >= rates.size()) end.doubt = doubt("end-unrecorded", "the recording ends before it does");
   end_after(onset, lit.rate.bin, end.time);
   check_width(end, options);
   return end;

@@ -1,7 +1,5 @@
 #include "tactile/labels/unlikely_presses.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "tactile/core/duration_units.hpp"
@@ -14,8 +12,8 @@ std::vector<LabelFlag> unlikely_presses(const Labels& labels) {
     const LabelledInterval& press = labels.intervals[i];
     if (press.touch != Touch::press) continue;
     if (const microseconds lasts = between(press.start.at, press.end.at); lasts < shortest_press) {
-      flags.push_back(
-          {i, fmt::format("the press lasts {:.0f} ms; expected {:.0f} ms or more", in_ms(lasts), in_ms(shortest_press)), false});
+      flags.push_back(flag_of(
+          doubt("press-short", "the press lasts {:.0f} ms; expected {:.0f} ms or more", in_ms(lasts), in_ms(shortest_press)), i));
     }
     if (i == 0 || labels.intervals[i - 1].touch != Touch::press) continue;
     const LabelledInterval& earlier = labels.intervals[i - 1];
@@ -24,7 +22,9 @@ std::vector<LabelFlag> unlikely_presses(const Labels& labels) {
     });
     if (!was_released)
       flags.push_back(
-          {i, "it follows a press without a release between them: the object may have turned or slipped in part", false});
+          flag_of(doubt("press-after-press",
+                        "it follows a press without a release between them: the object may have turned or slipped in part"),
+                  i));
   }
   return flags;
 }

@@ -57,4 +57,11 @@ std::optional<UnloggedLift> unlogged_lift(std::span<const events::ImuSample> imu
   return shows_small || large.size() == 1 ? last_of(large, LiftWitness::film) : std::nullopt;
 }
 
+Doubt no_robot_log(const std::optional<UnloggedLift>& lift) {
+  if (!lift) return doubt("no-robot-log", "no robot log: press and slip are distinguished by their order alone");
+  return lift->witness == LiftWitness::imu
+             ? doubt("lift-by-imu", "no robot log: the slip is the burst in which the camera's IMU felt the last motion")
+             : doubt("lift-by-film", "no robot log: the slip is the burst in which the film shows the last large motion");
+}
+
 }  // namespace tactile::labels

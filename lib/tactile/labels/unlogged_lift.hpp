@@ -5,6 +5,7 @@
 
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/film_motions.hpp"
+#include "tactile/core/doubt.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/labels/touches.hpp"
 
@@ -30,5 +31,8 @@ struct UnloggedLift {
 std::optional<UnloggedLift> unlogged_lift(std::span<const events::ImuSample> imu, std::span<const alignment::VideoMotion> filmed,
                                           const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                           const std::vector<bool>& may_slip);
+
+/// The doubt about a run without a robot log. @param lift  as `unlogged_lift` found it
+Doubt no_robot_log(const std::optional<UnloggedLift>& lift);
 
 }  // namespace tactile::labels

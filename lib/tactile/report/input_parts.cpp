@@ -5,9 +5,10 @@
 #include <map>
 #include <system_error>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/report/csv_reader.hpp"
+#include "tactile/core/whole_file.hpp"
 
 namespace tactile::report {
 
@@ -19,11 +20,12 @@ bool is_found(ReportInput& input, const std::filesystem::path& file, std::string
 }
 
 TrainingCurve training_in(const std::filesystem::path& file, const std::string& name) {
-  CsvReader csv(file, std::size_t{16} << 20);
-  if (!csv.has("epoch") || !csv.has("loss"))
+  const std::string content = read_text(file, std::size_t{16} << 20);
+  CsvRows csv(content);
+  if (!csv.column("epoch") || !csv.column("loss"))
     throw Error(fmt::format("{}: has no columns 'epoch' and 'loss'; expected the history of a training", file.string()));
   TrainingCurve curve{.name = name, .epochs = {}};
-  while (csv.next()) {
+  while (csv.next_filled()) {
     const auto value = [&](std::string_view column) {
       return number_in(csv[column].value_or("")).value_or(std::numeric_limits<double>::quiet_NaN());
     };

@@ -6,10 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/report/csv_reader.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/results/false_alarm_table.hpp"
 #include "tactile/results/json_view.hpp"
 
@@ -28,17 +29,18 @@ void add_tick(std::vector<TouchInterval>& intervals, Touch touch, CameraTime bef
 }  // namespace
 
 pictures::PredictionPicture read_prediction(const std::filesystem::path& file, double history_ms) {
-  CsvReader csv(file, std::size_t{256} << 20);
+  const std::string content = read_text(file, std::size_t{256} << 20);
+  CsvRows csv(content);
   const auto refuse = [&](std::string_view what) {
     throw Error(fmt::format("{}: line {}: {}; expected a run over time as 'tactile eval --run' writes it", file.string(),
                             csv.line(), what));
   };
   for (const std::string_view column : {"t_us", "p_none", "p_press", "p_slip", "verdict", "label", "truth", "events"}) {
-    if (!csv.has(column)) refuse(fmt::format("has no column '{}'", column));
+    if (!csv.column(column)) refuse(fmt::format("has no column '{}'", column));
   }
   pictures::PredictionPicture picture;
   std::vector<TouchInterval> labels;
-  while (csv.next()) {
+  while (csv.next_filled()) {
     const auto field = [&](std::string_view column) {
       const auto text = csv[column];
       if (!text) refuse("has too few columns");

@@ -9,10 +9,13 @@
 #include <string_view>
 #include <utility>
 
+#include "tactile/core/csv.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/core/table_file.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/robot/log_table.hpp"
 #include "tactile/robot/mixed_rows.hpp"
 #include "tactile/robot/pose_speeds.hpp"
 
@@ -48,7 +51,7 @@ struct Columns {
 };
 
 /// All six columns of a vector, or none. @throws Error  if some are missing
-std::optional<Six> vector_columns(const LogTable& table, RobotSpeedSource source) {
+std::optional<Six> vector_columns(const TableFile& table, RobotSpeedSource source) {
   Six columns{};
   std::array<std::string, 6> names;
   std::size_t found = 0;
@@ -69,7 +72,7 @@ std::optional<Six> vector_columns(const LogTable& table, RobotSpeedSource source
   return columns;
 }
 
-void find_motion(const LogTable& table, Columns& columns) {
+void find_motion(const TableFile& table, Columns& columns) {
   using Source = RobotSpeedSource;
   const auto find = [&](Source source) { return vector_columns(table, source); };
   const auto take_pose = [&](Source pose, Source joints) {
@@ -101,7 +104,7 @@ void find_motion(const LogTable& table, Columns& columns) {
                                                 : Source::target_tcp_pose;
 }
 
-Columns columns_of(const LogTable& table) {
+Columns columns_of(const TableFile& table) {
   Columns columns;
   const auto time = table.find("timestamp");
   if (!time)
@@ -129,7 +132,7 @@ Columns columns_of(const LogTable& table) {
 
 /// record.py --binary writes the types of the columns as its second row, then bytes. @return how struct reads them; empty if the
 /// row is another
-std::string binary_format(const LogTable& table) {
+std::string binary_format(const TableFile& table) {
   constexpr std::array<std::pair<std::string_view, char>, 8> codes{{{"DOUBLE", 'd'},
                                                                     {"INT32", 'i'},
                                                                     {"UINT32", 'I'},
@@ -159,7 +162,7 @@ std::string binary_format(const LogTable& table) {
   return format;
 }
 
-void refuse_binary(const LogTable& table) {
+void refuse_binary(const TableFile& table) {
   const std::string format = binary_format(table);
   if (format.empty()) return;
   throw Error(
@@ -168,7 +171,7 @@ void refuse_binary(const LogTable& table) {
                   table.file(), table.number(), format));
 }
 
-RobotState state_in(const LogTable& table, const Columns& columns) {
+RobotState state_in(const TableFile& table, const Columns& columns) {
   RobotState state;
   const double seconds = table.number_at(columns.time);
   if (std::abs(seconds) > 1e12) table.refuse(columns.time, "controller seconds");
@@ -190,7 +193,7 @@ RobotState state_in(const LogTable& table, const Columns& columns) {
   return state;
 }
 
-std::vector<std::int64_t> outputs_in(const LogTable& table, const Columns& columns) {
+std::vector<std::int64_t> outputs_in(const TableFile& table, const Columns& columns) {
   std::vector<std::int64_t> values;
   for (const OutputColumn& output : columns.outputs) {
     values.push_back(output.bits == 0 ? table.whole_number_at(output.column)
@@ -358,8 +361,33 @@ std::size_t RobotLogFile::rows_elsewhere() const {
   return rows - longest().states.size();
 }
 
+std::vector<std::string> column_names(std::string_view list) {
+  constexpr std::int64_t most_columns = 1000;  // of one name
+  std::vector<std::string> names;
+  for (const std::string_view part : split_cells(list)) {
+    const std::size_t star = part.find('*');
+    const std::string_view name = trimmed(part.substr(0, star));
+    const std::optional<std::int64_t> count =
+        star == std::string_view::npos ? 1 : whole_number_in(trimmed(part.substr(star + 1)));
+    if (name.empty() || !count || *count < 1 || *count > most_columns) {
+      throw Error(
+          fmt::format("{} names no column of a robot log; expected names such as timestamp, actual_q*6 for actual_q_0 "
+                      "to actual_q_5, and - or -*18 for columns to skip",
+                      shown_text(part)));
+    }
+    for (std::int64_t i = 0; i < *count; ++i) {
+      const std::string suffix = star == std::string_view::npos ? "" : fmt::format("_{}", i);
+      names.push_back(name == "-" ? "" : std::string(name) + suffix);
+    }
+  }
+  return names;
+}
+
 RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOptions& options) {
-  LogTable table(path, options.columns);
+  TableFile table(path, {.name = "a robot log",
+                         .header = "RTDE's names",
+                         .columns = options.columns.empty() ? std::vector<std::string>() : column_names(options.columns),
+                         .columns_option = "--robot-columns"});
   const Columns columns = columns_of(table);
   Pieces pieces;
   RobotLogFile file;

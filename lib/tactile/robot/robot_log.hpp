@@ -69,6 +69,10 @@ struct RobotLogFile {
   std::size_t rows_elsewhere() const;  ///< outside the longest piece
 };
 
+/// The names in a list such as "timestamp,actual_q*6,-*18": `*6` stands for six columns, actual_q_0 to actual_q_5, and `-` for
+/// one to skip, whose name is empty. @throws Error  if a part of it is no name
+std::vector<std::string> column_names(std::string_view list);
+
 struct RobotLogOptions {
   /// Nothing: by the rate. A UR10e sends more than 250 rows a second, unless a client asks for less, as record.py does.
   std::optional<ArmModel> arm{};

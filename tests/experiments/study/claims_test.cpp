@@ -162,7 +162,7 @@ TEST(Claims, NeedFiveTrainings) {
   EXPECT_FALSE(claim.can_be_told);
 }
 
-TEST(Claims, SayHowMuchMoreWouldDecide) {
+TEST(Claims, ReportHowMuchMoreWouldDecide) {
   results::Claim claim;
   claim.scope = results::ClaimScope::over_objects;
   claim.limit = 5;

@@ -60,7 +60,7 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
 }
 
-TEST(WhyImpossible, SaysWhichIsNoWholeNumberOfWhich) {
+TEST(WhyImpossible, ReportsWhichIsNoWholeNumberOfWhich) {
   TradeSetting setting;
   setting.rendering.history = 10ms;
   setting.rendering.tick = 4ms;

@@ -37,7 +37,7 @@ TEST(Choose, TakesTheFastestThatIsAccurateEnough) {
   EXPECT_EQ(choice->index, 1U);
 }
 
-TEST(Choose, GoesByValuesOnlyWhereNoIntervalMeetsTheWish) {
+TEST(Choose, UsesValuesOnlyWhereNoIntervalMeetsTheConstraint) {
   const std::vector<TradeFigures> settings{figures(0.955, 400), figures(0.90, 50)};
   const auto choice = choose({.at_least_accuracy = 0.95}, settings);
   ASSERT_TRUE(choice);
@@ -45,7 +45,7 @@ TEST(Choose, GoesByValuesOnlyWhereNoIntervalMeetsTheWish) {
   EXPECT_FALSE(choice->in_interval);
 }
 
-TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheWish) {
+TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheConstraint) {
   // The first is the most accurate and on the verge of both limits; the second is in the middle of what may be.
   const std::vector<TradeFigures> settings{figures(0.959, 199), figures(0.957, 195), figures(0.951, 100)};
   const auto choice = choose({.at_most_us = 200, .at_least_accuracy = 0.95}, settings);
@@ -54,7 +54,7 @@ TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheWish) {
   EXPECT_FALSE(choice->in_interval);
 }
 
-TEST(Choose, FindsNothingWhereNothingMeetsEveryWish) {
+TEST(Choose, FindsNothingWhereNothingMeetsEveryConstraint) {
   const std::vector<TradeFigures> settings{figures(0.99, 400, 0.1), figures(0.90, 50, 0.1), figures(0.99, 50, 9)};
   EXPECT_FALSE(choose({.at_most_us = 200, .at_least_accuracy = 0.95, .at_most_false_alarms_per_min = 1}, settings));
   TradeFigures unknown = figures(0.99, 50);
@@ -80,7 +80,7 @@ TEST(MeetsInInterval, IsNeverSoWithoutAnInterval) {
   EXPECT_TRUE(meets_in_interval({.at_most_us = 200}, two_runs)) << "no constraint on the accuracy";
 }
 
-TEST(Choose, GoesByTheDelayThatIsWishedFor) {
+TEST(Choose, UsesTheDelayOfTheConstraint) {
   std::vector<TradeFigures> settings{figures(0.99, 100, 1, 9000), figures(0.95, 100, 1, 5000)};
   settings[1].delay_p90_us = figure(200'000, 1000);
   const auto of_half = choose({.at_most_delay = DelayLimit{6}}, settings);
@@ -144,7 +144,7 @@ TEST(Recommend, DoesNotConfirmWhatIsTooSlowInDetect) {
   EXPECT_TRUE(recommend({.at_least_accuracy = 0.9}, "t_h 20 ms", again, slow, false).met);
 }
 
-TEST(Recommend, SaysThatNoSettingDoesWhereMeasuringAgainDoesNotBearItOut) {
+TEST(Recommend, ReportsThatNoSettingDoesWhereMeasuringAgainDoesNotConfirmIt) {
   const Recommendation answer = recommend({.at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.955, 150), {}, true);
   EXPECT_FALSE(answer.met);
   EXPECT_TRUE(answer.sentence.starts_with(
@@ -153,7 +153,7 @@ TEST(Recommend, SaysThatNoSettingDoesWhereMeasuringAgainDoesNotBearItOut) {
   EXPECT_TRUE(answer.sentence.ends_with("On simulated runs, which say nothing about real ones.")) << answer.sentence;
 }
 
-TEST(Recommend, SaysThatNoSettingDoesWhereNonePromisedIt) {
+TEST(Recommend, ReportsThatNoSettingDoesWhereNonePromisedIt) {
   const Recommendation answer = recommend({.at_most_false_alarms_per_min = 0.5}, std::nullopt, {}, {}, false);
   EXPECT_FALSE(answer.met);
   EXPECT_EQ(answer.sentence, "No measured setting gives at most 0.5 false alarms per minute, not even on the runs to choose on.");

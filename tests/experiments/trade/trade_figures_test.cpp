@@ -135,7 +135,7 @@ TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
   EXPECT_DOUBLE_EQ(result_of(runs, times).delay_mean_us.value, 1001);
 }
 
-TEST(ResultOf, DoesNotTakeNoAlarmForNone) {
+TEST(ResultOf, HasAnIntervalAboveZeroWithoutAnAlarm) {
   std::vector<TradedRun> runs;
   for (const char* object : {"a", "b", "c"}) {
     runs.push_back(outcome(object, 3, 1, {1000}));

@@ -20,65 +20,6 @@ constexpr std::string_view header =
     "run,id,class,start_s,end_s,confirmed,source,start_low_s,start_high_s,end_low_s,end_high_s,events_s,robot_s,video_s,imu_s,"
     "flags,origin,zero_s,drift_ppm\n";
 
-/// Reads a file row by row. A quoted cell may contain separators and line ends.
-class Rows {
- public:
-  Rows(std::string_view text, char separator, std::string file) : rest_(text), separator_(separator), file_(std::move(file)) {}
-
-  /// The cells of the next row; empty at the end of the file. @throws Error if there are more than 1000
-  std::vector<std::string> next() {
-    std::vector<std::string> cells;
-    if (rest_.empty()) return cells;
-    number_ = lines_ + 1;
-    cells.emplace_back();
-    bool in_quotes = false, was_quoted = false;
-    while (!rest_.empty()) {
-      const char c = rest_.front();
-      rest_.remove_prefix(1);
-      if (c == '\n') ++lines_;
-      if (in_quotes) {
-        if (c != '"') {
-          cells.back() += c;
-        } else if (rest_.starts_with('"')) {
-          cells.back() += '"';
-          rest_.remove_prefix(1);
-        } else {
-          in_quotes = false;
-        }
-      } else if (c == '"' && cells.back().empty() && !was_quoted) {
-        in_quotes = was_quoted = true;
-      } else if (c == separator_) {
-        if (cells.size() == 1000)
-          throw Error(fmt::format("{}, line {} has more than 1000 values; expected a table of labels", file_, number_));
-        cells.emplace_back();
-        was_quoted = false;
-      } else if (c == '\n') {
-        break;
-      } else if (c != '\r') {
-        cells.back() += c;
-      }
-    }
-    return cells;
-  }
-
-  std::size_t number() const { return number_; }  ///< of the first line of the last row, from 1
-
- private:
-  std::string_view rest_;
-  char separator_;
-  std::string file_;
-  std::size_t lines_ = 0, number_ = 0;
-};
-
-char separator_of(std::string_view text) {
-  const std::string_view first = text.substr(0, text.find('\n'));
-  char best = ',';
-  for (const char c : {';', '\t'}) {
-    if (std::count(first.begin(), first.end(), c) > std::count(first.begin(), first.end(), best)) best = c;
-  }
-  return best;
-}
-
 bool is_confirmed(std::string_view cell, const std::string& where) {
   const std::string word = lower_case(trimmed(cell));
   constexpr std::array yes{"true", "yes", "ok", "x", "1"};
@@ -91,7 +32,8 @@ bool is_confirmed(std::string_view cell, const std::string& where) {
 /// The header row of a file, which gives access to cells by name.
 class Columns {
  public:
-  Columns(std::vector<std::string> names, std::string file) : names_(std::move(names)), file_(std::move(file)) {
+  Columns(const std::vector<std::string_view>& names, std::string file)
+      : names_(names.begin(), names.end()), file_(std::move(file)) {
     for (std::string& name : names_) name = lower_case(trimmed(name));
     for (const std::string_view needed : {"class", "start_s", "end_s"}) {
       if (!index_of(needed))
@@ -103,7 +45,7 @@ class Columns {
   std::size_t count() const { return names_.size(); }
 
   /// Empty if there is no such column.
-  std::string_view cell(const std::vector<std::string>& cells, std::string_view name) const {
+  std::string_view cell(const std::vector<std::string_view>& cells, std::string_view name) const {
     const std::optional<std::size_t> index = index_of(name);
     return index ? trimmed(cells[*index]) : std::string_view();
   }
@@ -125,7 +67,7 @@ ReadSeconds seconds_at(std::string_view cell, std::string_view column, const std
   return *seconds;
 }
 
-std::optional<FileTimes> times_in(const Columns& columns, const std::vector<std::string>& cells, const std::string& where) {
+std::optional<FileTimes> times_in(const Columns& columns, const std::vector<std::string_view>& cells, const std::string& where) {
   const std::string_view name = columns.cell(cells, "origin");
   if (name.empty()) return std::nullopt;
   const std::optional<TimeOrigin> origin = time_origin_named(name);
@@ -182,14 +124,15 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
   const std::string text = read_text(file, std::size_t{8} << 20);
   std::string_view rest = text;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
-  Rows rows(rest, separator_of(rest), file.string());
-  const Columns columns(rows.next(), file.string());
+  CsvRows rows(rest, {.separator = separator_of(rest.substr(0, rest.find('\n'))), .has_quotes = true});
+  const Columns columns(rows.cells(), file.string());
   std::vector<ImportedLabels> runs;
   std::map<std::string, std::size_t> run_index;
   std::size_t intervals = 0;
-  for (std::vector<std::string> cells = rows.next(); !cells.empty(); cells = rows.next()) {
-    if (std::all_of(cells.begin(), cells.end(), [](const std::string& cell) { return cell.empty(); })) continue;
-    const std::string where = fmt::format("{}, line {}", file.string(), rows.number());
+  while (rows.next()) {
+    const std::vector<std::string_view>& cells = rows.cells();
+    if (std::all_of(cells.begin(), cells.end(), [](std::string_view cell) { return cell.empty(); })) continue;
+    const std::string where = fmt::format("{}, line {}", file.string(), rows.line());
     if (cells.size() != columns.count())
       throw Error(fmt::format("{} has {} values; expected {}, as its header", where, cells.size(), columns.count()));
     const std::string run(columns.cell(cells, "run"));

@@ -10,24 +10,28 @@
 #include <string_view>
 #include <vector>
 
-namespace tactile::robot {
+namespace tactile {
 
-/// The names in a list such as "timestamp,actual_q*6,-*18": `*6` stands for six columns, actual_q_0 to actual_q_5, and `-` for
-/// one to skip, whose name is empty. @throws Error  if a part of it is no name
-std::vector<std::string> column_names(std::string_view list);
+/// What a table file is expected to be; for messages.
+struct TableFormat {
+  std::string_view name;                  ///< such as "a robot log"
+  std::string_view header;                ///< what its first row has, such as "RTDE's names"
+  std::vector<std::string> columns = {};  ///< names for the columns; a first row without numbers is then skipped. Empty: the
+                                          ///< first row is the header
+  std::string_view columns_option = {};   ///< the option that gives `columns`
+  bool ends_in_any_bytes = false;         ///< a last row without end may be longer than `longest_row`
+};
 
-/// A text file of rows, as recorders of robots write it; the first row names the columns, or they are given. Cells are separated
+/// A text file of rows; the first row names the columns, or they are given. Cells are separated
 /// by commas, semicolons, tabs or blanks, as in the header, and quoted where they hold that separator. Rows end with LF, CR LF,
 /// CR CR LF (which Windows makes of CR LF) or CR. Memory follows the longest row.
-class LogTable {
+class TableFile {
  public:
   static constexpr std::size_t longest_row = std::size_t{1} << 20;  ///< [bytes]
 
   /// Opens the file and reads its header.
-  /// @param columns  names for the columns, as `column_names` takes them; a first row without numbers is then skipped. Empty: the
-  ///                 first row is the header
   /// @throws Error  naming the file, if it cannot be read, is empty, is not text in rows or has another number of columns
-  explicit LogTable(const std::filesystem::path& file, std::string_view columns = {});
+  TableFile(const std::filesystem::path& file, const TableFormat& format);
 
   const std::string& file() const { return file_; }
   const std::vector<std::string>& names() const { return names_; }  ///< of the columns, in their order
@@ -56,14 +60,15 @@ class LogTable {
  private:
   bool read_line();
   int next_byte();
-  void split();
-  void take_names(std::string_view columns);
+  void take_names(const TableFormat& format);
+  [[noreturn]] void refuse_length() const;
 
   std::string file_;
   std::ifstream in_;
   std::array<char, 1 << 16> chunk_{};
   std::size_t chunk_at_ = 0, chunk_size_ = 0;
   std::string line_;
+  bool ends_in_any_bytes_;
   bool is_ended_ = true;
   bool is_read_ = false;  ///< the next row was read already, because there is no header
   std::size_t number_ = 0;
@@ -72,4 +77,4 @@ class LogTable {
   std::vector<std::string_view> cells_;
 };
 
-}  // namespace tactile::robot
+}  // namespace tactile
