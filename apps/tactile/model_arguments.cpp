@@ -154,4 +154,15 @@ void add_engine_option(Command command, std::string& engine) {
       .show_default();
 }
 
+void add_network_size(Command command, double& width, int& last_pool) {
+  command.add_option("--width", width, "Share of LeNet's channels and hidden units: 1, 0.5 or 0.25")
+      .check(one_of({"1", "0.5", "0.25"}))
+      .show_default();
+  command
+      .add_option("--last-pool", last_pool,
+                  "Side of the blocks that the last pooling reduces to one value: 2, or 4 for a quarter of the weights")
+      .check(one_of({"2", "4"}))
+      .show_default();
+}
+
 }  // namespace tactile::cli

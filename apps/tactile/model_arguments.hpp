@@ -61,4 +61,7 @@ class TrainingEstimate {
 /// `--engine`, which runs a model.
 void add_engine_option(Command command, std::string& engine);
 
+/// `--width` and `--last-pool` of a network to train.
+void add_network_size(Command command, double& width, int& last_pool);
+
 }  // namespace tactile::cli

@@ -192,7 +192,8 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   check(settings.training);
   const windows::Split split = split_of(dataset, settings.split);
   const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor);
-  const LeNetLayers layers = lenet_layers(size);  // throws for a heatmap that is too small before any is rendered
+  const LeNetLayers layers =
+      lenet_layers(size, settings.network);  // throws for a heatmap that is too small before any is rendered
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   ModelDescription description;
   description.settings = settings;
