@@ -337,9 +337,11 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
   page.html.section("evaluation" + suffix,
                     fmt::format("Detection: {} ({:g} ms){}{}", model, evaluation.history_ms, where.empty() ? "" : ", ", where));
   if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
-  page.html.paragraph(fmt::format("Model {}, history {:g} ms, a tick every {:g} ms, confirmation {}. Runs: {}.", model,
-                                  evaluation.history_ms, static_cast<double>(scores.tick.count()) / 1000, scores.confirm,
-                                  evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+  page.html.paragraph(fmt::format(
+      "Model {}, history {:g} ms, a tick every {:g} ms, {}. Runs: {}.", model, evaluation.history_ms,
+      static_cast<double>(scores.tick.count()) / 1000,
+      scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost) : "confirmation " + scores.confirm,
+      evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
   if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {
     page.html.heading("Accuracy");
     page.html.table(table);

@@ -46,6 +46,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                {"learned_from", learned_json(description.learned_from)},
                {"samples", description.samples},
                {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
+               {"transitions", description.transitions ? nlohmann::json(*description.transitions) : nlohmann::json()},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
                {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
@@ -77,6 +78,8 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
         {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
   description.samples = member<std::uint64_t>(json, "samples", where);
   if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
+  if (json.contains("transitions") && !json.at("transitions").is_null())
+    description.transitions = json.at("transitions").get<Transitions>();
   description.threads = member<unsigned>(json, "threads", where);
   description.trained_at = member<std::string>(json, "trained_at", where);
   const auto software = member<nlohmann::json>(json, "software", where);
