@@ -41,7 +41,7 @@ struct DetectArguments {
   capture::CameraSourceOptions source;
   double reconnect_s = 10, duration_s = 0;
   std::string engine = "fast", precision = "fp32";
-  std::string confirm = "1/1";
+  DecisionArguments decision;
   bool gate = false;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
@@ -124,7 +124,7 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
   check(rendering);
   if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
-  options.detector.confirmation = confirmation_in(args.confirm);
+  options.detector.decision = decision_of(args.decision, bundle, model);
   if (args.gate) options.detector.gate = model::gate_limit(bundle, model);
   options.detector.temperature = model::read_temperature(bundle, model).value;
   options.slack = microseconds{args.slack_us};
@@ -182,11 +182,7 @@ void add_model_options(Command& command, DetectArguments& args) {
   command.add_option("--models", args.models, "Folder of models").show_default();
   command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
-  command
-      .add_option("--confirm", args.confirm,
-                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
-      .check(is_confirmation())
-      .show_default();
+  add_decision_options(command, args.decision);
   command.add_flag("--gate", args.gate,
                    "Report none without running the network while there are fewer events than the model's limit");
   add_mask_option(command, args.mask).default_text("the model's");

@@ -36,7 +36,8 @@ namespace fs = std::filesystem;
 evaluation::EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common) {
   evaluation::EvaluationOptions options;
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
-  options.confirmation = confirmation_in(args.confirm);
+  options.confirmation = confirmation_in(args.decision.confirm);
+  options.alarm_cost = alarm_cost_of(args.decision);
   options.gate = args.gate;
   options.threads = common.threads;
   return options;
@@ -58,6 +59,7 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const eva
   if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
+  if (options.alarm_cost) name += fmt::format("-filter-{:g}", *options.alarm_cost);
   if (options.gate) name += "-gate";
   if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
   return usual.parent_path() / (name + ".json");
@@ -240,11 +242,7 @@ void add_eval_command(CLI::App& app) {
       .add_option("--guard-ms", args->guard_ms,
                   "Count alarms separately for this long after an interval [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
-  command
-      .add_option("--confirm", args->confirm,
-                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
-      .check(is_confirmation())
-      .show_default();
+  add_decision_options(command, args->decision);
   command.add_flag("--gate", args->gate,
                    "Report none without running the network while there are fewer events than the model's limit; results are "
                    "given with and without the gate");

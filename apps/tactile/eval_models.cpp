@@ -43,6 +43,8 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
   add("engine", name_of(settings.training.engine), name_of(defaults.training.engine));
   add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
   add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
+  add("width", settings.network.width, defaults.network.width);
+  add("last-pool", settings.network.last_pool, defaults.network.last_pool);
   add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
   add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
   // An early stop has a default validation share.

@@ -16,7 +16,7 @@ struct EvalArguments {
   std::string models = "models", model;
   bool unseen = false, no_train = false, strict = false;
   double guard_ms = -1;
-  std::string confirm = "1/1";
+  DecisionArguments decision;
   bool gate = false;
   std::optional<unsigned> trainings;  ///< of --unseen; their usual number if not given
   std::string engine = "fast";

@@ -70,7 +70,7 @@ std::string words_of(const TouchInterval& interval, const evaluation::RunPredict
 }
 
 pictures::PredictionPicture picture_of(const evaluation::RunPrediction& prediction, const model::Classifier& classifier,
-                                       const Confirmation& confirmation, bool learned_from) {
+                                       const model::Decision& decision, bool learned_from) {
   pictures::PredictionPicture picture;
   picture.title = fmt::format("{}{}, predicted by {}{}", prediction.run, prediction.simulated ? " (simulated)" : "",
                               classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
@@ -89,8 +89,12 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   picture.truth = prediction.truth.true_ones;
   picture.unlabelled = prediction.truth.unlabelled;
   std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms, in_ms(classifier.rendering().tick));
-  if (confirmation.of > 1)
-    settings += fmt::format("; predicted in at least {} of the last {} ticks", confirmation.needed, confirmation.of);
+  if (decision.filter) {
+    settings += fmt::format("; filtered with an alarm cost of {:g}", decision.filter->alarm_cost);
+  } else if (decision.confirmation.of > 1) {
+    settings +=
+        fmt::format("; predicted in at least {} of the last {} ticks", decision.confirmation.needed, decision.confirmation.of);
+  }
   picture.remarks.push_back(settings + ".");
   if (picture.has_labels) picture.remarks.push_back(results::words_of(prediction.false_alarms, picture.has_truth));
   return picture;
@@ -121,7 +125,7 @@ fs::path stem_of(const EvalArguments& args, const model::ModelBundle& bundle, co
 evaluation::PredictionOptions prediction_options(const EvalArguments& args, unsigned threads,
                                                  const std::optional<windows::Dataset>& dataset, const model::ModelBundle& bundle,
                                                  const model::ModelDescription& model) {
-  evaluation::PredictionOptions options{.confirmation = confirmation_in(args.confirm), .threads = threads};
+  evaluation::PredictionOptions options{.decision = decision_of(args.decision, bundle, model), .threads = threads};
   if (args.gate) options.gate = model::gate_limit(bundle, model);
   if (dataset) options.guard = dataset->sampling().guard;
   if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
@@ -180,7 +184,7 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
   evaluation::write_prediction(stem.string() + ".csv", prediction,
                                index ? samples_of(*dataset, *index) : std::map<CameraTime, Touch>());
   write_json(stem.string() + ".json", evaluation::outcome_json(prediction));
-  const pictures::PredictionPicture picture = picture_of(prediction, classifier, options.confirmation, learned_from);
+  const pictures::PredictionPicture picture = picture_of(prediction, classifier, options.decision, learned_from);
   for (const char* extension : {".png", ".svg"}) pictures::draw_prediction(picture, stem.string() + extension);
   json.push_back(json_of(prediction, bundle, learned_from, stem));
   rows.push_back(row_of(prediction, learned_from));
@@ -229,7 +233,8 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   }
   if (shown.rows.empty()) return end_with(errors);
   print_result(
-      common, {{"model", bundle.folder.string()}, {"confirm", args.confirm}, {"engine", args.engine}, {"runs", shown.json}},
+      common,
+      {{"model", bundle.folder.string()}, {"confirm", args.decision.confirm}, {"engine", args.engine}, {"runs", shown.json}},
       fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
           text_table({"run", "ticks", "alarms outside labels", "of wrong class", "intervals and their delay"}, shown.rows) +
           "\nWritten to " + stem_of(args, bundle, runs.front().folder).parent_path().string() +

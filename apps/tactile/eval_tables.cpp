@@ -173,6 +173,7 @@ std::string engine_text(const results::Evaluation& evaluation) {
 std::string text_of(const results::Evaluation& evaluation) {
   std::string title = results::title_of(evaluation);
   if (evaluation.confirm != "1/1") title += ", confirmed in " + evaluation.confirm + " ticks";
+  if (evaluation.alarm_cost) title += fmt::format(", filtered with an alarm cost of {:g}", *evaluation.alarm_cost);
   if (evaluation.gate_off) title += ", gated";
   return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
          delays_text(evaluation) + false_alarms_text(evaluation) + labels_text(evaluation) + gate_text(evaluation) +

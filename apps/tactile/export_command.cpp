@@ -80,8 +80,8 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
     about.erase("format");  // of safetensors only
     about["weights_sha256"] = model.weights_sha256;
     onnx.emplace(args.onnx, if_there);
-    write_whole(onnx->path(),
-                model::onnx_model(model::lenet_layers(model.input), model.settings.network, weights, bundle.name(), about));
+    write_whole(onnx->path(), model::onnx_model(model::lenet_layers(model.input, model.settings.network), model.settings.network,
+                                                weights, bundle.name(), about));
     written("onnx", args.onnx, *onnx);
   }
   if (!args.safetensors.empty()) {
@@ -101,7 +101,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
                          {"classes", nlohmann::json::parse(metadata.at("classes"))},
                          {"input", nlohmann::json::parse(metadata.at("input"))},
                          {"settings", {{"rendering", model.settings.rendering}, {"network", model.settings.network}}},
-                         {"parameters", model::lenet_layers(model.input).parameter_count()},
+                         {"parameters", model::lenet_layers(model.input, model.settings.network).parameter_count()},
                          {"files", json_of(files)}};
   json["onnx"] = !onnx ? nlohmann::json()
                        : nlohmann::json{{"ir_version", model::onnx_ir_version},

@@ -154,4 +154,47 @@ void add_engine_option(Command command, std::string& engine) {
       .show_default();
 }
 
+void add_network_size(Command command, double& width, int& last_pool) {
+  command.add_option("--width", width, "Share of LeNet's channels and hidden units: 1, 0.5 or 0.25")
+      .check(one_of({"1", "0.5", "0.25"}))
+      .show_default();
+  command
+      .add_option("--last-pool", last_pool,
+                  "Side of the blocks that the last pooling reduces to one value: 2, or 4 for a quarter of the weights")
+      .check(one_of({"2", "4"}))
+      .show_default();
+}
+
+void add_decision_options(Command command, DecisionArguments& args) {
+  command
+      .add_option("--confirm", args.confirm,
+                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
+      .check(is_confirmation())
+      .show_default();
+  const Option filter =
+      command.add_flag("--filter", args.filter,
+                       "Filter the probabilities over time by a hidden Markov model, instead of --confirm: fewer, whole alarms");
+  command
+      .add_option("--alarm-cost", args.alarm_cost,
+                  "With --filter: cost of a tick of false alarm, relative to a missed tick; smaller is earlier")
+      .check(in_range(1e-6, 1e6))
+      .needs(filter)
+      .show_default();
+}
+
+std::optional<double> alarm_cost_of(const DecisionArguments& args) {
+  if (!args.filter) return std::nullopt;
+  if (confirmation_in(args.confirm) != Confirmation{})
+    throw Error(fmt::format("--confirm {}: --filter replaces it; expected one of the two", args.confirm));
+  return args.alarm_cost;
+}
+
+model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,
+                            const model::ModelDescription& model) {
+  model::Decision decision{.confirmation = confirmation_in(args.confirm)};
+  if (const std::optional<double> alarm_cost = alarm_cost_of(args))
+    decision.filter = model::filter_of(bundle, model, *alarm_cost);
+  return decision;
+}
+
 }  // namespace tactile::cli

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "tactile/model/inference/decision.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -30,6 +31,23 @@ std::vector<std::string> warn_of_splits(const windows::Dataset& dataset, std::sp
 
 /// k/n of `--confirm`.
 Check is_confirmation();
+
+/// How predictions become verdicts.
+struct DecisionArguments {
+  std::string confirm = "1/1";
+  bool filter = false;
+  double alarm_cost = model::default_alarm_cost;
+};
+
+/// `--confirm`, `--filter` and `--alarm-cost`.
+void add_decision_options(Command command, DecisionArguments& args);
+
+/// The alarm cost of the filter; nothing without a filter. @throws Error  if a confirmation is given too
+std::optional<double> alarm_cost_of(const DecisionArguments& args);
+
+/// @throws Error  also if the model has no transitions for the filter
+model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,
+                            const model::ModelDescription& model);
 
 /// The objects to hold out: `named`, or those of the paper's five that the dataset has.
 /// @throws Error  if none is left to hold out, or none to train on
@@ -60,5 +78,8 @@ class TrainingEstimate {
 
 /// `--engine`, which runs a model.
 void add_engine_option(Command command, std::string& engine);
+
+/// `--width` and `--last-pool` of a network to train.
+void add_network_size(Command command, double& width, int& last_pool);
 
 }  // namespace tactile::cli

@@ -81,6 +81,7 @@ template Option Command::add_option(const std::string&, std::optional<std::int64
 template Option Command::add_option(const std::string&, std::optional<std::uint16_t>&, const std::string&);
 template Option Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<int>&, const std::string&);
 template Option Command::add_option(const std::string&, std::vector<std::int64_t>&, const std::string&);
 
 }  // namespace tactile::cli

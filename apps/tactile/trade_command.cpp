@@ -44,6 +44,8 @@ struct TradeArguments {
   std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
   std::vector<double> factors{0.1, 0.2, 0.25};
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
+  std::vector<double> widths{1, 0.5, 0.25};
+  std::vector<int> last_pools{2, 4};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, gates{"off", "on"};
   std::uint64_t timed_ticks = 20'000;
@@ -77,6 +79,8 @@ trade::TradeLevels levels_of(const TradeArguments& args) {
                                          : name == "literal" ? heatmaps::Denoise::literal
                                                              : heatmaps::Denoise::none;
                                 }),
+          .widths = each_once(args.widths, [](double width) { return width; }),
+          .last_pools = each_once(args.last_pools, [](int last_pool) { return last_pool; }),
           .engines = each_once(args.engines, [](const auto& name) { return model::engine_named(name); }),
           .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
           .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
@@ -97,6 +101,8 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.rendering.factor, levels.factors);
   take_usual(usual.rendering.resize, levels.resizes);
   take_usual(usual.rendering.denoise, levels.denoises);
+  take_usual(usual.width, levels.widths);
+  take_usual(usual.last_pool, levels.last_pools);
   take_usual(usual.engine, levels.engines);
   take_usual(usual.precision, levels.precisions);
   take_usual(usual.sparse, levels.sparse);
@@ -383,6 +389,8 @@ void add_trade_command(CLI::App& app) {
   add_list("--factor", args->factors, "Heatmap sizes divided by sensor size").check(in_range(0.001, 1.0));
   add_list("--resize", args->resizes, "area, linear").check(one_of({"area", "linear"}));
   add_list("--denoise", args->denoises, "mean, literal, none").check(one_of({"mean", "literal", "none"}));
+  add_list("--width", args->widths, "Widths of the network: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
+  add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling: 2, 4").check(one_of({"2", "4"}));
   add_list("--engine", args->engines, "fast, libtorch").check(one_of({"fast", "libtorch"}));
   add_list("--precision", args->precisions, "Precision of the fast engine's largest layer: fp32, int8")
       .check(one_of({"fp32", "int8"}));

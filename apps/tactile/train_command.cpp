@@ -37,6 +37,8 @@ struct TrainArguments {
   model::TrainingOptions training;
   std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
               class_weights = "none";
+  double width = 1;
+  int last_pool = 2;
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   std::string models = "models", name, from;
@@ -51,7 +53,7 @@ model::ModelSettings settings_of(const TrainArguments& args) {
   model::ModelSettings settings;
   settings.rendering = heatmap_options(args.history_ms, args.rendering);
   settings.split = {.kind = windows::split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
-  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool)};
+  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool), args.width, args.last_pool};
   settings.training = args.training;
   settings.training.optimizer = model::optimizer_named(args.optimizer);
   settings.training.engine = model::engine_named(args.engine);
@@ -301,6 +303,7 @@ void add_training_options(Command& command, TrainArguments& args) {
       .check(one_of({"relu", "tanh", "sigmoid"}))
       .show_default();
   command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
+  add_network_size(command, args.width, args.last_pool);
   command.add_option("--augment", args.augment, "Random augmentation: none, or flip and shift, separated by commas")
       .delimiter(',')
       .check(one_of({"none", "flip", "shift"}))

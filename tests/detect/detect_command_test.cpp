@@ -87,7 +87,8 @@ struct Listener {
 
 TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   const fs::path folder = trained().folder.path();
-  for (const std::string options : {"", " --confirm 3/4", " --gate", " --gate --confirm 2/3"}) {
+  for (const std::string options :
+       {"", " --confirm 3/4", " --gate", " --gate --confirm 2/3", " --filter", " --gate --filter --alarm-cost 0.1"}) {
     const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + options, folder);
     ASSERT_EQ(eval.exit_code, 0) << eval.err;
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");

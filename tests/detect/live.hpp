@@ -49,7 +49,7 @@ struct Live {
             {sensor,
              input,
              slip_where_anything_is,
-             {.rendering = {.history = 10ms, .tick = 2ms}, .confirmation = confirmation, .gate = gate}},
+             {.rendering = {.history = 10ms, .tick = 2ms}, .decision = {.confirmation = confirmation}, .gate = gate}},
             {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
             [this](const detect::ReportedTick& tick) { reported.push_back(tick); },
             [this](const detect::DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}

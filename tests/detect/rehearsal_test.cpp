@@ -32,7 +32,7 @@ struct Rehearsing {
                std::this_thread::sleep_for(2ms);
                return slip_where_anything_is(heatmap);
              },
-             {.rendering = {.history = 100s, .tick = 100s}, .confirmation = {2, 3}, .gate = gate}},
+             {.rendering = {.history = 100s, .tick = 100s}, .decision = {.confirmation = {2, 3}}, .gate = gate}},
             {.clock = {.tick = 100s, .history = 100s, .slack = 2ms}, .rehearses = rehearses},
             [this](const ReportedTick& tick) { reported.push_back(tick); }, [](const DetectionFault&) {}) {}
 

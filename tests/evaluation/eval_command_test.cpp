@@ -133,6 +133,17 @@ TEST(EvalCommand, ConfirmsVerdictsAndReportsIt) {
   EXPECT_NE(wrong.err.find("more than half"), std::string::npos) << wrong.err;
 }
 
+TEST(EvalCommand, FiltersVerdictsIntoAFileOfTheirOwn) {
+  const Trained trained({"fan", "small-box", "usb-hub"});
+  const auto result = run_tactile("eval --filter --alarm-cost 0.2", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("filtered with an alarm cost of 0.2"), std::string::npos) << result.out;
+  EXPECT_EQ(read_json(trained.bundle.folder / "eval-filter-0.2.json").at("alarm_cost"), nlohmann::json(0.2));
+  const auto both = run_tactile("eval --filter --confirm 2/3", trained.folder.path());
+  EXPECT_EQ(both.exit_code, 1);
+  EXPECT_NE(both.err.find("--confirm 2/3: --filter replaces it; expected one of the two"), std::string::npos) << both.err;
+}
+
 TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
   const Trained trained;
   test::make_run(trained.folder / "elsewhere/new/07", 5, false, false);

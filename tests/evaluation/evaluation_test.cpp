@@ -129,6 +129,34 @@ TEST(Evaluation, TakesABalancedSamplesVerdictAtItsTick) {
   }
 }
 
+TEST(Evaluation, FiltersVerdictsWhereAnAlarmCostIsGiven) {
+  const Trained trained;
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier classifier(trained.bundle.folder, 1);
+  const auto runs = test_runs(dataset);
+  const EvaluationOptions options{.alarm_cost = 0.5, .threads = 1};
+  results::Confusion by_hand;
+  for (const std::uint32_t run : runs) {
+    const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+    model::DecisionFilter filter(model::filter_of({trained.bundle.folder}, classifier.model(), 0.5), full.ticks.tick);
+    std::vector<Touch> verdicts;
+    for (const model::Probabilities& p : full.probabilities) verdicts.push_back(filter.next(p));
+    for (const std::uint32_t i : model::samples_of_runs(dataset, {&run, 1})) {
+      const windows::Sample& sample = dataset.samples()[i];
+      by_hand.add(sample.touch, verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);
+    }
+  }
+  const results::Evaluation evaluation = evaluate(dataset, classifier, runs, options);
+  EXPECT_EQ(evaluation.confusion, by_hand);
+  EXPECT_EQ(evaluation.alarm_cost, 0.5);
+  results::Confusion of_runs;
+  for (const results::RunConfusion& run : sample_confusions(dataset, classifier, runs, options)) of_runs += run.confusion;
+  EXPECT_EQ(of_runs, by_hand);
+  // Its own cost of 0.5 is a threshold of 1/3: those around it enclose the filter's delay.
+  const auto delay = [](const results::OperatingPoint& point) { return point.press.all.mean_ms.value; };
+  EXPECT_LE(delay(evaluation.operating_curve.front()), delay(evaluation.operating_curve.back()));
+}
+
 TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {
   const Trained trained;
   const windows::Dataset dataset(trained.file);
@@ -181,7 +209,7 @@ TEST(RunPrediction, IsWrittenAsOneRowATick) {
   const model::Classifier classifier(trained.bundle.folder, 1);
   test::make_run(trained.folder / "elsewhere/new/07", 5, false, false);
   const RunFolder unlabelled = run_folder_at(trained.folder / "elsewhere/new/07");
-  const RunPrediction prediction = predict_run(unlabelled, classifier, {.confirmation = {2, 3}});
+  const RunPrediction prediction = predict_run(unlabelled, classifier, {.decision = {.confirmation = {2, 3}}});
   EXPECT_EQ(prediction.run, "new/07");
   EXPECT_FALSE(prediction.simulated);
   EXPECT_TRUE(prediction.detections.empty());

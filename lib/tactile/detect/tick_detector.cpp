@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -15,7 +14,7 @@ TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, 
       options_(options),
       classify_(std::move(classify)),
       renderer_(sensor, options.rendering),
-      confirmation_(options.confirmation),
+      decision_(options.decision, options.rendering.tick),
       heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
   if (renderer_.size() == input) return;
   throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
@@ -35,8 +34,8 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
     verdict.predicted = model::verdict_of(logits);
     verdict.probabilities = model::probabilities_of(logits, options_.temperature);
   }
-  for (std::uint64_t i = std::min<std::uint64_t>(skipped, options_.confirmation.of); i > 0; --i) confirmation_.next(Touch::none);
-  verdict.verdict = confirmation_.next(verdict.predicted);
+  decision_.skip(skipped);
+  verdict.verdict = decision_.next(verdict.predicted, verdict.probabilities);
   cost = {.rendering = rendered - begun, .network = Clock::now() - rendered};
   return verdict;
 }
@@ -50,7 +49,7 @@ bool TickDetector::rehearse() {
 
 void TickDetector::restart() {
   renderer_ = heatmaps::HeatmapRenderer(sensor_, options_.rendering);
-  confirmation_.restart();
+  decision_.restart();
 }
 
 }  // namespace tactile::detect

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "tactile/core/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/inference/decision.hpp"
 #include "tactile/model/inference/logits.hpp"
 
 namespace tactile::detect {
@@ -21,25 +21,25 @@ struct TickVerdict {
   CameraTime t{};
   std::uint64_t events = 0;                     ///< in [t_c - t_h, t_c)
   model::Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
-  Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation
-  Touch verdict = Touch::none;                  ///< after confirmation
+  Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation or filter
+  Touch verdict = Touch::none;                  ///< after confirmation or filter
   bool gated = false;                           ///< fewer events than the gate's limit: none, without rendering or network
 };
 
 /// The computing time of one tick.
 struct TickCost {
   std::chrono::nanoseconds rendering{0};  ///< moving the window, and the heatmap
-  std::chrono::nanoseconds network{0};    ///< with confirmation
+  std::chrono::nanoseconds network{0};    ///< with confirmation or filter
 };
 
 struct TickDetectorOptions {
   heatmaps::HeatmapOptions rendering;
-  Confirmation confirmation{};
+  model::Decision decision{};
   std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network runs
   double temperature = 1;                            ///< of the probabilities, > 0
 };
 
-/// Verdicts from events, tick by tick, with the renderer, gate, network and confirmation of `eval`: the same events give the same
+/// Verdicts from events, tick by tick, with the renderer, gate, network and decision of `eval`: the same events give the same
 /// verdicts. Allocates memory only for a history with more events than any before.
 class TickDetector {
  public:
@@ -69,7 +69,7 @@ class TickDetector {
   TickDetectorOptions options_;
   ClassifyHeatmap classify_;
   heatmaps::HeatmapRenderer renderer_;
-  RunningConfirmation confirmation_;
+  model::RunningDecision decision_;
   std::vector<std::uint8_t> heatmap_;
 };
 

@@ -103,6 +103,7 @@ results::Evaluation description_of(const windows::Dataset& dataset, std::span<co
   evaluation.guard = options.guard.value_or(evaluation.sampling_guard);
   evaluation.tick = first.rendering().tick;
   evaluation.confirm = text_of(options.confirmation);
+  evaluation.alarm_cost = options.alarm_cost;
   evaluation.bootstrap = options.bootstrap;
   evaluation.engine = name_of(first.engine());
   return evaluation;
@@ -243,7 +244,13 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
     for (const std::uint32_t run : trainings[k].runs)
       scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
     // Full runs first: a run folder that has changed is reported before other work begins.
-    const RunScoring scoring{dataset, classifier, options, evaluation.guard, sampling_guards, gate_of(classifier, options)};
+    const RunScoring scoring{dataset,
+                             classifier,
+                             options,
+                             evaluation.guard,
+                             sampling_guards,
+                             gate_of(classifier, options),
+                             decision_of(classifier, options)};
     for_full_runs(dataset, classifier, trainings[k].runs, threads, part_of(progress, before, before + share_of_runs * each),
                   [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                     scored.runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);

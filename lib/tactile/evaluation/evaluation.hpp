@@ -20,7 +20,8 @@ struct EvaluationOptions {
   std::optional<microseconds> guard =
       std::nullopt;  ///< how long after an interval alarms are counted separately; >= 0; default: the dataset's guard
   Confirmation confirmation{};
-  bool gate = false;  ///< the verdict is none below the model's limit of events
+  std::optional<double> alarm_cost = std::nullopt;  ///< of the decision filter, which then replaces the confirmation; > 0
+  bool gate = false;                                ///< the verdict is none below the model's limit of events
   DelayOptions delay{};
   results::OverTimeOptions over_time{};
   results::BootstrapOptions bootstrap{};

@@ -50,6 +50,10 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
   return run;
 }
 
+std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run) {
+  return model::decided(decision, run.ticks.tick, run.verdicts, run.probabilities);
+}
+
 std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit) {
   std::uint64_t gated = 0;
   for (std::size_t k = 0; k < run.events.size(); ++k) {

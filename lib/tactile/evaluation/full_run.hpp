@@ -8,6 +8,7 @@
 #include "tactile/core/touch.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/inference/classifier.hpp"
+#include "tactile/model/inference/decision.hpp"
 #include "tactile/results/full_run.hpp"
 
 namespace tactile::evaluation {
@@ -23,6 +24,9 @@ namespace tactile::evaluation {
 results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier, unsigned threads,
                                    const std::function<void(std::size_t ticks)>& advance = {},
                                    const heatmaps::TickCallback& see = {}, std::optional<microseconds> tick = {});
+
+/// The verdict at each tick of a run with probabilities.
+std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run);
 
 /// Sets the ticks with fewer than `limit` events to none, with the probabilities {1, 0, 0}, as if the network had not run.
 /// @return  the number of these ticks

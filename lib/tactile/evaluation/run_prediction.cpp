@@ -27,9 +27,9 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.simulated = events::is_simulated(run);
   prediction.truth = read_run_truth(run, options.include_flagged);
   prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
-  prediction.confirmation = options.confirmation;
+  prediction.decision = options.decision;
   if (options.gate) apply_gate(prediction.full, *options.gate);
-  prediction.verdicts = confirmed(prediction.full.verdicts, options.confirmation);
+  prediction.verdicts = decided(options.decision, prediction.full);
   const TickRange& ticks = prediction.full.ticks;
   prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);
   if (prediction.truth.labels.empty()) return prediction;
@@ -44,9 +44,11 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
   nlohmann::json json{{"run", prediction.run},
                       {"simulated", prediction.simulated},
                       {"tick_ms", static_cast<double>(prediction.full.ticks.tick.count()) / 1000},
-                      {"confirm", text_of(prediction.confirmation)},
+                      {"confirm", text_of(prediction.decision.confirmation)},
+                      {"alarm_cost", nullptr},
                       {"intervals", nlohmann::json::array()},
                       {"false_alarms", nullptr}};
+  if (prediction.decision.filter) json["alarm_cost"] = prediction.decision.filter->alarm_cost;
   std::size_t next = 0;  // detections are of the labels in use, in their order
   for (const windows::SampledInterval& label : prediction.truth.labels) {
     if (label.used && next < prediction.detections.size()) {

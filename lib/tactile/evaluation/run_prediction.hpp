@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "tactile/core/confirmation.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/evaluation/false_alarms.hpp"
@@ -22,15 +21,15 @@ struct RunPrediction {
   std::string run;  ///< "fan/03"
   bool simulated = false;
   results::FullRun full;
-  std::vector<Touch> verdicts;  ///< confirmed, one for each tick
+  std::vector<Touch> verdicts;  ///< confirmed or filtered, one for each tick
   RunTruth truth;
   std::vector<results::Detection> detections;  ///< of the labelled intervals that are not in doubt
   results::FalseAlarms false_alarms;           ///< where the run has labels
-  Confirmation confirmation;
+  model::Decision decision;
 };
 
 struct PredictionOptions {
-  Confirmation confirmation{};
+  model::Decision decision{};
   std::optional<std::uint64_t> gate = std::nullopt;  ///< the verdict is none below so many events in t_h
   DelayOptions delay{};
   microseconds guard{100'000};   ///< how long after an interval alarms are counted separately, >= 0
@@ -42,8 +41,8 @@ struct PredictionOptions {
 RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
-/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "intervals": [{"class",
-/// "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
+/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "intervals":
+/// [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
 /// Intervals whose labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
 nlohmann::json outcome_json(const RunPrediction& prediction);
 

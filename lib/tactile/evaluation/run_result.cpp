@@ -93,8 +93,12 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   if (scoring.gate) result.open = score(run.open_verdicts);
   for (std::size_t i = 0; i < trivial_count; ++i)
     result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name));
-  for (const double threshold : default_thresholds())
-    result.by_threshold.push_back(score(confirmed(verdicts_above(run.full.probabilities, threshold), options.confirmation)));
+  for (const double threshold : default_thresholds()) {
+    model::Decision decision = scoring.decision;
+    if (decision.filter) decision.filter->alarm_cost = threshold / (1 - threshold);  // the odds of a touch
+    result.by_threshold.push_back(score(model::decided(
+        decision, run.full.ticks.tick, verdicts_above(run.full.probabilities, threshold), run.full.probabilities)));
+  }
   std::vector<TouchInterval> elsewhere = all;
   elsewhere.insert(elsewhere.end(), run.truth.releases.begin(), run.truth.releases.end());
   elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
@@ -179,6 +183,12 @@ std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const 
   return model::gate_limit({classifier.bundle()}, classifier.model());
 }
 
+model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options) {
+  model::Decision decision{.confirmation = options.confirmation};
+  if (options.alarm_cost) decision.filter = model::filter_of({classifier.bundle()}, classifier.model(), *options.alarm_cost);
+  return decision;
+}
+
 RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run) {
   const windows::DatasetRun& names = dataset.runs()[run];
   return {dataset.run_folder(run), names.object, names.run};
@@ -223,10 +233,10 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
   run.truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   result.every_tick = reliability_of_ticks(run);
   if (scoring.gate) {
-    run.open_verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+    run.open_verdicts = decided(scoring.decision, run.full);
     result.gated = apply_gate(run.full, *scoring.gate);
   }
-  run.verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+  run.verdicts = decided(scoring.decision, run.full);
   result.ticks = run.verdicts.size();
   result.close_ticks = run.full.close;
   result.has_truth = run.truth.has_truth;
@@ -241,7 +251,7 @@ WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& f
   ClassifiedRun run{.index = 0, .name = folder.name(), .samples = {}};
   run.full = classify_full_run(folder.events(), scoring.classifier, threads);
   if (scoring.gate) apply_gate(run.full, *scoring.gate);
-  run.verdicts = confirmed(run.full.verdicts, scoring.options.confirmation);
+  run.verdicts = decided(scoring.decision, run.full);
   run.truth = read_run_truth(folder, true);
   return score_with_flagged(run, folder, scoring);
 }

@@ -16,6 +16,7 @@
 #include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/label_uncertainty.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/model/inference/decision.hpp"
 
 namespace tactile::evaluation {
 
@@ -70,6 +71,7 @@ struct RunScoring {
   microseconds guard;                         ///< of false alarms
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
   std::optional<std::uint64_t> gate;          ///< its limit
+  model::Decision decision;
 };
 
 /// Renders and classifies every tick of a run, and scores it.
@@ -85,6 +87,9 @@ void check_fits(const windows::Dataset& dataset, const model::Classifier& classi
 
 /// The limit of the model's gate, where it is to be used.
 std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const EvaluationOptions& options);
+
+/// How the model's predictions become verdicts. @throws Error  if a filter is to be used that the model lacks
+model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options);
 
 unsigned threads_or_all(unsigned threads);
 

@@ -25,7 +25,8 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, predicted_of(k));
   };
   const std::optional<std::uint64_t> gate = gate_of(classifier, options);
-  if (options.confirmation.of == 1 && !gate) {
+  const model::Decision decision = decision_of(classifier, options);
+  if (options.confirmation.of == 1 && !gate && !decision.filter) {
     // One run is read while others are classified.
     std::mutex reads;
     std::size_t begun = 0;
@@ -46,7 +47,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
                   results::FullRun run =
                       classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
                   if (gate) apply_gate(run, *gate);
-                  const auto verdicts = confirmed(run.verdicts, options.confirmation);
+                  const auto verdicts = decided(decision, run);
                   const auto samples = samples_in(dataset, runs[i]);
                   add(i, samples,
                       [&](std::size_t k) { return verdicts[place_of(samples[k], run.ticks, name_of(dataset.runs()[runs[i]]))]; });

@@ -30,6 +30,10 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
   if (rendering.factor != defaults.factor) words.insert(words.end(), {"--factor", fmt::format("{}", rendering.factor)});
   if (rendering.resize != defaults.resize) words.insert(words.end(), {"--resize", rendered.at("resize")});
   if (rendering.denoise != defaults.denoise) words.insert(words.end(), {"--denoise", rendered.at("denoise")});
+  if (settings.network.width != model::LeNetOptions{}.width)
+    words.insert(words.end(), {"--width", fmt::format("{:g}", settings.network.width)});
+  if (settings.network.last_pool != model::LeNetOptions{}.last_pool)
+    words.insert(words.end(), {"--last-pool", std::to_string(settings.network.last_pool)});
   if (settings.training.engine != model::EngineKind::fast)
     words.insert(words.end(), {"--engine", std::string(name_of(settings.training.engine))});
   if (settings.split.train_run != "01") words.insert(words.end(), {"--train-run", settings.split.train_run});

@@ -90,6 +90,8 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   std::string settings = fmt::format("A tick every {:g} ms", outcome["tick_ms"].number());
   if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
     settings += fmt::format("; confirmed {}", confirm);
+  if (const auto alarm_cost = outcome["alarm_cost"].number_if_there())
+    settings += fmt::format("; filtered with an alarm cost of {:g}", *alarm_cost);
   picture.remarks.push_back(settings + ".");
   if (const results::JsonView alarms = outcome["false_alarms"]; alarms && alarms["outside_labels"])
     picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>(), picture.has_truth));

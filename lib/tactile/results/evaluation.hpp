@@ -74,7 +74,8 @@ struct Evaluation {
   std::string dataset, manifest_hash;
   bool simulated = false;
   microseconds guard{0}, sampling_guard{0}, tick{0};
-  std::string confirm = "1/1";  ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
+  std::optional<double> alarm_cost{};  ///< of the decision filter; without one, verdicts are confirmed
+  std::string confirm = "1/1";         ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
   BootstrapOptions bootstrap;
   std::string engine;                        ///< "fast" or "libtorch"
   std::uint64_t ticks = 0, close_ticks = 0;  ///< of all test runs; of them those where another engine's verdict may differ

@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   try {
-    const bool usual = tactile::model::read_description({argv[1]}).settings.network == tactile::model::LeNetOptions{};
+    const bool usual = tactile::model::read_description({argv[1]}).settings.network.is_fast();
     const auto classifier = tactile::model::open_classifier(
         argv[1], 0, usual ? tactile::model::EngineKind::fast : tactile::model::EngineKind::libtorch);
     const std::string text = tactile::read_text(argv[2]);

@@ -10,6 +10,7 @@
 
 #include "tactile/core/time.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile::study {
@@ -36,6 +37,7 @@ struct StudyOptions {
   std::uint64_t seed = 1;  ///< of simulation, samples, drawn splits and the first training; the next ones add 1, 2, …
   std::optional<std::size_t> splits = {};  ///< drawn from all ways to hold out as many objects; the preset's if not given
 
+  model::LeNetOptions network{};                       ///< of every model
   model::EngineKind engine = model::EngineKind::fast;  ///< runs the models
   std::filesystem::path program = "/proc/self/exe";    ///< trains
   unsigned threads = 0;                                ///< 0: as many as the machine has cores

@@ -60,7 +60,9 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
       factor_of("th_ms", levels.histories, [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
       factor_of("factor", levels.factors, [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
       factor_of("resize", levels.resizes, [](TradeSetting& s, heatmaps::Resize resize) { s.rendering.resize = resize; }),
-      factor_of("denoise", levels.denoises, [](TradeSetting& s, heatmaps::Denoise denoise) { s.rendering.denoise = denoise; })};
+      factor_of("denoise", levels.denoises, [](TradeSetting& s, heatmaps::Denoise denoise) { s.rendering.denoise = denoise; }),
+      factor_of("width", levels.widths, [](TradeSetting& s, double width) { s.width = width; }),
+      factor_of("last_pool", levels.last_pools, [](TradeSetting& s, int last_pool) { s.last_pool = last_pool; })};
 }
 
 std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels) {

@@ -86,6 +86,8 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
   network.settings.rendering = setting.rendering;
   // A network sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
   network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
+  network.settings.network.width = setting.width;
+  network.settings.network.last_pool = setting.last_pool;
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
   network.settings.split.train_run = plan.trainings[training].train_run;
@@ -101,6 +103,8 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network, microsec
                     model::Precision precision) {
   TradeSetting setting = plan.options.usual, usual = plan.options.usual;
   setting.rendering = network.settings.rendering;
+  setting.width = network.settings.network.width;
+  setting.last_pool = network.settings.network.last_pool;
   setting.rendering.tick = tick;
   setting.engine = engine;
   setting.precision = precision;

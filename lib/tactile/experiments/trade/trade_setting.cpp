@@ -29,6 +29,8 @@ std::vector<SettingValue> values_of(const TradeSetting& setting) {
           {"factor", factor, fmt::format("f{:.6g}", factor), fmt::format("factor {:g}", factor)},
           {"resize", resize, resize, "resize " + resize},
           {"denoise", denoise, denoise, "denoise " + denoise},
+          {"width", setting.width, "", fmt::format("width {:g}", setting.width)},
+          {"last_pool", setting.last_pool, "", fmt::format("last pooling {0} x {0}", setting.last_pool)},
           {"engine", engine, engine, "engine " + engine},
           {"precision", precision, precision, precision},
           {"pass", pass, pass, pass},
@@ -45,7 +47,11 @@ void to_json(nlohmann::json& json, const TradeSetting& setting) {
 
 std::string id_of(const TradeSetting& setting) {
   std::vector<std::string> parts;
-  for (const SettingValue& value : values_of(setting)) parts.push_back(value.id);
+  for (const SettingValue& value : values_of(setting)) {
+    if (!value.id.empty()) parts.push_back(value.id);
+  }
+  if (setting.width != TradeSetting{}.width) parts.push_back(fmt::format("w{:g}", setting.width));
+  if (setting.last_pool != TradeSetting{}.last_pool) parts.push_back(fmt::format("p{}", setting.last_pool));
   return fmt::format("{}", fmt::join(parts, "-"));
 }
 

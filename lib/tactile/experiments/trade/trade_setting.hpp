@@ -14,7 +14,9 @@ namespace tactile::trade {
 /// All parameters of a detector that trade speed for accuracy. The defaults are the paper's; those that change no verdict are the
 /// fastest.
 struct TradeSetting {
-  heatmaps::HeatmapOptions rendering{};  ///< its tick is the detector's; the model may have another
+  heatmaps::HeatmapOptions rendering{};        ///< its tick is the detector's; the model may have another
+  double width = model::LeNetOptions{}.width;  ///< of the network, as its `last_pool`
+  int last_pool = model::LeNetOptions{}.last_pool;
   model::EngineKind engine = model::EngineKind::fast;
   model::Precision precision = model::Precision::fp32;
   bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
@@ -24,10 +26,11 @@ struct TradeSetting {
   friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
 };
 
-/// {"th_ms", "tick_ms", "factor", "resize", "denoise", "engine", "precision", "pass", "confirm", "gate"}
+/// {"th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
+/// "gate"}
 void to_json(nlohmann::json& json, const TradeSetting& setting);
 
-/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open".
+/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or "-p4".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.

@@ -33,7 +33,7 @@ nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
 
 void to_json(nlohmann::json& json, const ModelDescription& description) {
   json = description.settings;
-  json["network"] = json_of(lenet_layers(description.input), description.settings.network);
+  json["network"] = json_of(lenet_layers(description.input, description.settings.network), description.settings.network);
   json.update({{"format", format_version},
                {"classes", class_names()},
                {"dataset",
@@ -46,6 +46,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                {"learned_from", learned_json(description.learned_from)},
                {"samples", description.samples},
                {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
+               {"transitions", description.transitions ? nlohmann::json(*description.transitions) : nlohmann::json()},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
                {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
@@ -77,6 +78,8 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
         {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
   description.samples = member<std::uint64_t>(json, "samples", where);
   if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
+  if (json.contains("transitions") && !json.at("transitions").is_null())
+    description.transitions = json.at("transitions").get<Transitions>();
   description.threads = member<unsigned>(json, "threads", where);
   description.trained_at = member<std::string>(json, "trained_at", where);
   const auto software = member<nlohmann::json>(json, "software", where);
@@ -153,18 +156,19 @@ bool learned_from(const ModelDescription& model, const std::string& events_sha25
 
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
   const nlohmann::json rendering = description.settings.rendering;
-  return {{"format", "pt"},  // PyTorch's order of a tensor's values
-          {"classes", class_names().dump()},
-          {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
-                                   {"type", "float32"},
-                                   {"scale", "heatmap / 255, in [0, 1]"}}
-                        .dump()},
-          {"network", json_of(lenet_layers(description.input), description.settings.network).dump()},
-          {"rendering", rendering.dump()},
-          {"split", nlohmann::json(description.settings).at("split").dump()},
-          {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
-          {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
-          {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
+  return {
+      {"format", "pt"},  // PyTorch's order of a tensor's values
+      {"classes", class_names().dump()},
+      {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
+                               {"type", "float32"},
+                               {"scale", "heatmap / 255, in [0, 1]"}}
+                    .dump()},
+      {"network", json_of(lenet_layers(description.input, description.settings.network), description.settings.network).dump()},
+      {"rendering", rendering.dump()},
+      {"split", nlohmann::json(description.settings).at("split").dump()},
+      {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
+      {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
+      {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
 }
 
 ModelDescription read_description(const ModelBundle& bundle) {
@@ -181,7 +185,7 @@ ModelDescription read_description(const ModelBundle& bundle) {
 }
 
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description) {
-  const LeNetLayers layers = lenet_layers(description.input);
+  const LeNetLayers layers = lenet_layers(description.input, description.settings.network);
   if (!fs::is_regular_file(bundle.weights())) {
     throw Error(bundle.weights().string() + ": missing; expected the weights in the folder of model.json");
   }

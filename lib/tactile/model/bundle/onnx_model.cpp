@@ -105,8 +105,9 @@ void add_layers(onnx::GraphProto& graph, const LeNetOptions& options) {
     set(convolution, "pads", {0, 0, 0, 0});
     activate(layer);
     onnx::NodeProto& pool = chain.add(operator_of(options.pooling), layer + ".pool");
-    set(pool, "kernel_shape", {2, 2});
-    set(pool, "strides", {2, 2});  // ONNX rounds sizes down, as the network does
+    const std::int64_t side = layer == "conv2" ? options.last_pool : 2;
+    set(pool, "kernel_shape", {side, side});
+    set(pool, "strides", {side, side});  // ONNX rounds sizes down, as the network does
     set(pool, "pads", {0, 0, 0, 0});
   }
   set(chain.add("Flatten", "flat"), "axis", 1);

@@ -1,6 +1,7 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
@@ -10,16 +11,24 @@
 namespace tactile::model {
 namespace {
 
-constexpr int kernel = 5, first_channels = 6, second_channels = 16;
-constexpr std::int64_t first_hidden = 120, second_hidden = 84;
-constexpr int smallest_side = 16, largest_side = 4096;
+constexpr int kernel = 5, largest_side = 4096;
 
 constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
 constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
 
-events::SensorSize pooled(events::SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
+events::SensorSize divided(events::SensorSize size, int by) { return {size.width / by, size.height / by}; }
+events::SensorSize pooled(events::SensorSize size) { return divided({size.width - kernel + 1, size.height - kernel + 1}, 2); }
+
+void check_sizes(const LeNetOptions& options) {
+  if (options.width != 1 && options.width != 0.5 && options.width != 0.25)
+    throw Error("network's width " + nlohmann::json(options.width).dump() + "; expected 1, 0.5 or 0.25");
+  if (options.last_pool != 2 && options.last_pool != 4)
+    throw Error("network's last pooling of " + std::to_string(options.last_pool) + "; expected 2 or 4");
+}
 
 }  // namespace
+
+bool LeNetOptions::is_fast() const { return activation == Activation::relu && pooling == Pooling::max; }
 
 std::string_view name_of(Activation activation) { return activation_names.at(static_cast<std::size_t>(activation)); }
 std::string_view name_of(Pooling pooling) { return pooling_names.at(static_cast<std::size_t>(pooling)); }
@@ -29,11 +38,16 @@ Pooling pooling_named(std::string_view name) { return enumerator_named<Pooling>(
 
 void to_json(nlohmann::json& json, const LeNetOptions& options) {
   json = {{"activation", name_of(options.activation)}, {"pool", name_of(options.pooling)}};
+  if (options.width != LeNetOptions{}.width) json["width"] = options.width;
+  if (options.last_pool != LeNetOptions{}.last_pool) json["last_pool"] = options.last_pool;
 }
 
 void from_json(const nlohmann::json& json, LeNetOptions& options) {
   options.activation = activation_named(member<std::string>(json, "activation", "network settings"));
   options.pooling = pooling_named(member<std::string>(json, "pool", "network settings"));
+  options.width = json.contains("width") ? member<double>(json, "width", "network settings") : LeNetOptions{}.width;
+  options.last_pool = json.contains("last_pool") ? member<int>(json, "last_pool", "network settings") : LeNetOptions{}.last_pool;
+  check_sizes(options);
 }
 
 std::size_t ParameterShape::count() const {
@@ -43,18 +57,17 @@ std::size_t ParameterShape::count() const {
 }
 
 std::vector<ParameterShape> LeNetLayers::parameters() const {
-  const auto flat_size = static_cast<std::int64_t>(flat);
-  const auto classes = static_cast<std::int64_t>(touch_count);
-  return {{"conv1.weight", {first_channels, 1, kernel, kernel}},
-          {"conv1.bias", {first_channels}},
-          {"conv2.weight", {second_channels, first_channels, kernel, kernel}},
-          {"conv2.bias", {second_channels}},
-          {"fc1.weight", {first_hidden, flat_size}},
-          {"fc1.bias", {first_hidden}},
-          {"fc2.weight", {second_hidden, first_hidden}},
-          {"fc2.bias", {second_hidden}},
-          {"fc3.weight", {classes, second_hidden}},
-          {"fc3.bias", {classes}}};
+  const auto sizes = [](auto... values) { return std::vector<std::int64_t>{static_cast<std::int64_t>(values)...}; };
+  return {{"conv1.weight", sizes(first_channels, 1, kernel, kernel)},
+          {"conv1.bias", sizes(first_channels)},
+          {"conv2.weight", sizes(second_channels, first_channels, kernel, kernel)},
+          {"conv2.bias", sizes(second_channels)},
+          {"fc1.weight", sizes(first_hidden, flat)},
+          {"fc1.bias", sizes(first_hidden)},
+          {"fc2.weight", sizes(second_hidden, first_hidden)},
+          {"fc2.bias", sizes(second_hidden)},
+          {"fc3.weight", sizes(touch_count, second_hidden)},
+          {"fc3.bias", sizes(touch_count)}};
 }
 
 std::size_t LeNetLayers::parameter_count() const {
@@ -63,18 +76,28 @@ std::size_t LeNetLayers::parameter_count() const {
   return sum;
 }
 
-LeNetLayers lenet_layers(events::SensorSize input) {
+LeNetLayers lenet_layers(events::SensorSize input, const LeNetOptions& options) {
+  check_sizes(options);
+  const int smallest_side = options.last_pool == 4 ? 20 : 16;
   if (input.width < smallest_side || input.height < smallest_side || input.width > largest_side || input.height > largest_side) {
     throw Error("heatmaps of " + std::to_string(input.width) + " x " + std::to_string(input.height) +
                 " cells: the network's layers do not fit; expected " + std::to_string(smallest_side) + " to " +
                 std::to_string(largest_side) + " a side");
   }
+  const auto scaled = [&](std::size_t count) {
+    return static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.width));
+  };
   LeNetLayers layers;
   layers.input = input;
   layers.first_pooled = pooled(input);
   layers.second_pooled = pooled(layers.first_pooled);
-  layers.flat = static_cast<std::size_t>(second_channels) * static_cast<std::size_t>(layers.second_pooled.width) *
-                static_cast<std::size_t>(layers.second_pooled.height);
+  layers.last_pooled = divided(layers.second_pooled, options.last_pool / 2);
+  layers.first_channels = scaled(layers.first_channels);
+  layers.second_channels = scaled(layers.second_channels);
+  layers.first_hidden = scaled(layers.first_hidden);
+  layers.second_hidden = scaled(layers.second_hidden);
+  layers.flat = layers.second_channels * static_cast<std::size_t>(layers.last_pooled.width) *
+                static_cast<std::size_t>(layers.last_pooled.height);
   return layers;
 }
 
@@ -86,13 +109,16 @@ std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, events::Sensor
 }
 
 nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
-  const std::string activation(name_of(options.activation)), pool = std::string(name_of(options.pooling)) + "-pool 2";
+  const std::string activation(name_of(options.activation)), pool(name_of(options.pooling));
+  const auto convolution = [](std::size_t channels) { return "conv " + std::to_string(channels) + "@5x5"; };
+  const auto linear = [](std::size_t units) { return "linear " + std::to_string(units); };
   nlohmann::json json = {
       {"name", "lenet-5"},
       {"input", {{"channels", 1}, {"height", layers.input.height}, {"width", layers.input.width}}},
       {"layers",
-       {"conv 6@5x5", activation, pool, "conv 16@5x5", activation, pool, "flatten " + std::to_string(layers.flat), "linear 120",
-        activation, "linear 84", activation, "linear " + std::to_string(touch_count)}},
+       {convolution(layers.first_channels), activation, pool + "-pool 2", convolution(layers.second_channels), activation,
+        pool + "-pool " + std::to_string(options.last_pool), "flatten " + std::to_string(layers.flat),
+        linear(layers.first_hidden), activation, linear(layers.second_hidden), activation, linear(touch_count)}},
       {"parameters", layers.parameter_count()}};
   json.update(nlohmann::json(options));
   return json;

@@ -12,7 +12,7 @@ namespace tactile::model {
 namespace {
 
 using Sizes = LeNetSizes;
-constexpr std::size_t taps = Sizes::taps, in_channels = Sizes::first_channels, out_channels = Sizes::second_channels;
+constexpr std::size_t taps = Sizes::taps;
 constexpr float largest_byte = 127;
 
 constexpr std::size_t rounded_up(std::size_t value, std::size_t step) { return (value + step - 1) / step * step; }
@@ -53,9 +53,11 @@ void set_sizes(LeNetPlan& plan) {
   plan.blocks = rounded_up(side(plan.layers.second_pooled.width), Sizes::block) / Sizes::block;
   const std::size_t columns = rounded_up(plan.blocks * Sizes::block, Sizes::lanes);
   plan.pooled_stride = rounded_up(std::max(side(first.width), 2 * columns + taps), Sizes::lanes) + Sizes::lanes;
+  plan.hidden_row = rounded_up(plan.layers.first_hidden, 2 * Sizes::lanes);
 }
 
 void set_convolutions(LeNetPlan& plan, const Weights& weights) {
+  const std::size_t in_channels = plan.layers.first_channels, out_channels = plan.layers.second_channels;
   plan.first_weights.resize(taps * taps * in_channels);
   for (std::size_t c = 0; c < in_channels; ++c) {
     for (std::size_t tap = 0; tap < taps * taps; ++tap)
@@ -89,11 +91,11 @@ void set_convolutions(LeNetPlan& plan, const Weights& weights) {
   for (std::size_t c = 0; c < in_channels; ++c) plan.first_empty[c] = std::max(plan.first_bias[c], 0.0F);
 }
 
-/// A layer's weights as [input][outputs, rounded up], and its bias in the same layout.
+/// A layer's weights as [input, rounded up][outputs, rounded up], and its bias in the same layout.
 void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Parameter& weight, const Parameter& bias_in,
                std::size_t row) {
   const std::size_t outputs = bias_in.values.size(), inputs = weight.values.size() / outputs;
-  rows.assign(inputs * row, 0.0F);
+  rows.assign(rounded_up(inputs, Sizes::chains) * row, 0.0F);
   bias.assign(row, 0.0F);
   for (std::size_t out = 0; out < outputs; ++out) {
     bias[out] = bias_in.values[out];
@@ -103,38 +105,38 @@ void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Par
 
 /// The first fully connected layer, with its inputs in channel-last order.
 void set_hidden(LeNetPlan& plan, const Parameter& weight, Precision precision) {
-  const std::size_t pixels = plan.layers.flat / out_channels;
-  plan.hidden_weights.assign(plan.layers.flat * Sizes::hidden_row, 0.0F);
-  for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
+  const std::size_t out_channels = plan.layers.second_channels, pixels = plan.layers.flat / out_channels;
+  plan.hidden_weights.assign(plan.layers.flat * plan.hidden_row, 0.0F);
+  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
     const float* in = &weight.values[out * plan.layers.flat];
     for (std::size_t channel = 0; channel < out_channels; ++channel) {
       for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-        plan.hidden_weights[(pixel * out_channels + channel) * Sizes::hidden_row + out] = in[channel * pixels + pixel];
+        plan.hidden_weights[(pixel * out_channels + channel) * plan.hidden_row + out] = in[channel * pixels + pixel];
     }
   }
   if (precision == Precision::fp32) return;
   plan.hidden_bytes.resize(plan.hidden_weights.size());
-  plan.hidden_scale.assign(Sizes::hidden_row, 0.0F);
-  for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
+  plan.hidden_scale.assign(plan.hidden_row, 0.0F);
+  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
     float largest = 0;
-    for (std::size_t in = out; in < plan.hidden_weights.size(); in += Sizes::hidden_row)
+    for (std::size_t in = out; in < plan.hidden_weights.size(); in += plan.hidden_row)
       largest = std::max(largest, std::abs(plan.hidden_weights[in]));
     const double unit = static_cast<double>(largest) / largest_byte;
     plan.hidden_scale[out] = static_cast<float>(unit);
     if (unit == 0) continue;
-    for (std::size_t in = out; in < plan.hidden_weights.size(); in += Sizes::hidden_row)
+    for (std::size_t in = out; in < plan.hidden_weights.size(); in += plan.hidden_row)
       plan.hidden_bytes[in] = static_cast<std::int8_t>(std::lround(static_cast<double>(plan.hidden_weights[in]) / unit));
   }
 }
 
 /// The sums of the first fully connected layer for an empty heatmap, with the same weights as for others.
 void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
-  plan.hidden_empty.assign(Sizes::hidden_row, 0.0F);
-  for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
+  plan.hidden_empty.assign(plan.hidden_row, 0.0F);
+  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
     double sum = 0;
     for (std::size_t in = 0; in < plan.layers.flat; ++in) {
-      const std::size_t place = in * Sizes::hidden_row + out;
-      sum += static_cast<double>(plan.second_empty[in % out_channels]) *
+      const std::size_t place = in * plan.hidden_row + out;
+      sum += static_cast<double>(plan.second_empty[in % plan.layers.second_channels]) *
              (plan.hidden_bytes.empty() ? static_cast<double>(plan.hidden_weights[place])
                                         : static_cast<double>(plan.hidden_bytes[place]) * plan.hidden_scale[out]);
     }
@@ -161,39 +163,41 @@ Precision precision_named(std::string_view name) { return enumerator_named<Preci
 
 struct LeNetEngine::State {
   std::shared_ptr<const LeNetPlan> plan;
-  LeNetKernel kernel;
+  const char* target = "";
+  LeNetKernel::Run run = nullptr;
   bool skip_empty = true;
   LeNetMemory memory;
 };
 
 LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const LeNetOptions& layers,
                          const EngineOptions& options) {
-  if (layers != LeNetOptions{}) {
+  if (!layers.is_fast()) {
     throw Error("network with " + std::string(name_of(layers.activation)) + " and " + std::string(name_of(layers.pooling)) +
                 "-pooling: the fast engine does not support it; expected relu and max-pooling, or --engine libtorch");
   }
   auto plan = std::make_shared<LeNetPlan>();
-  plan->layers = lenet_layers(input);
+  plan->layers = lenet_layers(input, layers);
   check_shapes(weights, plan->layers.parameters(), "weights: not of this network");
   check_finite(weights, "weights");
   check_range(weights);
   set_sizes(*plan);
   set_convolutions(*plan, weights);
   set_hidden(*plan, weights[4], options.precision);
-  set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], Sizes::hidden_row);
+  set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], plan->hidden_row);
   set_dense(plan->last_weights, plan->last_bias, weights[8], weights[9], Sizes::lanes);
 
   // The kernel itself computes the empty heatmap, so that the differences are exactly 0.
   const LeNetKernel kernel = kernel_named(options.target);
+  const LeNetKernel::Run run = kernel.run_of(plan->layers);
   LeNetMemory memory = memory_for(*plan);
   const std::vector<std::uint8_t> empty(side(input.width) * side(input.height));
   AlignedValues<float> second(plan->layers.flat);
-  kernel.run(*plan, memory, empty.data(), false, nullptr, second.data());
-  plan->second_empty.assign(second.begin(), second.begin() + out_channels);
+  run(*plan, memory, empty.data(), false, nullptr, second.data());
+  plan->second_empty.assign(second.begin(), second.begin() + static_cast<std::ptrdiff_t>(plan->layers.second_channels));
   set_hidden_empty(*plan, weights[5]);
   if (!plan->hidden_bytes.empty()) plan->hidden_weights = {};
-  kernel.run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
-  state_ = std::make_unique<State>(State{plan, kernel, options.skip_empty, memory_for(*plan)});
+  run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
+  state_ = std::make_unique<State>(State{plan, kernel.name, run, options.skip_empty, memory_for(*plan)});
 }
 
 LeNetEngine::~LeNetEngine() = default;
@@ -206,7 +210,7 @@ LeNetEngine::LeNetEngine(LeNetEngine&&) noexcept = default;
 LeNetEngine& LeNetEngine::operator=(LeNetEngine&&) noexcept = default;
 
 const LeNetLayers& LeNetEngine::layers() const { return state_->plan->layers; }
-std::string_view LeNetEngine::target() const { return state_->kernel.name; }
+std::string_view LeNetEngine::target() const { return state_->target; }
 
 std::vector<std::string> LeNetEngine::targets() {
   std::vector<std::string> names;
@@ -221,7 +225,7 @@ Logits LeNetEngine::classify(std::span<const std::uint8_t> heatmap) {
                 std::to_string(size.height) + " cells");
   }
   Logits logits{};
-  state_->kernel.run(*state_->plan, state_->memory, heatmap.data(), state_->skip_empty, logits.data(), nullptr);
+  state_->run(*state_->plan, state_->memory, heatmap.data(), state_->skip_empty, logits.data(), nullptr);
   return logits;
 }
 

@@ -71,7 +71,7 @@ Temperature calibrate_model(const windows::Dataset& dataset, const ModelBundle& 
     throw Error(fmt::format("--calibrate {}: no run is left to test {} on; expected fewer runs, or more recorded ones",
                             fmt::join(runs, ","), bundle.name()));
   }
-  const EngineKind engine = model.settings.network == LeNetOptions{} ? EngineKind::fast : EngineKind::libtorch;
+  const EngineKind engine = model.settings.network.is_fast() ? EngineKind::fast : EngineKind::libtorch;
   std::filesystem::remove(temperature_file(bundle));  // one of other weights would be refused
   const Classifier classifier = open_classifier(bundle.folder, threads, engine);
   const std::vector<Logits> logits =

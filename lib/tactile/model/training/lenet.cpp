@@ -108,7 +108,7 @@ struct LeNet::State {
 };
 
 LeNet::LeNet(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options) : state_(std::make_unique<State>()) {
-  state_->layers = lenet_layers(input);
+  state_->layers = lenet_layers(input, options);
   torch::manual_seed(seed);
   state_->network = std::make_shared<LeNetModule>(state_->layers, options);
 }
@@ -174,7 +174,7 @@ struct LeNetTrainer::State {
       trained->to(torch::kFloat64);
     }
     parameters = trained->parameters();
-    if (fast && trained->options == LeNetOptions{}) batch = std::make_unique<FusedBatch>(of.layers(), threads);
+    if (fast && trained->options.is_fast()) batch = std::make_unique<FusedBatch>(of.layers(), threads);
     if (fast)
       forget();
     else
@@ -200,6 +200,16 @@ struct LeNetTrainer::State {
     batch->set_heatmaps(heatmaps);
     const torch::Tensor flat = FusedLayers::apply(trained->conv1->weight, trained->conv1->bias, trained->conv2->weight,
                                                   trained->conv2->bias, batch.get());
+    return connected(trained->options.last_pool == 2 ? flat : trained->flattened(flat.view(second_sizes())));
+  }
+
+  /// The second pooled layer of a batch: [n, channels, height, width].
+  std::vector<std::int64_t> second_sizes() const {
+    const LeNetLayers& layers = network.layers();
+    return {-1, static_cast<std::int64_t>(layers.second_channels), layers.second_pooled.height, layers.second_pooled.width};
+  }
+
+  torch::Tensor connected(const torch::Tensor& flat) const {
     if (threads == 1) return trained->connected(flat);
     return trained->connected_after_first(
         SharedLinear::apply(flat, trained->fc1->weight, trained->fc1->bias, static_cast<std::int64_t>(threads)));

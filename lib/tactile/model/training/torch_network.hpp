@@ -80,11 +80,18 @@ class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
 struct LeNetModule : torch::nn::Module {
   LeNetModule(const LeNetLayers& layers, const LeNetOptions& chosen)
       : options(chosen),
-        conv1(register_module("conv1", torch::nn::Conv2d(torch::nn::Conv2dOptions(1, 6, 5)))),
-        conv2(register_module("conv2", torch::nn::Conv2d(torch::nn::Conv2dOptions(6, 16, 5)))),
-        fc1(register_module("fc1", torch::nn::Linear(static_cast<std::int64_t>(layers.flat), 120))),
-        fc2(register_module("fc2", torch::nn::Linear(120, 84))),
-        fc3(register_module("fc3", torch::nn::Linear(84, static_cast<std::int64_t>(touch_count)))) {}
+        conv1(register_module("conv1", convolution(1, layers.first_channels))),
+        conv2(register_module("conv2", convolution(layers.first_channels, layers.second_channels))),
+        fc1(register_module("fc1", linear(layers.flat, layers.first_hidden))),
+        fc2(register_module("fc2", linear(layers.first_hidden, layers.second_hidden))),
+        fc3(register_module("fc3", linear(layers.second_hidden, touch_count))) {}
+
+  static torch::nn::Conv2d convolution(std::size_t in, std::size_t out) {
+    return torch::nn::Conv2d(torch::nn::Conv2dOptions(static_cast<std::int64_t>(in), static_cast<std::int64_t>(out), 5));
+  }
+  static torch::nn::Linear linear(std::size_t in, std::size_t out) {
+    return torch::nn::Linear(static_cast<std::int64_t>(in), static_cast<std::int64_t>(out));
+  }
 
   torch::Tensor activated(const torch::Tensor& x) const {
     return options.activation == Activation::relu   ? torch::relu(x)
@@ -92,14 +99,23 @@ struct LeNetModule : torch::nn::Module {
                                                     : torch::sigmoid(x);
   }
 
+  torch::Tensor pooled(const torch::Tensor& x) const {
+    if (options.pooling == Pooling::average) return torch::avg_pool2d(x, 2);
+    return x.scalar_type() == torch::kFloat32 ? LargestOfBlocks::apply(x) : torch::max_pool2d(x, 2);
+  }
+
   /// An activation is monotonic, so it may be applied after max-pooling, to a quarter of the values.
   torch::Tensor activated_and_pooled(const torch::Tensor& x) const {
-    if (options.pooling == Pooling::average) return torch::avg_pool2d(activated(x), 2);
-    return activated(x.scalar_type() == torch::kFloat32 ? LargestOfBlocks::apply(x) : torch::max_pool2d(x, 2));
+    return options.pooling == Pooling::average ? pooled(activated(x)) : activated(pooled(x));
+  }
+
+  /// The rest of the last pooling, and flattened. Pooling by 2 twice is pooling by 4, also where sizes are odd.
+  torch::Tensor flattened(const torch::Tensor& second) const {
+    return (options.last_pool == 4 ? pooled(second) : second).flatten(1);
   }
 
   torch::Tensor convolved(const torch::Tensor& x) {
-    return activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))).flatten(1);
+    return flattened(activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))));
   }
 
   torch::Tensor connected(const torch::Tensor& x) { return connected_after_first(fc1->forward(x)); }

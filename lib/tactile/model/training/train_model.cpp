@@ -67,6 +67,23 @@ Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> run
   return calibrated_gate(counts);
 }
 
+/// The transitions of the labels of these runs.
+Transitions transitions_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs) {
+  Transitions transitions;
+  for (const std::uint32_t run : runs) {
+    const std::uint64_t count = dataset.runs()[run].events;
+    if (count == 0) continue;
+    std::vector<TouchInterval> labelled;
+    for (const windows::DatasetInterval& interval : dataset.intervals()) {
+      if (interval.run_index == run) labelled.push_back(interval.interval);
+    }
+    std::sort(labelled.begin(), labelled.end(), [](const auto& a, const auto& b) { return a.start < b.start; });
+    const auto time_of = [&](std::uint64_t event) { return dataset.events(run, event, 1).front().t; };
+    transitions.add(time_of(0), time_of(count - 1), labelled);
+  }
+  return transitions;
+}
+
 }  // namespace
 
 windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOptions& options) {
@@ -180,6 +197,7 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
   description.gate = gate_of(dataset, split.train_runs, description.settings.rendering);
+  description.transitions = transitions_of(dataset, split.train_runs);
   description.trained_at = now_utc();
   description.version = version();
   description.revision = revision();
@@ -192,7 +210,8 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   check(settings.training);
   const windows::Split split = split_of(dataset, settings.split);
   const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor);
-  const LeNetLayers layers = lenet_layers(size);  // throws for a heatmap that is too small before any is rendered
+  const LeNetLayers layers =
+      lenet_layers(size, settings.network);  // throws for a heatmap that is too small before any is rendered
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   ModelDescription description;
   description.settings = settings;

@@ -269,7 +269,7 @@ std::array<double, touch_count> weights_of_classes(const ClassWeights& weights, 
 
 TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& control) {
   check(task.options);
-  lenet_layers(task.size);
+  lenet_layers(task.size, task.network);
   check_samples(task);
   return Training(task, control, task.threads > 0 ? task.threads : std::max(1U, std::thread::hardware_concurrency())).run();
 }
