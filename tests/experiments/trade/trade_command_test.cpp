@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 /// Three objects of three simulated runs, an epoch, and few values of few settings.
 const std::string small =
-    "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --pass sparse "
+    "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine "
+    "fast --pass sparse "
     "--confirm 1/1,2/3 --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ";
 
 void simulate_runs(const fs::path& folder, const std::string& objects) {
@@ -125,7 +126,8 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const auto windows = test::run_tactile("windows --history-ms 400", folder.path());
   ASSERT_EQ(windows.exit_code, 0) << windows.err;
   const std::string long_ticks =
-      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 --pass "
+      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast "
+      "--precision fp32 --pass "
       "sparse --confirm 1/1 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us 1000000 "
       "--at-most-missed 1 --no-growth "
       "--no-figures ";
@@ -151,7 +153,8 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "plastic-container,water-bottle");
   const std::string few =
-      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 --pass sparse --confirm 1/1 "
+      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 "
+      "--pass sparse --confirm 1/1 "
       "--gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
