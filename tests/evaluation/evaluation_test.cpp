@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -152,9 +153,15 @@ TEST(Evaluation, FiltersVerdictsWhereAnAlarmCostIsGiven) {
   results::Confusion of_runs;
   for (const results::RunConfusion& run : sample_confusions(dataset, classifier, runs, options)) of_runs += run.confusion;
   EXPECT_EQ(of_runs, by_hand);
-  // Its own cost of 0.5 is a threshold of 1/3: those around it enclose the filter's delay.
-  const auto delay = [](const results::OperatingPoint& point) { return point.press.mean_ms.value; };
-  EXPECT_LE(delay(evaluation.operating_curve.front()), delay(evaluation.operating_curve.back()));
+  // The curve's threshold of 0.5 is a cost of 1.
+  const results::Evaluation of_one = evaluate(dataset, classifier, runs, {.alarm_cost = 1.0, .threads = 1});
+  const auto& curve = evaluation.operating_curve;
+  const auto half = std::find_if(curve.begin(), curve.end(), [](const auto& point) { return point.threshold == 0.5; });
+  ASSERT_NE(half, curve.end());
+  EXPECT_EQ(half->press.misses, of_one.network.press.all.misses);
+  EXPECT_EQ(half->press.early, of_one.network.press.all.early);
+  EXPECT_EQ(half->slip.misses, of_one.network.slip.all.misses);
+  EXPECT_EQ(half->slip.intervals, of_one.network.slip.all.intervals);
 }
 
 TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {

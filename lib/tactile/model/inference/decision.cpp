@@ -30,6 +30,12 @@ void normalise(State& state) {
   for (double& value : state) value /= sum;
 }
 
+/// Makes each row sum to 1 again, so that rounding does not grow with powers.
+template <class Matrix>
+void normalise_rows(Matrix& step) {
+  for (State& row : step) normalise(row);
+}
+
 }  // namespace
 
 DecisionFilter::DecisionFilter(const FilterSettings& settings, microseconds tick) : alarm_cost_(settings.alarm_cost) {
@@ -51,6 +57,7 @@ DecisionFilter::DecisionFilter(const FilterSettings& settings, microseconds tick
   for (std::size_t i = 0; i < touch_count; ++i) {
     for (std::size_t j = 0; j < touch_count; ++j) step_[i][j] = std::max(step(static_cast<int>(i), static_cast<int>(j)), 0.0);
   }
+  normalise_rows(step_);
 }
 
 Touch DecisionFilter::next(const Probabilities& probabilities) {
@@ -76,6 +83,7 @@ void DecisionFilter::skip(std::uint64_t ticks) {
     if (ticks % 2 == 1) state_ = moved(state_, power);
     Matrix square{};
     for (std::size_t i = 0; i < touch_count; ++i) square[i] = moved(power[i], power);
+    normalise_rows(square);
     power = square;
   }
   normalise(state_);
