@@ -18,8 +18,9 @@ std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
-  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass and gate each, 3 confirmations.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 3);
+  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass and gate each, 3 confirmations, 2
+  // widths, 1 last pooling.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 3 + 2 + 1);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -52,6 +53,8 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.factors = {0.2};
   levels.resizes = {heatmaps::Resize::area};
   levels.denoises = {heatmaps::Denoise::mean};
+  levels.widths = {1};
+  levels.last_pools = {2};
   levels.confirmations = {{1, 1}};
   levels.gate = {false};
   const auto settings = all_combinations({}, levels);
