@@ -78,6 +78,7 @@ Touch DecisionFilter::next(const Probabilities& probabilities) {
 }
 
 void DecisionFilter::skip(std::uint64_t ticks) {
+  if (ticks == 0) return;  // as at almost every tick of a live stream
   Matrix power = step_;
   for (; ticks > 0; ticks /= 2) {
     if (ticks % 2 == 1) state_ = moved(state_, power);
