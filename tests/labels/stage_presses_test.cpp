@@ -43,7 +43,7 @@ TEST(MissingPresses, AreCommandsWithoutAPress) {
   const std::vector<LabelFlag> flags = missing_presses(run.signals, run.clocks, labels);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_FALSE(flags[0].interval_index);
-  EXPECT_EQ(flags[0].reason, "the stage was told to close at 4.00 s, and no press is labelled in the 2 s after it");
+  EXPECT_EQ(flags[0].reason, "the stage was commanded to close at 4.00 s, and no press is labelled in the 2 s after it");
   EXPECT_EQ(stage_command(run.signals, run.clocks, at_ms(1300)), at_ms(1000));
 
   labels.intervals.insert(labels.intervals.begin() + 1, interval(Touch::press, 4400, 4600));

@@ -84,10 +84,11 @@ std::vector<LabelFlag> missing_presses(const alignment::RunSignals& signals, con
     const bool is_recorded = before(closing.at, closing.uncertainty) >= signals.rate.begin &&
                              after(closing.at, longest_travel + closing.uncertainty) <= signals.rate.last;
     if (!is_recorded) continue;
-    flags.push_back({std::nullopt,
-                     fmt::format("the stage was told to close at {:.2f} s, and no press is labelled in the {:.0f} s after it",
-                                 in_s(between(signals.rate.begin, closing.at)), in_s(longest_travel)),
-                     false});
+    flags.push_back(
+        {std::nullopt,
+         fmt::format("the stage was commanded to close at {:.2f} s, and no press is labelled in the {:.0f} s after it",
+                     in_s(between(signals.rate.begin, closing.at)), in_s(longest_travel)),
+         false});
   }
   for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
     if (labels.intervals[i].touch != Touch::slip || !follows_release(labels, i)) continue;

@@ -13,7 +13,7 @@ namespace tactile::labels {
 std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
                                         CameraTime press);
 
-/// Flags where a press is missing: the stage was told to close and no press follows within two seconds, though one follows
+/// Flags where a press is missing: the stage was commanded to close and no press follows within two seconds, though one follows
 /// another command; or a slip follows a release with no press between them. A command that the recording does not show for so
 /// long counts for nothing.
 std::vector<LabelFlag> missing_presses(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
