@@ -1,7 +1,5 @@
 #include "tactile/labels/stage_presses.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <set>
 #include <string>
@@ -84,18 +82,15 @@ std::vector<LabelFlag> missing_presses(const alignment::RunSignals& signals, con
     const bool is_recorded = before(closing.at, closing.uncertainty) >= signals.rate.begin &&
                              after(closing.at, longest_travel + closing.uncertainty) <= signals.rate.last;
     if (!is_recorded) continue;
-    flags.push_back(
-        {std::nullopt,
-         fmt::format("the stage was commanded to close at {:.2f} s, and no press is labelled in the {:.0f} s after it",
-                     in_s(between(signals.rate.begin, closing.at)), in_s(longest_travel)),
-         false});
+    flags.push_back(flag_of(
+        doubt("press-missing", "the stage was commanded to close at {:.2f} s, and no press is labelled in the {:.0f} s after it",
+              in_s(between(signals.rate.begin, closing.at)), in_s(longest_travel))));
   }
   for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
     if (labels.intervals[i].touch != Touch::slip || !follows_release(labels, i)) continue;
-    flags.push_back({std::nullopt,
-                     fmt::format("the skin was released before the slip at {:.2f} s, and no press is labelled between them",
-                                 in_s(between(signals.rate.begin, labels.intervals[i].start.at))),
-                     false});
+    flags.push_back(flag_of(doubt("press-missing-before-slip",
+                                  "the skin was released before the slip at {:.2f} s, and no press is labelled between them",
+                                  in_s(between(signals.rate.begin, labels.intervals[i].start.at)))));
   }
   return flags;
 }
