@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "model_arguments.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/dataset.hpp"
 

@@ -14,6 +14,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "experiment_output.hpp"
+#include "model_arguments.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"

@@ -32,8 +32,8 @@ void add_content_anchors(AnchorSearch& search) {
         doubt("arm-rests", "the arm does not move, and no output changes: the recording shows nothing of the log"));
   }
   if (search.found.anchors.empty() && search.found.doubts.empty())
-    search.found.doubts.emplace_back(
-        "the arm's motion matches the events, but no lift begins where they do: nothing relates its clock");
+    search.found.doubts.push_back(doubt(
+        "no-lift-at-events", "the arm's motion matches the events, but no lift begins where they do: nothing relates its clock"));
 }
 
 }  // namespace

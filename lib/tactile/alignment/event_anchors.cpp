@@ -213,8 +213,9 @@ std::optional<double> EventAnchors::match() {
                        .ratio = second != all.end() && second->worth > 0 ? best.worth / second->worth : infinite};
   search_.found.events = match;
   if (best.may_be_press) {
-    search_.found.doubts.emplace_back(
-        "the arm's motion matches only the first burst of events, which may be a press: more follow when the arm would rest");
+    search_.found.doubts.push_back(doubt(
+        "burst-may-be-press",
+        "the arm's motion matches only the first burst of events, which may be a press: more follow when the arm would rest"));
     return std::nullopt;
   }
   if (match.ratio >= search_.options.ambiguous_below) return best.shift_s;

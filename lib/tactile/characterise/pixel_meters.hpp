@@ -54,7 +54,7 @@ class NeighbourMeter {
   std::vector<std::uint32_t> totals_;
   std::vector<std::size_t> fired_;
   std::vector<Part> parts_;
-  std::int64_t tick_ = 0, part_begin_ = 0;
+  std::int64_t tick_ = 0;
   double ticks_ = 0;
 };
 

@@ -10,9 +10,9 @@
 namespace tactile::evaluation {
 namespace {
 
-constexpr std::size_t inputs = feature_count + 1;
-constexpr std::size_t others = touch_count - 1;
-constexpr std::size_t unknowns = inputs * others;
+constexpr Eigen::Index inputs = feature_count + 1;
+constexpr Eigen::Index others = touch_count - 1;
+constexpr Eigen::Index unknowns = inputs * others;
 
 using Vector = Eigen::Vector<double, unknowns>;
 using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
@@ -45,9 +45,9 @@ Probabilities softmax(const Inputs& x, const Weights& weights) {
 }
 
 Inputs standardised(const Features& features, const LogisticBaseline& model) {
+  using Row = Eigen::Map<const Eigen::Array<double, feature_count, 1>>;
   Inputs x;
-  for (std::size_t i = 0; i < feature_count; ++i) x[i] = (features[i] - model.mean[i]) / model.deviation[i];
-  x[feature_count] = 1;
+  x << (Row(features.data()) - Row(model.mean.data())) / Row(model.deviation.data()), 1;
   return x;
 }
 
@@ -70,10 +70,10 @@ Derivatives derivatives_of(std::span<const Inputs> samples, std::span<const Touc
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const Inputs& x = samples[n];
     const Probabilities p = softmax(x, weights);
-    for (std::size_t c = 0; c < others; ++c) {
-      const double error = p[c + 1] - (static_cast<std::size_t>(truth[n]) == c + 1 ? 1.0 : 0.0);
+    for (Eigen::Index c = 0; c < others; ++c) {
+      const double error = p[c + 1] - (static_cast<Eigen::Index>(truth[n]) == c + 1 ? 1.0 : 0.0);
       derivatives.gradient.segment<inputs>(c * inputs) += share * error * x;
-      for (std::size_t d = 0; d < others; ++d) {
+      for (Eigen::Index d = 0; d < others; ++d) {
         const double spread = share * p[c + 1] * ((c == d ? 1.0 : 0.0) - p[d + 1]);
         derivatives.hessian.block<inputs, inputs>(c * inputs, d * inputs) += spread * x * x.transpose();
       }

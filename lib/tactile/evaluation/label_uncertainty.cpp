@@ -5,6 +5,7 @@
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/detection_curve.hpp"
 
 namespace tactile::evaluation {
