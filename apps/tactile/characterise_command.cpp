@@ -138,10 +138,14 @@ void characterise_sensor(const CharacteriseArguments& args, const CommonArgument
   const fs::path out = args.out;
   make_folders(out);
   nlohmann::json json = characterise::json_of(sensor);
-  pictures::draw_sensor(sensor, out / "sensor.png");
-  write_whole(out / "mask.csv", mask_text(sensor));
-  write_whole(out / "physics.json", json_text(characterise::physics_of(sensor), 2) + "\n");
-  write_whole(out / "sensor.json", json_text(json, 2) + "\n");
+  // A file that appeared since the check is not replaced either.
+  const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
+  WholeFile picture(out / "sensor.png", if_there);
+  pictures::draw_sensor(sensor, picture.path());
+  picture.commit();
+  write_whole(out / "mask.csv", mask_text(sensor), if_there);
+  write_whole(out / "physics.json", json_text(characterise::physics_of(sensor), 2) + "\n", if_there);
+  write_whole(out / "sensor.json", json_text(json, 2) + "\n", if_there);
   json["out"] = out.string();
   print_result(common, json, text_of(sensor, out));
 }
