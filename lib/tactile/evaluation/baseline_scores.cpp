@@ -56,7 +56,7 @@ std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std
 
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run) {
-  if (classifier.rendering().history.count() % static_cast<std::int64_t>(features::windows_of_tick) != 0) return;
+  if (!features::feature_bin(classifier.rendering().tick, classifier.rendering().history)) return;
   const auto of_run = model::sample_features(dataset, run, model::samples_of_runs(dataset, {&run, 1}), classifier.rendering());
   samples.features.insert(samples.features.end(), of_run.begin(), of_run.end());
 }

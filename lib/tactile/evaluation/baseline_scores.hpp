@@ -19,7 +19,7 @@ struct BaselineSamples {
   std::vector<Touch> truth;
   std::vector<std::uint64_t> events;
   std::vector<Features> moments, fields;
-  std::vector<float> features{};  ///< `features::feature_count` of each sample; none if the history has no whole quarters
+  std::vector<float> features{};  ///< `features::feature_count` of each sample; none if there is no `feature_bin`
 
   void add(Touch touch, std::uint64_t events_in_window, std::span<const std::uint8_t> heatmap, events::SensorSize size) {
     truth.push_back(touch);

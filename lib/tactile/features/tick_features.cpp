@@ -62,18 +62,13 @@ void window_features(const EventSums& sums, events::SensorSize sensor, std::span
   std::transform(values.begin(), values.end(), features.begin(), [](double value) { return static_cast<float>(value); });
 }
 
-microseconds feature_bin(microseconds tick, microseconds history) {
+std::optional<microseconds> feature_bin(microseconds tick, microseconds history) {
+  if (tick <= microseconds{0} || history <= microseconds{0})
+    throw Error(fmt::format("a history of {} us in ticks of {} us; expected more than 0 of each", history.count(), tick.count()));
   constexpr std::int64_t parts = windows_of_tick;
-  if (tick <= microseconds{0} || history <= microseconds{0} || history.count() % parts != 0)
-    throw Error(fmt::format("a history of {} us in ticks of {} us; expected a multiple of {} us for the features of its quarters",
-                            history.count(), tick.count(), parts));
+  if (history.count() % parts != 0) return std::nullopt;
   const microseconds bin{std::gcd(tick.count(), history.count() / parts)};
-  if (history / bin > SlidingSums::most_bins) {
-    throw Error(
-        fmt::format("a history of {} us in ticks of {} us; expected one that has a longer divisor in common with its quarter "
-                    "than {} us",
-                    history.count(), tick.count(), bin.count()));
-  }
+  if (history / bin > SlidingSums::most_bins) return std::nullopt;
   return bin;
 }
 

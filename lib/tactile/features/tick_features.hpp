@@ -2,9 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "tactile/events/event.hpp"
 #include "tactile/features/sliding_sums.hpp"
@@ -32,9 +31,10 @@ using TickFeatures = std::array<float, feature_count>;
 /// c is the number of events in a cell. Every number is finite for every input. Computed in double from whole sums, then rounded.
 void window_features(const EventSums& sums, events::SensorSize sensor, std::span<float, features_of_window> features);
 
-/// The bins for a tick and a history: the longest that both a tick and a quarter of the history are whole numbers of.
-/// @throws Error  if the history is no multiple of 4 us, or this needs more than `SlidingSums::most_bins`
-microseconds feature_bin(microseconds tick, microseconds history);
+/// The bins for a tick and a history: the longest that both a tick and a quarter of the history are whole numbers of. Nothing if
+/// the history is no multiple of 4 us, or has more than `SlidingSums::most_bins` such bins.
+/// @throws Error  if one of them is not above 0
+std::optional<microseconds> feature_bin(microseconds tick, microseconds history);
 
 /// The features of the history that `sums` covers, in bins of `feature_bin`. They depend only on its events, not on the bins.
 TickFeatures tick_features(const SlidingSums& sums, events::SensorSize sensor);

@@ -1,15 +1,24 @@
 #include "tactile/model/training/sample_features.hpp"
 
-#include <algorithm>
+#include <fmt/core.h>
 
+#include <algorithm>
+#include <optional>
+
+#include "tactile/core/error.hpp"
 #include "tactile/features/tick_features.hpp"
 
 namespace tactile::model {
 
 std::vector<float> sample_features(const windows::Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
                                    const heatmaps::HeatmapOptions& rendering) {
-  features::SlidingSums sums(dataset.sensor(), rendering.history, features::feature_bin(rendering.tick, rendering.history),
-                             rendering.mask);
+  const std::optional<microseconds> bin = features::feature_bin(rendering.tick, rendering.history);
+  if (!bin) {
+    throw Error(
+        fmt::format("a history of {} us in ticks of {} us has no features; expected a multiple of 4 us, in at most {} bins",
+                    rendering.history.count(), rendering.tick.count(), features::SlidingSums::most_bins));
+  }
+  features::SlidingSums sums(dataset.sensor(), rendering.history, *bin, rendering.mask);
   const std::vector<events::Event> events = dataset.events(run);
   auto given = events.begin();
   std::vector<float> features;
