@@ -46,8 +46,8 @@ TEST(ConvertStress, WritesWhatTheRecipesMakeOfTheEvents) {
 
   // The same through AEDAT4 and its packets, and from a file of recipes.
   write_json(folder / "mine.json", {{"steps", {json_of(recipes[0]), json_of(recipes[1]), json_of(recipes[2])}}});
-  for (const std::string arguments : {"in.csv plain.aedat4 " + size, std::string("plain.aedat4 worse.aedat4 --stress mine.json"),
-                                      std::string("worse.aedat4 back.csv")}) {
+  for (const std::string& arguments : {"in.csv plain.aedat4 " + size, std::string("plain.aedat4 worse.aedat4 --stress mine.json"),
+                                       std::string("worse.aedat4 back.csv")}) {
     const auto step = run_tactile("convert " + arguments, folder.path());
     ASSERT_EQ(step.exit_code, 0) << step.err;
   }
