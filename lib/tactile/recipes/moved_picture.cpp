@@ -54,10 +54,9 @@ std::unique_ptr<Step> make_scale(const StepInput& input) {
     const double area = factor * factor;
     double copies = std::floor(area);
     if (random.uniform() < area - copies) ++copies;
-    const double spread = std::max(0.0, factor - 1);
     for (; copies > 0; --copies) {
-      const double x = middle_x + factor * (event.x - middle_x) + spread * (random.uniform() - 0.5);
-      const double y = middle_y + factor * (event.y - middle_y) + spread * (random.uniform() - 0.5);
+      const double x = middle_x + factor * (event.x - middle_x) + factor * (random.uniform() - 0.5);
+      const double y = middle_y + factor * (event.y - middle_y) + factor * (random.uniform() - 0.5);
       append_at(x, y, event, size, out);
     }
   });
