@@ -21,6 +21,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/recipes/recipe.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -33,6 +34,8 @@ struct ConvertArguments {
   std::string from_us, to_us;
   std::string columns, time_unit;
   conversion::BagImportOptions bag;
+  std::string stress;
+  std::uint64_t seed = 1;
   bool force = false;
 };
 
@@ -104,6 +107,7 @@ conversion::ConvertOptions options_of(const ConvertArguments& args, unsigned thr
   if (!args.source.empty()) options.source = args.source;
   options.csv.columns = args.columns;
   if (!args.time_unit.empty()) options.csv.time_unit = events::time_unit_named(args.time_unit);
+  if (!args.stress.empty()) options.recipes = recipes::parse_recipes(args.stress, args.seed);
   options.replace = args.force;
   options.threads = threads;
   return options;
@@ -142,7 +146,8 @@ void warn(const ConvertArguments& args, const conversion::ConvertSummary& summar
     spdlog::warn("{}: time steps back {}; times are written unchanged", args.out, counted(summary.steps_back, "time"));
 }
 
-nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
+nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertOptions& options,
+                       const conversion::ConvertSummary& summary) {
   nlohmann::json streams = nlohmann::json::array();
   for (const conversion::ConvertedStream& stream : summary.streams) {
     streams.push_back({{"id", stream.stream.id},
@@ -151,6 +156,8 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSu
                        {"source", stream.stream.source},
                        {"elements", stream.elements}});
   }
+  nlohmann::json stress = nlohmann::json::array();
+  for (const recipes::Recipe& recipe : options.recipes) stress.push_back(recipes::json_of(recipe));
   nlohmann::json left_out = nlohmann::json::array();
   for (const events::Stream& stream : summary.left_out) left_out.push_back(stream.id);
   return {{"in", args.in},
@@ -166,6 +173,7 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertSu
           {"time_unit", summary.time_unit ? nlohmann::json(name_of(*summary.time_unit)) : nlohmann::json()},
           {"first_us", summary.first ? nlohmann::json(us_of(*summary.first)) : nlohmann::json()},
           {"last_us", summary.last ? nlohmann::json(us_of(*summary.last)) : nlohmann::json()},
+          {"stress", stress},
           {"cropped_events", summary.cropped_events},
           {"cropped_frames", summary.cropped_frames},
           {"steps_back", summary.steps_back},
@@ -178,13 +186,16 @@ std::string begin_text(CameraTime first) {
   return moment == us ? us : fmt::format("{} ({})", moment, us);
 }
 
-std::string text_of(const ConvertArguments& args, const conversion::ConvertSummary& summary) {
+std::string text_of(const ConvertArguments& args, const conversion::ConvertOptions& options,
+                    const conversion::ConvertSummary& summary) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, {}, {}", args.in, name_of(summary.from), bytes_text(summary.bytes_in)));
   text += line("to", fmt::format("{}{}, {}", name_of(summary.to),
                                  summary.compression ? fmt::format(" ({})", name_of(*summary.compression)) : "",
                                  bytes_text(summary.bytes_out)));
+  for (std::size_t i = 0; i < options.recipes.size(); ++i)
+    text += line(i == 0 ? "worsened" : "", recipes::text_of(options.recipes[i]));
   if (summary.first) {
     text += line("begin", begin_text(*summary.first));
     text += line("duration", duration_text(between(*summary.first, *summary.last)));
@@ -288,7 +299,12 @@ bool is_recording_name(const std::string& out) {
 void convert(ConvertArguments args, const CommonArguments& common) {
   std::optional<BagRecording> from_bag;
   if (bags::is_bag(args.in)) {
-    if (!is_recording_name(args.out)) return import(args, common);
+    if (!is_recording_name(args.out)) {
+      if (!args.stress.empty())
+        throw Error(fmt::format("{}: a run folder from a bag is not worsened; expected .aedat4, .csv, .h5 or .npz with --stress",
+                                args.out));
+      return import(args, common);
+    }
     from_bag.emplace(args.in, args.bag, common);
     args.bag = {};
   }
@@ -297,11 +313,11 @@ void convert(ConvertArguments args, const CommonArguments& common) {
   for (const std::string* topic : {&bag.events_topic, &bag.joints_topic, &bag.pose_topic, &bag.video_topic, &bag.imu_topic}) {
     if (!topic->empty()) throw Error(args.in + ": is not a bag; expected no options for topics");
   }
-  const conversion::ConvertSummary summary =
-      conversion::convert_recording(from_bag ? from_bag->file() : std::filesystem::path(args.in), args.out,
-                                    options_of(args, common.threads), progress_line(common));
+  const conversion::ConvertOptions options = options_of(args, common.threads);
+  const conversion::ConvertSummary summary = conversion::convert_recording(
+      from_bag ? from_bag->file() : std::filesystem::path(args.in), args.out, options, progress_line(common));
   warn(args, summary);
-  print_result(common, json_of(args, summary), text_of(args, summary));
+  print_result(common, json_of(args, options, summary), text_of(args, options, summary));
 }
 
 }  // namespace
@@ -349,6 +365,11 @@ void add_convert_command(CLI::App& app) {
       .add_option("--time-unit", args->time_unit,
                   "Unit of a CSV's times; default: as its header row, or us for whole numbers and s for others")
       .check(one_of({"s", "ms", "us", "ns"}));
+  command
+      .add_option("--stress", args->stress,
+                  "Worsen the events: recipes with their severities, such as noise:100,loss:20, or a .json file of them")
+      .type_name("RECIPE,...");
+  command.add_option("--seed", args->seed, "Seed of --stress").check(is_seed()).show_default();
   command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
   command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")
       .type_name("TOPIC");

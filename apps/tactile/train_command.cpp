@@ -281,6 +281,15 @@ void add_split_options(Command& command, TrainArguments& args) {
   add_strict_option(command, args.strict);
 }
 
+std::string check_augmentation(const std::string& name) {
+  try {
+    model::augmentation_named(name);
+    return {};
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
 void add_training_options(Command& command, TrainArguments& args) {
   command.add_option("--seed", args.training.seed, "Seed of the initial weights and of the sample order")
       .check(is_seed())
@@ -304,9 +313,12 @@ void add_training_options(Command& command, TrainArguments& args) {
       .show_default();
   command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
   add_network_size(command, args.width, args.last_pool);
-  command.add_option("--augment", args.augment, "Random augmentation: none, or flip and shift, separated by commas")
+  command
+      .add_option("--augment", args.augment,
+                  "Random augmentation: none, or flip, shift and stress:RECIPE[:SEVERITY] of 'convert', separated by commas")
       .delimiter(',')
-      .check(one_of({"none", "flip", "shift"}))
+      .type_name("NAME,...")
+      .check(Check{check_augmentation, ""})
       .show_default();
   command
       .add_option("--class-weights", args.class_weights,

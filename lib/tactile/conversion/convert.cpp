@@ -20,6 +20,7 @@
 #include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_contents.hpp"
 #include "tactile/events/recording_writer.hpp"
+#include "tactile/recipes/recipe_stream.hpp"
 
 namespace tactile::conversion {
 namespace fs = std::filesystem;
@@ -122,6 +123,7 @@ class Passage {
       : in_(in),
         cut_(options),
         crop_(options.crop),
+        recipes_(options.recipes),
         summary_(summary),
         whole_(out, options.replace ? IfThere::replace : IfThere::refuse),
         output_(open_output(whole_.path(), in, summary)) {}
@@ -143,6 +145,11 @@ class Passage {
       crop_events(inside, *crop_, events_cropped_);
       summary_.cropped_events += inside.size() - events_cropped_.size();
       inside = events_cropped_;
+    }
+    if (!recipes_.empty()) {
+      events_worsened_.clear();
+      worsening_of(to).push(inside, events_worsened_);
+      inside = events_worsened_;
     }
     hand_over(to, inside);
   }
@@ -169,6 +176,11 @@ class Passage {
   }
 
   void finish() {
+    for (auto& [id, stream] : worsening_) {
+      events_worsened_.clear();
+      stream.finish(events_worsened_);
+      hand_over(*output_stream(id), std::span<const events::Event>(events_worsened_));
+    }
     if (cut_.is_limited() && !written_.first && summary_.cropped_events == 0)
       throw Error(fmt::format("{}: the cut {} us contains no element; {}. A '+' before a time counts from the first element",
                               in_.string(), cut_.text(), text_of(all_)));
@@ -203,6 +215,15 @@ class Passage {
     output_->write(to.stream.id, inside);
   }
 
+  /// The recipes at work on this stream.
+  recipes::RecipeStream& worsening_of(const ConvertedStream& to) {
+    const auto found = worsening_.find(to.stream.id);
+    if (found != worsening_.end()) return found->second;
+    if (!to.stream.size)
+      throw Error(fmt::format("{}: stream {} has no sensor size; expected one, or no recipes", in_.string(), to.stream.id));
+    return worsening_.emplace(to.stream.id, recipes::RecipeStream(recipes_, *to.stream.size)).first->second;
+  }
+
   /// Records the time of an element that is about to be written.
   /// @throws Error  that names the input, if the time steps back and the output is a recording, whose times never fall
   void note_time(const ConvertedStream& to, CameraTime t) {
@@ -221,12 +242,14 @@ class Passage {
   fs::path in_;
   TimeCut cut_;
   std::optional<PixelRegion> crop_;
+  std::span<const recipes::Recipe> recipes_;
   ConvertSummary& summary_;
   WholeFile whole_;
   std::unique_ptr<RecordingOutput> output_;
   TimesSeen all_, written_;
-  std::map<std::int32_t, CameraTime> newest_;  ///< written of each stream
-  std::vector<events::Event> events_kept_, events_cropped_;
+  std::map<std::int32_t, CameraTime> newest_;                ///< written of each stream
+  std::map<std::int32_t, recipes::RecipeStream> worsening_;  ///< of each stream of events
+  std::vector<events::Event> events_kept_, events_cropped_, events_worsened_;
   std::vector<events::ImuSample> imu_kept_;
   std::vector<events::Trigger> triggers_kept_;
 };

@@ -14,6 +14,7 @@
 #include "tactile/events/event_csv_layout.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
+#include "tactile/recipes/recipe.hpp"
 
 namespace tactile::conversion {
 
@@ -43,10 +44,11 @@ struct ConvertOptions {
   /// Of a CSV input, or of an HDF5 input without a size. Default for CSV: the smallest of 320x240, 346x260 and 640x480 that
   /// contains the events, or their extent if none does.
   std::optional<events::SensorSize> size{};
-  std::optional<std::string> source{};  ///< the camera to declare for such an input; default "csv" or "hdf5"
-  events::EventCsvOptions csv{};        ///< the columns of a CSV input, and the unit of its times
-  bool replace = false;                 ///< whether an existing output may be replaced
-  unsigned threads = 1;                 ///< threads that read an AEDAT4 input, > 0
+  std::optional<std::string> source{};     ///< the camera to declare for such an input; default "csv" or "hdf5"
+  events::EventCsvOptions csv{};           ///< the columns of a CSV input, and the unit of its times
+  std::vector<recipes::Recipe> recipes{};  ///< applied to each stream of events, after cut and crop
+  bool replace = false;                    ///< whether an existing output may be replaced
+  unsigned threads = 1;                    ///< threads that read an AEDAT4 input, > 0
 };
 
 struct ConvertedStream {

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -36,23 +37,37 @@ void check_renders(const windows::Dataset& dataset, const HeatmapOptions& option
   }
 }
 
+void render_events(events::SensorSize sensor, const NextEvents& next, std::span<const HeatmapOptions> renderings,
+                   std::span<const CameraTime> times, const HeatmapPlace& place_of) {
+  std::vector<HeatmapRenderer> renderers;
+  for (const HeatmapOptions& options : renderings) renderers.emplace_back(sensor, options);
+  std::vector<events::Event> piece = next();
+  auto given = piece.begin();
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const CameraTime t = times[i];
+    for (;;) {
+      const auto end = std::partition_point(given, piece.end(), [&](const events::Event& event) { return event.t < t; });
+      for (HeatmapRenderer& renderer : renderers) renderer.add(std::span(given, end));
+      given = end;
+      if (given != piece.end() || piece.empty()) break;
+      for (HeatmapRenderer& renderer : renderers) renderer.move_to(piece.back().t);  // what no moment needs is dropped
+      piece = next();
+      given = piece.begin();
+    }
+    for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index) {
+      renderers[rendering_index].move_to(t);
+      renderers[rendering_index].render(place_of(rendering_index, i));
+    }
+  }
+}
+
 void render_run(const windows::Dataset& dataset, std::uint32_t run_index, std::span<const HeatmapOptions> renderings,
                 std::span<const std::uint32_t> sample_indexes, const HeatmapPlace& place_of) {
-  std::vector<HeatmapRenderer> renderers;
-  for (const HeatmapOptions& options : renderings) renderers.emplace_back(dataset.sensor(), options);
-  const std::vector<events::Event> events = dataset.events(run_index);
-  auto given = events.begin();
-  for (std::size_t i = 0; i < sample_indexes.size(); ++i) {
-    const CameraTime t = dataset.samples()[sample_indexes[i]].t;
-    const auto end = std::partition_point(given, events.end(), [&](const events::Event& event) { return event.t < t; });
-    for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index) {
-      HeatmapRenderer& renderer = renderers[rendering_index];
-      renderer.add(std::span(given, end));  // events before the window are dropped at once
-      renderer.move_to(t);
-      renderer.render(place_of(rendering_index, i));
-    }
-    given = end;
-  }
+  std::vector<CameraTime> times;
+  for (const std::uint32_t index : sample_indexes) times.push_back(dataset.samples()[index].t);
+  bool is_read = false;
+  const auto next = [&] { return std::exchange(is_read, true) ? std::vector<events::Event>() : dataset.events(run_index); };
+  render_events(dataset.sensor(), next, renderings, times, place_of);
 }
 
 std::vector<std::uint8_t> render_samples(const windows::Dataset& dataset, const HeatmapOptions& options,

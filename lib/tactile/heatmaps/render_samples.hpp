@@ -15,6 +15,17 @@ namespace tactile::heatmaps {
 /// The memory for one rendering of sample i: [height, width] bytes.
 using HeatmapPlace = std::function<std::span<std::uint8_t>(std::size_t rendering_index, std::size_t i)>;
 
+/// The next events of a run, ascending in time; empty at its end.
+using NextEvents = std::function<std::vector<events::Event>()>;
+
+/// Renders the moments of a run from any events, piece by piece. Memory follows the piece.
+///
+/// @param times     ascending
+/// @param place_of  as of `render_run`, for times[i]
+/// @throws Error    as HeatmapRenderer
+void render_events(events::SensorSize sensor, const NextEvents& next, std::span<const HeatmapOptions> renderings,
+                   std::span<const CameraTime> times, const HeatmapPlace& place_of);
+
 /// Renders samples of one run with several settings, in one pass over the events that the dataset stores.
 ///
 /// @param sample_indexes  into `dataset.samples()`, all of that run, ascending; repeated or not

@@ -1,6 +1,6 @@
 #include "tactile/model/definition/training_options.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
@@ -18,6 +18,7 @@ namespace {
 constexpr std::array<std::string_view, 3> optimizer_names{"adam", "adamw", "sgd"};
 constexpr std::array<std::string_view, 3> schedule_names{"constant", "cosine", "step"};
 constexpr double largest_share = 0.5;
+constexpr std::string_view stress_prefix = "stress:";
 
 std::vector<std::string> parts_of(std::string_view text) {
   std::vector<std::string> parts;
@@ -45,10 +46,12 @@ Augmentation augmentation_named(std::string_view names) {
       augmentation.flip = true;
     else if (part == "shift")
       augmentation.shift = true;
+    else if (part.starts_with(stress_prefix))
+      augmentation.stress.push_back(recipes::parse_recipe(std::string_view(part).substr(stress_prefix.size())));
     else
-      throw Error(fmt::format("augmentation '{}' is unknown; expected none, flip, shift or flip,shift", names));
+      throw Error(fmt::format("augmentation '{}' is unknown; expected none, or flip, shift and stress:RECIPE", names));
   }
-  if (parts.empty()) throw Error("augmentation: none is named; expected none, flip, shift or flip,shift");
+  if (parts.empty()) throw Error("augmentation: none is named; expected none, or flip, shift and stress:RECIPE");
   return augmentation;
 }
 
@@ -71,8 +74,12 @@ ClassWeights class_weights_named(std::string_view text) {
 }
 
 std::string text_of(const Augmentation& augmentation) {
-  if (!augmentation.flip && !augmentation.shift) return "none";
-  return augmentation.flip && augmentation.shift ? "flip,shift" : augmentation.flip ? "flip" : "shift";
+  std::vector<std::string> parts;
+  if (augmentation.flip) parts.emplace_back("flip");
+  if (augmentation.shift) parts.emplace_back("shift");
+  for (const recipes::Recipe& recipe : augmentation.stress)
+    parts.push_back(std::string(stress_prefix) + recipes::text_of(recipe));
+  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ","));
 }
 
 std::string text_of(const ClassWeights& weights) {

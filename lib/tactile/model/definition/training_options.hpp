@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/recipes/recipe.hpp"
 
 namespace tactile::model {
 
@@ -20,10 +22,13 @@ enum class OptimizerKind : std::uint8_t { adam, adamw, sgd };
 /// and a hundredth from three quarters on.
 enum class Schedule : std::uint8_t { constant, cosine, step };
 
-/// Random changes of each heatmap, each time it is used for training.
+/// Random changes of each heatmap, each time it is used for training, and of the runs' events in each epoch.
 struct Augmentation {
   bool flip = false;   ///< mirrored horizontally and vertically, each with probability 1/2
   bool shift = false;  ///< moved by up to 4 cells in each direction; new cells are empty
+  /// In each epoch, half of the runs stay as they are. Each other one gets a recipe of these, at a severity up to its own, before
+  /// its heatmaps are rendered. Their seeds have no effect.
+  std::vector<recipes::Recipe> stress{};
 
   friend bool operator==(const Augmentation&, const Augmentation&) = default;
 };
@@ -60,7 +65,7 @@ std::string_view name_of(OptimizerKind optimizer);        ///< "adam", "adamw", 
 std::string_view name_of(Schedule schedule);              ///< "constant", "cosine", "step"
 OptimizerKind optimizer_named(std::string_view name);     ///< @throws Error
 Schedule schedule_named(std::string_view name);           ///< @throws Error
-Augmentation augmentation_named(std::string_view names);  ///< "none", "flip", "shift" or "flip,shift". @throws Error
+Augmentation augmentation_named(std::string_view names);  ///< "none", or "flip,shift,stress:noise:100". @throws Error
 ClassWeights class_weights_named(std::string_view text);  ///< "none", "balanced", or three weights: "1,2,1". @throws Error
 std::string text_of(const Augmentation& augmentation);    ///< as `augmentation_named` reads it
 std::string text_of(const ClassWeights& weights);         ///< as `class_weights_named` reads it

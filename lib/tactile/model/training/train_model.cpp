@@ -11,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/training/stressed_heatmaps.hpp"
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/event_counts.hpp"
 
@@ -239,8 +240,12 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
     const double part = static_cast<double>(resumed ? resumed->done : 0) / static_cast<double>(samples.training.size());
     options.begins(resumed ? resumed->epoch : 1, part);
   }
+  StressedHeatmaps stressed(dataset, settings, samples.training, training, threads);
+  const auto of_epoch = [&](unsigned epoch) { return stressed.of_epoch(epoch); };
+  using OfEpoch = decltype(TrainingTask::heatmaps_of_epoch);
   const TrainingTask learning{.size = size,
                               .training = {training, samples.training_truth},
+                              .heatmaps_of_epoch = settings.training.augmentation.stress.empty() ? OfEpoch() : OfEpoch(of_epoch),
                               .validation = {validation, samples.validation_truth},
                               .options = settings.training,
                               .network = settings.network,

@@ -107,6 +107,10 @@ class Training {
 
   void run_epoch() {
     const auto order = shuffled(samples(), task_.options.seed, state_.epoch);
+    const auto prepared = Clock::now();
+    training_heatmaps_ = task_.heatmaps_of_epoch ? task_.heatmaps_of_epoch(state_.epoch) : task_.training.heatmaps;
+    state_.epoch_seconds += seconds_since(prepared);
+    state_.seconds += seconds_since(prepared);
     for (const unsigned epoch = state_.epoch; state_.epoch == epoch; report()) {
       const auto begun = Clock::now();
       const std::size_t count = std::min<std::size_t>(task_.options.batch, order.size() - state_.done);
@@ -123,9 +127,9 @@ class Training {
     truth_.resize(batch.size());
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const auto heatmap = std::span(heatmaps_).subspan(i * cells_, cells_);
-      std::copy_n(task_.training.heatmaps.begin() + static_cast<std::ptrdiff_t>(batch[i] * cells_), cells_, heatmap.begin());
+      std::copy_n(training_heatmaps_.begin() + static_cast<std::ptrdiff_t>(batch[i] * cells_), cells_, heatmap.begin());
       truth_[i] = task_.training.truth[batch[i]];
-      if (task_.options.augmentation == Augmentation{}) continue;
+      if (!task_.options.augmentation.flip && !task_.options.augmentation.shift) continue;
       Random random(seed_for(task_.options.seed, {"augmentation", std::to_string(state_.epoch), std::to_string(batch[i])}));
       augment(heatmap, task_.size, task_.options.augmentation, random);
     }
@@ -248,6 +252,7 @@ class Training {
   TrainingState state_;
   double learning_rate_ = 0;
   Clock::time_point saved_ = Clock::now();
+  std::span<const std::uint8_t> training_heatmaps_;  ///< of this epoch
   std::vector<std::uint8_t> heatmaps_;
   std::vector<Touch> truth_;
 };

@@ -52,6 +52,8 @@ struct TrainedNetwork {
 struct TrainingTask {
   events::SensorSize size;  ///< of a heatmap
   LabelledHeatmaps training;
+  /// The training heatmaps of an epoch, from 1, valid until the next call; `training` in every epoch if empty.
+  std::function<std::span<const std::uint8_t>(unsigned epoch)> heatmaps_of_epoch{};
   LabelledHeatmaps validation{};  ///< may be empty without early stop
   TrainingOptions options{};
   LeNetOptions network{};
