@@ -24,9 +24,9 @@ using TickFeatures = std::array<float, feature_count>;
 ///    6      covariance of x and y                      in [-1/4, 1/4]
 ///    7, 8   mean x, mean y of brighter - of darker     in [-1, 1]; 0 without events of both: motion separates the two
 ///    9      mean of x^2 + y^2 of brighter - of darker  in [-2, 2]; the same
-///   10      n^2 / sum of c^2 / 432                     in [0, 1]: share of the 24 x 18 cells that are lit, if all lit ones are
-///   equal 11      ln(1 + sum of (brighter - darker)^2 / n)   >= 0: noise of both polarities gives about ln 2 12-20   share of
-///   the events in each of 3 x 3 fields, row by row; 1/9 without events
+///   10      n^2 / sum of c^2 / 432                     in [0, 1]: the share of lit cells, if all of them are equal
+///   11      ln(1 + sum of (brighter - darker)^2 / n)   >= 0: noise of both polarities gives about ln 2
+///   12-20   share of events in each of 3 x 3 fields    row by row; 1/9 without events
 ///
 /// c is the number of events in a cell. Every number is finite for every input. Computed in double from whole sums, then rounded.
 void window_features(const EventSums& sums, events::SensorSize sensor, std::span<float, features_of_window> features);
