@@ -28,6 +28,7 @@ void add_train_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_detect_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+void add_stress_command(CLI::App& app);
 void add_trade_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
@@ -68,6 +69,7 @@ consteval auto command_table() {
       CommandEntry{"detect", Program::model, add_detect_command},
       CommandEntry{"reproduce", Program::model, add_reproduce_command},
       CommandEntry{"trade", Program::model, add_trade_command},
+      CommandEntry{"stress", Program::model, add_stress_command},
       CommandEntry{"report", Program::runs, add_report_command},
       CommandEntry{"export", Program::runs, add_export_command},
       CommandEntry{"doctor", Program::model, add_doctor_command},

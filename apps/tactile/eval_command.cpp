@@ -65,17 +65,6 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const eva
   return usual.parent_path() / (name + ".json");
 }
 
-/// Removes the runs that the model's temperature was fitted on. @throws Error  if none is left
-void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
-                                const model::Classifier& classifier) {
-  std::erase_if(runs,
-                [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run].events_sha256); });
-  if (model::samples_of_runs(dataset, runs).empty()) {
-    throw Error(fmt::format("{}: no run with samples is left that {} neither learned from nor was calibrated on; expected one",
-                            dataset.file().string(), classifier.bundle().string()));
-  }
-}
-
 /// Called first, because an evaluation can take an hour.
 void check_writable(const fs::path& folder) {
   if (::access(folder.c_str(), W_OK) != 0)
@@ -105,7 +94,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   spdlog::info("evaluating {}", bundle->folder.string());
   const model::Classifier classifier = model::open_classifier(bundle->folder, common.threads, model::engine_named(args.engine));
   auto runs = model::test_runs_of(dataset, classifier.model());
-  leave_out_calibration_runs(runs, dataset, classifier);
+  evaluation::leave_out_calibration_runs(runs, dataset, classifier);
   evaluation::EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
   if (options.of_another_dataset) {
@@ -155,7 +144,8 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
     const model::Classifier* with = open(seen);
     const model::Classifier* without = open(held_out);
     auto runs = evaluation::runs_neither_saw(dataset, with->model(), without->model());
-    for (const model::Classifier* classifier : {with, without}) leave_out_calibration_runs(runs, dataset, *classifier);
+    for (const model::Classifier* classifier : {with, without})
+      evaluation::leave_out_calibration_runs(runs, dataset, *classifier);
     for (const std::string& object : model::objects_only_in(dataset, model::test_runs_of(dataset, without->model()), runs)) {
       const std::string warning = object + ": not compared, each of its runs with samples was used to train one of the models";
       if (std::find(trainings.warnings.begin(), trainings.warnings.end(), warning) != trainings.warnings.end()) continue;

@@ -15,6 +15,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/report.hpp"
+#include "tactile/report/reported_stress.hpp"
 #include "tactile/results/json_view.hpp"
 #include "tactile/windows/dataset.hpp"
 
@@ -27,7 +28,7 @@ struct ReportArguments {
   std::string what;
   std::string out;
   std::string models = "models";
-  std::string trade;
+  std::string trade, stress;
 };
 
 /// A model for a report.
@@ -84,6 +85,21 @@ report::ReportInput report_of_trade(const fs::path& folder) {
   return input;
 }
 
+/// A report of worsened runs alone.
+report::ReportInput report_of_stress(const fs::path& folder) {
+  report::ReportInput input;
+  input.stress = report::read_stress(folder);
+  input.title = input.stress->title;
+  input.simulated = input.stress->simulated;
+  return input;
+}
+
+/// The folder of a stress to include: the one named, else stress/ where it exists.
+fs::path stress_of(const ReportArguments& args) {
+  if (!args.stress.empty()) return args.stress;
+  return is_file("stress/stress.json") ? "stress" : "";
+}
+
 /// The folder of a trade to include: the one named, else trade/ where it exists.
 fs::path trade_of(const ReportArguments& args) {
   if (!args.trade.empty()) return args.trade;
@@ -100,11 +116,12 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
   if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
   if (is_file(what / "model.json")) return {report::read_models({what}, data_of(what)), what / "report"};
   if (is_file(what / "trade.json")) return {report_of_trade(what), what / "report"};
+  if (is_file(what / "stress.json")) return {report_of_stress(what), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(
-        fmt::format("{}: contains no study, model, trade or dataset; expected a folder that 'tactile reproduce', 'train', "
-                    "'trade' or 'windows' wrote",
+        fmt::format("{}: contains no study, model, trade, stress or dataset; expected a folder that 'tactile reproduce', "
+                    "'train', 'trade', 'stress' or 'windows' wrote",
                     what.string()));
   }
   const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args.models);
@@ -118,6 +135,7 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
 void report(const ReportArguments& args, const CommonArguments& common) {
   auto [input, place] = input_of(args);
   if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = report::read_trade(trade);
+  if (const fs::path stress = stress_of(args); !stress.empty() && !input.stress) input.stress = report::read_stress(stress);
   RunsBelow below;
   std::error_code unknown;
   if (!input.data.empty() && fs::is_directory(input.data, unknown)) below = look_for_runs(input.data);
@@ -157,10 +175,14 @@ void add_report_command(CLI::App& app) {
   auto args = std::make_shared<ReportArguments>();
   Command command = add_command(app, "report", "Write figures and one self-contained page from results",
                                 [args](const CommonArguments& common) { report(*args, common); });
-  command.add_option("what", args->what, "Folder of a study, a model, a trade or data; default: study/ if it exists, else data")
-      .type_name("STUDY|MODEL|TRADE|DATA");
+  command
+      .add_option("what", args->what,
+                  "Folder of a study, a model, a trade, a stress or data; default: study/ if it exists, else data")
+      .type_name("STUDY|MODEL|TRADE|STRESS|DATA");
   command.add_option("--out", args->out, "Output folder; default: report/ in the study or model").type_name("DIR");
   command.add_option("--trade", args->trade, "Folder of 'trade' results to include; default: trade/ if it exists")
+      .type_name("DIR");
+  command.add_option("--stress", args->stress, "Folder of 'stress' results to include; default: stress/ if it exists")
       .type_name("DIR");
   command.add_option("--models", args->models, "Folder of models, for DATA").type_name("DIR").show_default();
 }

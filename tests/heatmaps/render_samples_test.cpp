@@ -198,6 +198,21 @@ TEST(ForEveryTick, GivesTheSameFromARecording) {
   const TickRange range = for_every_tick(recording, events::event_stream(recording).id, {}, see(from_file));
   EXPECT_GT(range.count, 100);
   EXPECT_EQ(from_memory, from_file);
+
+  // A change that holds every event back until the end, and one that loses all of them: the ticks stay.
+  std::vector<events::Event> held;
+  Seen late, empty;
+  const ChangeEvents hold_back = [&held](std::span<const events::Event> recorded, bool is_last) {
+    held.insert(held.end(), recorded.begin(), recorded.end());
+    return is_last ? std::span<const events::Event>(held) : std::span<const events::Event>();
+  };
+  for_every_tick(recording, events::event_stream(recording).id, {}, see(late), hold_back);
+  EXPECT_EQ(late, from_file);
+  const TickRange without = for_every_tick(recording, events::event_stream(recording).id, {}, see(empty),
+                                           [](std::span<const events::Event>, bool) { return std::span<const events::Event>(); });
+  EXPECT_EQ(without.first, range.first);
+  ASSERT_EQ(without.count, range.count);
+  for (const auto& [t, heatmap] : empty) EXPECT_EQ(std::count(heatmap.begin(), heatmap.end(), 0), std::ssize(heatmap));
 }
 
 TEST(ForEveryTick, HasNoneIfTheRunIsShorterThanTheHistory) {

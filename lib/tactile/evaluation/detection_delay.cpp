@@ -215,6 +215,12 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
   return other;
 }
 
+std::vector<results::DetectedWithin> detected_within(std::span<const results::RunDetections> runs, Touch touch,
+                                                     const results::BootstrapOptions& options) {
+  const TouchDetections of(runs, touch);
+  return detection_curve(of.times, without_names(of.objects), options);
+}
+
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options) {
   return overall_summary({runs, touch}, options);

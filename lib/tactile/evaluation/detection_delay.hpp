@@ -36,6 +36,10 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
 /// limit is counted from `onset`, too.
 results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks);
 
+/// The curve of detections over all runs, as `delay_table(...).curve`.
+std::vector<results::DetectedWithin> detected_within(std::span<const results::RunDetections> runs, Touch touch,
+                                                     const results::BootstrapOptions& options = {});
+
 /// Over all runs only, as `delay_table(...).all`.
 results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
                                     const results::BootstrapOptions& options = {});

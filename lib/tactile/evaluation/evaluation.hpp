@@ -37,6 +37,10 @@ struct ModelOnRuns {
   std::vector<std::uint32_t> runs;
 };
 
+/// Removes the runs that the model's temperature was fitted on. @throws Error  if none with samples is left
+void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
+                                const model::Classifier& classifier);
+
 /// Evaluates trainings of one setting on runs of a dataset, by one pass over every tick of their run folders. A balanced sample
 /// takes the verdict at its tick. Intervals are over trainings, objects and runs.
 ///

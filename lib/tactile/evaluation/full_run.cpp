@@ -17,7 +17,7 @@ constexpr std::size_t batch = 256;  // heatmaps rendered before they are classif
 
 results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier, unsigned threads,
                                    const std::function<void(std::size_t)>& advance, const heatmaps::TickCallback& see,
-                                   std::optional<microseconds> tick) {
+                                   std::optional<microseconds> tick, const heatmaps::ChangeEvents& change) {
   heatmaps::HeatmapOptions rendering = classifier.rendering();
   rendering.tick = tick.value_or(rendering.tick);
   events::RecordingReader reader(recording);
@@ -45,7 +45,7 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };
-  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use);
+  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use, change);
   if (!waiting.empty()) classify_waiting();
   return run;
 }

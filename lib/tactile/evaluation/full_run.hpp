@@ -20,10 +20,12 @@ namespace tactile::evaluation {
 /// @param advance  called after each batch with its number of ticks; may be empty
 /// @param see      called with each rendered tick; may be empty
 /// @param tick     instead of the model's own
+/// @param change   changes the events before they are rendered; the ticks stay those of the recording
 /// @throws Error   if the recording cannot be read, or its sensor gives heatmaps of another size than the model's
 results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier, unsigned threads,
                                    const std::function<void(std::size_t ticks)>& advance = {},
-                                   const heatmaps::TickCallback& see = {}, std::optional<microseconds> tick = {});
+                                   const heatmaps::TickCallback& see = {}, std::optional<microseconds> tick = {},
+                                   const heatmaps::ChangeEvents& change = {});
 
 /// The verdict at each tick of a run with probabilities.
 std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run);

@@ -26,7 +26,8 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.run = run.name();
   prediction.simulated = events::is_simulated(run);
   prediction.truth = read_run_truth(run, options.include_flagged);
-  prediction.full = classify_full_run(run.events(), classifier, options.threads, advance);
+  if (options.by_truth) prediction.truth = with_truth_as_labels(prediction.truth);
+  prediction.full = classify_full_run(run.events(), classifier, options.threads, advance, {}, {}, options.change);
   prediction.decision = options.decision;
   if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = decided(options.decision, prediction.full);

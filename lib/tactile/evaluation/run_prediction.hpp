@@ -32,9 +32,11 @@ struct PredictionOptions {
   model::Decision decision{};
   std::optional<std::uint64_t> gate = std::nullopt;  ///< the verdict is none below so many events in t_h
   DelayOptions delay{};
-  microseconds guard{100'000};   ///< how long after an interval alarms are counted separately, >= 0
-  bool include_flagged = false;  ///< flagged intervals are used too
-  unsigned threads = 1;          ///< > 0
+  microseconds guard{100'000};         ///< how long after an interval alarms are counted separately, >= 0
+  bool include_flagged = false;        ///< flagged intervals are used too
+  bool by_truth = false;               ///< `with_truth_as_labels`
+  heatmaps::ChangeEvents change = {};  ///< changes the events of the run before they are rendered; the ticks stay the same
+  unsigned threads = 1;                ///< > 0
 };
 
 /// @throws Error  as `classify_full_run` and `read_run_truth`

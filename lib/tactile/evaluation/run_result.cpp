@@ -27,15 +27,6 @@ std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std
   return verdicts;
 }
 
-/// The samples that the dataset would have of a run with these labels.
-std::vector<windows::Sample> samples_by(const windows::SamplingOptions& options, std::uint32_t run, const RunFolder& folder,
-                                        std::span<const windows::SampledInterval> labels, const RunTruth& truth,
-                                        const TickRange& ticks, microseconds history) {
-  if (ticks.count == 0) return {};
-  return windows::balanced_samples(run, labels, before(ticks.first, history), ticks.at(ticks.count - 1),
-                                   seed_for(options.seed, {"windows", folder.object, folder.run}), options, truth.unclear);
-}
-
 /// The samples that the dataset would have of this run by another guard; by its own, those that it has.
 std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, std::uint32_t run, const RunTruth& truth,
                                               const TickRange& ticks, microseconds history, microseconds guard) {
@@ -198,6 +189,14 @@ std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::ui
   std::vector<windows::Sample> samples;
   for (const std::uint32_t index : model::samples_of_runs(dataset, {&run, 1})) samples.push_back(dataset.samples()[index]);
   return samples;
+}
+
+std::vector<windows::Sample> samples_by(const windows::SamplingOptions& options, std::uint32_t run, const RunFolder& folder,
+                                        std::span<const windows::SampledInterval> labels, const RunTruth& truth,
+                                        const TickRange& ticks, microseconds history) {
+  if (ticks.count == 0) return {};
+  return windows::balanced_samples(run, labels, before(ticks.first, history), ticks.at(ticks.count - 1),
+                                   seed_for(options.seed, {"windows", folder.object, folder.run}), options, truth.unclear);
 }
 
 std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, const std::string& run) {

@@ -98,6 +98,13 @@ RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run);
 /// The dataset's samples of a run, ascending in time.
 std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::uint32_t run);
 
+/// The samples that a dataset would have of a run with these labels.
+/// @param ticks    the run's full ticks
+/// @param history  of the heatmaps
+std::vector<windows::Sample> samples_by(const windows::SamplingOptions& options, std::uint32_t run, const RunFolder& folder,
+                                        std::span<const windows::SampledInterval> labels, const RunTruth& truth,
+                                        const TickRange& ticks, microseconds history);
+
 /// The index of a sample's tick in a full run. @throws Error  if it is at none
 std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, const std::string& run);
 

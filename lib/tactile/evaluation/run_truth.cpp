@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/truth.hpp"
 #include "tactile/labels/labels.hpp"
 
@@ -40,6 +41,20 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
     if (interval.labelled) truth.gross.push_back(interval.gross);
   }
   return truth;
+}
+
+RunTruth with_truth_as_labels(const RunTruth& truth) {
+  if (!truth.has_truth) throw Error("a run without truth.json; expected a simulated one");
+  RunTruth exact = truth;
+  exact.labels.clear();
+  exact.bounds.clear();
+  exact.releases.clear();
+  exact.unclear = truth.unlabelled;
+  for (const TouchInterval& interval : truth.true_ones) {
+    exact.labels.push_back({interval, true});
+    exact.bounds.push_back({{interval.start, interval.start, interval.start}, {interval.end, interval.end, interval.end}});
+  }
+  return exact;
 }
 
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals) {

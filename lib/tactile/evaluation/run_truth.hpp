@@ -39,6 +39,10 @@ struct RunTruth {
 /// @throws Error  if one of them is damaged
 RunTruth read_run_truth(const RunFolder& run, bool include_flagged = false);
 
+/// The same run with its truth in the place of its labels: exact, none in doubt, without releases. Motion without labels is
+/// unclear. @throws Error  if it has no truth
+RunTruth with_truth_as_labels(const RunTruth& truth);
+
 /// The class of the interval that contains the tick; none where there is no such interval.
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals);
 

@@ -17,8 +17,9 @@ constexpr std::size_t chunk = 8192;  // at most so many events are counted befor
 class EveryTick {
  public:
   /// @param where  the begin of the error for too many ticks
-  EveryTick(events::SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
-      : options_(options), use_(use), where_(std::move(where)), renderer_(sensor, options) {
+  EveryTick(events::SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, const ChangeEvents& change,
+            std::string where = {})
+      : options_(options), use_(use), change_(change), where_(std::move(where)), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
     range_.tick = options.tick;
   }
@@ -27,14 +28,34 @@ class EveryTick {
     for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
       const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
       if (!first_event_) first_event_ = part.front().t;
-      renderer_.add(part);
-      render_until(part.back().t);
+      last_event_ = part.back().t;
+      if (change_) {
+        add_changed(change_(part, false));
+      } else {
+        renderer_.add(part);
+        render_until(last_event_);
+      }
     }
+  }
+
+  void finish() {
+    if (!change_ || !first_event_) return;
+    add_changed(change_({}, true));
+    render_until(last_event_);
   }
 
   TickRange range() const { return range_; }
 
  private:
+  /// Later changed events lie at or after the last of these, so ticks until then are full.
+  void add_changed(std::span<const events::Event> events) {
+    for (; !events.empty(); events = events.subspan(std::min(chunk, events.size()))) {
+      const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
+      renderer_.add(part);
+      render_until(std::min(part.back().t, last_event_));
+    }
+  }
+
   void render_until(CameraTime last_event) {
     const TickRange full = full_ticks(*first_event_, last_event, options_.history, options_.tick);
     if (const std::string why = why_too_many(full); !why.empty()) throw Error(where_ + why);
@@ -49,10 +70,12 @@ class EveryTick {
 
   HeatmapOptions options_;
   const TickCallback& use_;
+  const ChangeEvents& change_;
   std::string where_;
   HeatmapRenderer renderer_;
   std::vector<std::uint8_t> heatmap_;
   std::optional<CameraTime> first_event_;
+  CameraTime last_event_{};
   TickRange range_;
 };
 
@@ -60,20 +83,22 @@ class EveryTick {
 
 TickRange for_every_tick(std::span<const events::Event> events, events::SensorSize sensor, const HeatmapOptions& options,
                          const TickCallback& use) {
-  EveryTick ticks(sensor, options, use);
+  const ChangeEvents unchanged;
+  EveryTick ticks(sensor, options, use, unchanged);
   ticks.add(events);
   return ticks.range();
 }
 
 TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
-                         const TickCallback& use) {
+                         const TickCallback& use, const ChangeEvents& change) {
   const std::optional<events::SensorSize> sensor = recording.stream(stream_id).size;
   if (!sensor)
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
   if (const std::string why = why_too_many(listed_ticks(recording, stream_id, options)); !why.empty())
     throw Error(recording.file().string() + ": " + why);
-  EveryTick ticks(*sensor, options, use, recording.file().string() + ": ");
+  EveryTick ticks(*sensor, options, use, change, recording.file().string() + ": ");
   events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { ticks.add(events); });
+  ticks.finish();
   return ticks.range();
 }
 

@@ -34,12 +34,13 @@ void begin(ReportPage& page, const ReportInput& input) {
 
 /// Figures that an earlier report drew, and this one did not, are removed. Other files stay.
 void remove_old_figures(const fs::path& folder, const std::vector<std::string>& drawn) {
-  static constexpr std::array<std::string_view, 12> ours{"frames",    "accuracy-by-history",
+  static constexpr std::array<std::string_view, 13> ours{"frames",    "accuracy-by-history",
                                                          "delays",    "operating-curve",
                                                          "confusion", "reliability",
                                                          "over-time", "run-",
                                                          "unseen",    "training",
-                                                         "figure-",   "trade-"};
+                                                         "figure-",   "trade-",
+                                                         "stress-"};
   std::error_code ignored;
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -119,6 +120,7 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
   add_runs(page, input);
   add_unseen(page, input);
   add_trade(page, input);
+  add_stress(page, input);
   add_trainings(page, input);
   end(page, input);
 

@@ -11,6 +11,7 @@
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/results/claim.hpp"
 #include "tactile/results/evaluation.hpp"
+#include "tactile/results/stress.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 #include "tactile/results/variance_shares.hpp"
 
@@ -71,7 +72,8 @@ struct ReportInput {
   std::vector<UnseenSection> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
-  std::optional<ReportedTrade> trade;  ///< of speed for accuracy
+  std::optional<ReportedTrade> trade;     ///< of speed for accuracy
+  std::optional<results::Stress> stress;  ///< of worsened runs
   std::vector<ReportedTable> settings;
   std::filesystem::path data;        ///< folder of runs; empty if not known
   double history_ms = 40;            ///< of the frames shown

@@ -59,6 +59,7 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation);
 void add_runs(ReportPage& page, const ReportInput& input);
 void add_unseen(ReportPage& page, const ReportInput& input);
 void add_trade(ReportPage& page, const ReportInput& input);
+void add_stress(ReportPage& page, const ReportInput& input);
 void add_trainings(ReportPage& page, const ReportInput& input);
 
 }  // namespace tactile::report

@@ -123,11 +123,17 @@ void to_json(nlohmann::json& json, const FalseAlarms& of_run) {
           {"unlabelled", of_run.unlabelled},
           {"none_min", in_minutes(of_run.none_time)},
           {"none_in_alarm_min", in_minutes(of_run.none_in_alarm)},
+          {"after_intervals_min", in_minutes(of_run.after_intervals_time)},
+          {"releases_min", in_minutes(of_run.releases_time)},
+          {"unlabelled_min", in_minutes(of_run.unlabelled_time)},
           {"outside_labels", of_run.outside_labels},
           {"outside_labels_min", in_minutes(of_run.outside_labels_time)},
+          {"outside_labels_alarm_min", in_minutes(of_run.outside_labels_in_alarm)},
           {"outside_motion", of_run.outside_motion},
           {"outside_motion_min", in_minutes(of_run.outside_motion_time)},
+          {"outside_motion_alarm_min", in_minutes(of_run.outside_motion_in_alarm)},
           {"wrong_class", of_run.wrong_class},
+          {"wrong_min", in_minutes(of_run.wrong_class_time)},
           {"labelled_min", in_minutes(of_run.labelled_time)}};
 }
 
@@ -137,12 +143,18 @@ void from_json(const JsonView& json, FalseAlarms& of_run) {
             .releases = json["releases"].count(),
             .unlabelled = json["unlabelled"].count(),
             .none_time = minutes_in(json["none_min"]),
+            .after_intervals_time = minutes_in(json["after_intervals_min"]),
+            .releases_time = minutes_in(json["releases_min"]),
+            .unlabelled_time = minutes_in(json["unlabelled_min"]),
             .outside_labels = json["outside_labels"].count(),
             .outside_labels_time = minutes_in(json["outside_labels_min"]),
+            .outside_labels_in_alarm = minutes_in(json["outside_labels_alarm_min"]),
             .outside_motion = json["outside_motion"].count(),
             .outside_motion_time = minutes_in(json["outside_motion_min"]),
+            .outside_motion_in_alarm = minutes_in(json["outside_motion_alarm_min"]),
             .none_in_alarm = minutes_in(json["none_in_alarm_min"]),
             .wrong_class = json["wrong_class"].count(),
+            .wrong_class_time = minutes_in(json["wrong_min"]),
             .labelled_time = minutes_in(json["labelled_min"])};
 }
 

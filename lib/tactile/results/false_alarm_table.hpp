@@ -65,10 +65,11 @@ struct FalseAlarmTable {
 void to_json(nlohmann::json& json, const FalseAlarmTable& table);
 void from_json(const JsonView& json, FalseAlarmTable& table);
 
-/// Of one run: {"count", "after_intervals", "releases", "unlabelled", "none_min", "none_in_alarm_min", "outside_labels",
-/// "outside_labels_min", "outside_motion", "outside_motion_min", "wrong_class", "labelled_min"}
+/// Of one run: {"count", "after_intervals", "releases", "unlabelled", "none_min", "none_in_alarm_min", "after_intervals_min",
+/// "releases_min", "unlabelled_min", "outside_labels", "outside_labels_min", "outside_labels_alarm_min", "outside_motion",
+/// "outside_motion_min", "outside_motion_alarm_min", "wrong_class", "wrong_min", "labelled_min"}
 void to_json(nlohmann::json& json, const FalseAlarms& of_run);
-void from_json(const JsonView& json, FalseAlarms& of_run);  ///< files of older versions have counts only
+void from_json(const JsonView& json, FalseAlarms& of_run);  ///< files of older versions lack some of them: 0
 
 /// Of one run, in sentences: episodes outside labels, the same without unlabelled motion, the share of none time in alarm, and
 /// episodes of the wrong class. A rate or share of a time that is 0 is left out.

@@ -137,6 +137,15 @@ void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCo
   recording.close();
 }
 
+/// Writes events and truth.
+FilmedSkin write_events_and_truth(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels, TouchCounter& touch,
+                                  const std::function<void(double)>& tell_share) {
+  SkinFilm film = film_of(drawn, pixels);
+  record(run.events(), drawn, film, touch, tell_share);
+  write_truth(run.truth(), truth_of(drawn, pixels, film.filmed()));
+  return film.filmed();
+}
+
 /// Decides what to do for a run. @throws Error  if its folder is not a simulated run
 PlannedRun plan_run(const RunFolder& run, const SimulateOptions& options) {
   PlannedRun planned{.outcome = {.run = run}};
@@ -204,16 +213,39 @@ SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, cons
 
 }  // namespace
 
+void simulate_events(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels) {
+  TouchCounter touch(drawn);
+  write_events_and_truth(run, drawn, pixels, touch, {});
+}
+
+RunSettings read_run_settings(const RunFolder& run) {
+  const std::string where = run.truth().string();
+  if (!fs::exists(run.truth())) throw Error(where + ": missing; expected a simulated run");
+  nlohmann::json settings = member<nlohmann::json>(read_truth(run.truth()).parameters, "settings", where);
+  const std::string hash = hash_of(settings);
+  const auto preset = member<nlohmann::json>(settings, "preset", where);
+  RunSettings read{.physics = {},
+                   .object = member<std::string>(member<nlohmann::json>(settings, "object", where), "name", where),
+                   .run = member<std::string>(settings, "run", where),
+                   .preset = member<std::string>(preset, "name", where),
+                   .seed = member<std::uint64_t>(settings, "seed", where)};
+  nlohmann::json physics = settings;
+  for (const char* other : {"preset", "object", "place", "run", "seed", "model_version"}) physics.erase(other);
+  physics["presets"][read.preset] = {{"timings", member<nlohmann::json>(preset, "timings", where)},
+                                     {"special_runs", member<bool>(preset, "special_runs", where)}};
+  physics["objects"] = nlohmann::json::array({settings["object"]});
+  read.physics = physics_from(physics, where);
+  if (hash_of(simulation_settings(read.physics, read.object, read.run, read.preset, read.seed)) != hash)
+    throw Error(where + ": its settings give another run in this version; expected a run that this version simulates");
+  return read;
+}
+
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
                           const std::function<void(double)>& tell_share) {
   TouchCounter touch(drawn);
-  SkinFilm film = film_of(drawn, pixels);
-  record(run.events(), drawn, film, touch, tell_share);
-  const FilmedSkin& filmed = film.filmed();
-
+  const FilmedSkin filmed = write_events_and_truth(run, drawn, pixels, touch, tell_share);
   const std::uint64_t dropped_packages = write_robot(run.robot(), drawn);
   write_video(run.video(), run.video_times(), drawn);
-  write_truth(run.truth(), truth_of(drawn, pixels, filmed));
 
   const RunClocks& clocks = drawn.clocks;
   const SimulationPhysics& physics = *drawn.physics;

@@ -46,6 +46,20 @@ struct SimulatedRun {
 /// @throws Error  before anything is written, if an option or a folder is refused
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
+/// Makes only events.aedat4 and truth.json of one run, in its folder, which must exist and be empty.
+/// @param pixels  those of `camera_pixels_of(drawn)`
+void simulate_events(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels);
+
+/// The settings that a simulated run was drawn from, as its truth.json has them.
+struct RunSettings {
+  SimulationPhysics physics;
+  std::string object, run, preset;
+  std::uint64_t seed = 1;
+};
+
+/// @throws Error  if the run was not simulated, or by another version, whose settings give other runs now
+RunSettings read_run_settings(const RunFolder& run);
+
 /// Makes the files of one run in its folder, which must exist and be empty.
 /// @param pixels  those of `camera_pixels_of(drawn)`
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,

@@ -1,0 +1,259 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "chosen_model.hpp"
+#include "command.hpp"
+#include "commands.hpp"
+#include "eval_models.hpp"
+#include "experiment_output.hpp"
+#include "model_arguments.hpp"
+#include "option_checks.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/experiments/stress/simulated_worlds.hpp"
+#include "tactile/experiments/stress/stress.hpp"
+#include "tactile/pictures/gnuplot.hpp"
+#include "tactile/report/stress_plots.hpp"
+#include "text_table.hpp"
+
+namespace tactile::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StressArguments {
+  std::string data = "data", models = "models", out = "stress";
+  std::vector<std::string> model, recipes, worlds, quiet;
+  std::string sensor, engine = "fast";
+  std::optional<unsigned> runs;
+  std::uint64_t seed = 1;
+  DecisionArguments decision;
+  bool gate = false, quick = false, force = false, no_figures = false;
+};
+
+std::vector<stress::StressSeries> series_of(const StressArguments& args) {
+  std::optional<recipes::SensorNoise> sensor;
+  if (!args.sensor.empty()) sensor = recipes::read_sensor_noise(args.sensor);
+  std::vector<stress::StressSeries> series;
+  for (const std::string& text : args.recipes) series.push_back(stress::series_in(text, args.seed, sensor));
+  if (args.recipes.empty()) series = stress::all_series(args.seed, sensor);
+  for (const std::string& text : args.worlds) {
+    if (text != "all") {
+      series.push_back(stress::world_series_in(text));
+      continue;
+    }
+    for (const stress::SimulatedWorld& world : stress::world_list())
+      series.push_back(stress::world_series_in(std::string(world.name)));
+  }
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    if (args.quick) series[i] = stress::with_few_severities(series[i]);
+    const auto has_name = [&](const stress::StressSeries& other) { return other.name == series[i].name; };
+    if (std::any_of(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(i), has_name))
+      throw Error(fmt::format("{}: two recipes have this name; expected each once", series[i].name));
+  }
+  return series;
+}
+
+/// The named models; else the newest single-run model of the dataset.
+std::vector<fs::path> models_of(const StressArguments& args, const std::optional<fs::path>& dataset) {
+  std::vector<fs::path> models;
+  for (const std::string& model : args.model) {
+    EvalArguments named;
+    named.models = args.models;
+    named.model = model;
+    models.push_back(bundle_named(named).folder);
+  }
+  if (!models.empty()) return models;
+  if (dataset) {
+    const std::string hash = windows::Dataset(*dataset).manifest_hash();
+    const auto newest = model::newest_bundle(args.models, [&](const model::ModelDescription& model) {
+      return model.manifest_hash == hash && model.settings.split.kind == windows::SplitKind::single_run;
+    });
+    if (!newest) {
+      throw Error(fmt::format("{}: no single-run model of {}; expected one, run 'tactile train' first, or name one by --model",
+                              args.models, dataset->string()));
+    }
+    return {newest->folder};
+  }
+  return {chosen_model("", args.models).folder};
+}
+
+stress::StressOptions options_of(const StressArguments& args, const CommonArguments& common) {
+  stress::StressOptions options;
+  if (args.quiet.empty() || fs::exists(dataset_file(args.data))) options.dataset = dataset_file(args.data);
+  options.out = args.out;
+  options.models = models_of(args, options.dataset);
+  options.series = series_of(args);
+  for (const std::string& file : args.quiet) options.quiet.emplace_back(file);
+  options.runs = args.runs;
+  options.judging.confirmation = confirmation_in(args.decision.confirm);
+  options.judging.alarm_cost = alarm_cost_of(args.decision);
+  options.judging.gate = args.gate;
+  options.judging.threads = common.threads;
+  options.engine = model::engine_named(args.engine);
+  options.seed = args.seed;
+  options.force = args.force;
+  return options;
+}
+
+std::string text_of(const results::Figure& figure, double factor) {
+  return std::isfinite(figure.value) ? fmt::format("{:.1f}", factor * figure.value) : "-";
+}
+
+/// A name for each model that fits into a table.
+std::string letter_of(std::size_t model) { return std::string(1, static_cast<char>('A' + model % 26)); }
+
+std::string holds_table(const results::Stress& stress) {
+  std::vector<std::string> head{"recipe", "last severity"};
+  for (std::size_t i = 0; i < stress.models.size(); ++i) {
+    const std::string of = stress.models.size() > 1 ? letter_of(i) + " " : "";
+    for (const char* column : {"holds", "accuracy [%]", "press, slip in 50 ms [%]", "alarms/min"}) head.push_back(of + column);
+  }
+  std::vector<std::vector<std::string>> rows;
+  const auto add_row = [&](const std::string& name, const std::string& severity, auto point_of, auto holds_of) {
+    std::vector<std::string> row{name, severity};
+    for (const results::StressedModel& model : stress.models) {
+      const results::StressPoint& point = point_of(model);
+      row.push_back(holds_of(model));
+      row.push_back(text_of(point.accuracy, 100));
+      row.push_back(text_of(point.press.within_50_ms, 100) + ", " + text_of(point.slip.within_50_ms, 100));
+      row.push_back(text_of(point.false_alarms.outside_labels_per_min, 1));
+    }
+    rows.push_back(std::move(row));
+  };
+  for (const bool quiet : {false, true}) {
+    const auto of = [quiet](const results::StressedModel& model) -> const std::vector<results::StressCurve>& {
+      return quiet ? model.quiet : model.curves;
+    };
+    for (std::size_t i = 0; i < of(stress.models.front()).size(); ++i) {
+      const results::StressCurve& first = of(stress.models.front())[i];
+      const bool begins = i == 0 || first.is_world != of(stress.models.front())[i - 1].is_world;
+      if (begins) {
+        add_row(
+            quiet            ? "quiet, unchanged"
+            : first.is_world ? "unchanged, by truth"
+                             : "unchanged",
+            "0", [&](const auto& model) -> const results::StressPoint& { return of(model)[i].points.front(); },
+            [](const auto&) { return std::string(); });
+      }
+      add_row((quiet ? "quiet, " : "") + first.name, fmt::format("{:g} {}", first.points.back().severity, first.unit),
+              [&](const auto& model) -> const results::StressPoint& { return of(model)[i].points.back(); },
+              [&](const auto& model) { return quiet ? std::string() : results::words_of(of(model)[i]); });
+    }
+  }
+  return text_table(head, rows);
+}
+
+std::string text_of(const stress::StressSummary& summary) {
+  const results::Stress& stress = summary.stress;
+  std::string text = stress.title + "\n\n" + wrapped(stress.judged_by) + "\n\n";
+  for (std::size_t i = 0; i < stress.models.size(); ++i) {
+    const results::StressedModel& model = stress.models[i];
+    text += fmt::format("{}{}: {}, {} runs\n", stress.models.size() > 1 ? letter_of(i) + ": " : "", model.name,
+                        counted(model.trainings.size(), "training"), model.runs.size());
+  }
+  text += "\n" +
+          wrapped(fmt::format("Holds: the severity up to which the accuracy is at most {:g} points below that of the "
+                              "unchanged runs. Figures are those at the last severity; all are in stress.csv.",
+                              100 * stress.most_lost)) +
+          "\n\n" + holds_table(stress);
+  text +=
+      fmt::format("\n{} steps done, {} kept. Written to {} and stress.csv\n", summary.done, summary.kept, summary.file.string());
+  return text;
+}
+
+std::vector<std::string> draw_figures(const results::Stress& stress, const fs::path& out) {
+  std::vector<std::pair<std::string, pictures::Plot>> plots;
+  if (!stress.models.front().curves.empty()) {
+    plots.emplace_back("stress-accuracy", report::stress_plot(stress, report::StressMeasure::accuracy));
+    plots.emplace_back("stress-detected", report::stress_plot(stress, report::StressMeasure::within_50_ms));
+    plots.emplace_back("stress-false-alarms", report::stress_plot(stress, report::StressMeasure::false_alarms));
+  }
+  if (!stress.models.front().quiet.empty())
+    plots.emplace_back("stress-quiet", report::stress_plot(stress, report::StressMeasure::false_alarms, true));
+  std::vector<std::string> files;
+  for (const auto& [name, plot] : plots) {
+    for (const char* type : {".svg", ".png"}) {
+      stop_if_interrupted();
+      files.push_back((out / "figures" / (name + type)).string());
+      pictures::draw(plot, files.back());
+    }
+  }
+  return files;
+}
+
+void run(const StressArguments& args, const CommonArguments& common) {
+  std::optional<windows::DatasetSummary> made;
+  if (args.quiet.empty()) made = make_missing_dataset(args.data, false, common);
+  const stress::StressSummary summary = stress::run_stress(
+      options_of(args, common), [&] { return progress_line(common); }, log_step);
+  nlohmann::json result = summary.stress;
+  result["file"] = summary.file.string();
+  result["steps_done"] = summary.done;
+  result["steps_kept"] = summary.kept;
+  result["figures"] = nlohmann::json::array();
+  std::string text = text_of(summary);
+  try {
+    if (!args.no_figures) {
+      result["figures"] = draw_figures(summary.stress, args.out);
+      text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
+    }
+  } catch (const Error&) {
+    print_result(common, result, text);  // the measurements are complete
+    throw;
+  }
+  print_result(common, result, text);
+  if (made) end_with(made->errors);
+}
+
+}  // namespace
+
+void add_stress_command(CLI::App& app) {
+  auto args = std::make_shared<StressArguments>();
+  Command command = add_command(app, "stress", "Worsen recordings more and more, and judge models on them",
+                                [args](const CommonArguments& common) { run(*args, common); });
+  command.add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made").show_default();
+  command
+      .add_option("--recipe", args->recipes,
+                  "A recipe of 'convert --stress' with severities: noise, noise:50,200, vibration:1,3:hz=120; or a JSON file of "
+                  "recipes. May be repeated. Default: all, at their usual severities")
+      .repeatable()
+      .type_name("NAME[:SEVERITY,...]|FILE.json");
+  command
+      .add_option("--world", args->worlds,
+                  "Simulate the runs again in another world: camera-noisy, light-dim, light-flicker, motion-fast, motion-slow, "
+                  "motion-ringing or all, with severities as --recipe. May be repeated")
+      .repeatable()
+      .type_name("NAME[:SEVERITY,...]");
+  command.add_option("--quiet-recording", args->quiet, "Recordings without a touch: every alarm is false. May be repeated")
+      .repeatable()
+      .type_name("FILE");
+  command
+      .add_option("--model", args->model,
+                  "Model: a folder, or a name in --models. May be repeated: models that differ only in seed and training run "
+                  "are trainings of one. Default: the newest single-run model of the dataset")
+      .repeatable();
+  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--runs", args->runs, "At most so many runs of each object").check(in_range(1U, 99U)).type_name("N");
+  command.add_flag("--quick", args->quick, "Three severities of each recipe");
+  command.add_option("--sensor", args->sensor, "The noise of this sensor.json for the recipes noise and hot-pixels")
+      .check(is_existing_file())
+      .type_name("FILE.json");
+  command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();
+  add_decision_options(command, args->decision);
+  command.add_flag("--gate", args->gate, "Report none while there are fewer events than the model's limit");
+  add_engine_option(command, args->engine);
+  command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
+  command.add_flag("--force", args->force, "Do again what is done");
+  command.add_option("--out", args->out, "Output folder").show_default();
+}
+
+}  // namespace tactile::cli

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/evaluation/evaluation.hpp"
+#include "tactile/experiments/stress/stress_series.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile::stress {
+
+/// What to worsen, and which models to judge on it.
+struct StressOptions {
+  std::optional<std::filesystem::path> dataset{};  ///< a dataset file; nothing: only recordings without a touch
+  std::filesystem::path out = "stress";            ///< folder of results
+  std::vector<std::filesystem::path> models{};     ///< folders of model bundles, at least one
+  std::vector<StressSeries> series{};              ///< at least one
+  std::vector<std::filesystem::path> quiet{};      ///< recordings without a touch: every alarm is false
+  std::optional<unsigned> runs{};                  ///< at most so many of each object
+  evaluation::EvaluationOptions judging{};         ///< `threads` too
+  model::EngineKind engine = model::EngineKind::fast;
+  std::uint64_t seed = 1;  ///< as that of the recipes of `series`
+  bool force = false;      ///< do again what is done
+};
+
+/// A training, and the runs that it is judged on: those of `tactile eval`.
+struct StressTraining {
+  model::ModelBundle bundle;
+  model::ModelDescription description;
+  std::vector<std::uint32_t> runs;  ///< indexes in the dataset
+};
+
+/// Trainings of one setting: they differ in seed and runs learned from.
+struct StressGroup {
+  std::string name;  ///< of the first training
+  std::vector<StressTraining> trainings;
+};
+
+struct StressPlan {
+  StressOptions options;
+  std::optional<windows::Dataset> dataset;
+  std::vector<StressGroup> groups;
+};
+
+/// Opens the dataset, groups the models, and chooses the runs.
+/// @throws Error  if a model does not fit the dataset, models have different ticks, a model is given twice, there is nothing to
+///                judge on, or a run differs from the dataset's
+StressPlan plan_stress(const StressOptions& options);
+
+/// The first `most` of the runs of each object, in their order.
+std::vector<std::uint32_t> first_of_each_object(const windows::Dataset& dataset, std::vector<std::uint32_t> runs, unsigned most);
+
+/// Whether the models are trainings of one setting.
+bool are_trainings_of_one(const model::ModelDescription& a, const model::ModelDescription& b);
+
+}  // namespace tactile::stress

@@ -1,0 +1,117 @@
+#include "tactile/results/stress.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile::results {
+namespace {
+
+nlohmann::json json_of(const StressedTouch& touch) { return {{"within_50_ms", touch.within_50_ms}, {"delays", touch.delays}}; }
+
+StressedTouch touch_in(const JsonView& json) { return {json["within_50_ms"].get<Figure>(), json["delays"].get<DelaySummary>()}; }
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const StressPoint& point) {
+  json = {{"severity", point.severity},    {"accuracy", point.accuracy},  {"accuracy_change", point.accuracy_change},
+          {"press", json_of(point.press)}, {"slip", json_of(point.slip)}, {"false_alarms", point.false_alarms}};
+}
+
+void from_json(const JsonView& json, StressPoint& point) {
+  point = {.severity = json["severity"].number(),
+           .accuracy = json["accuracy"].get<Figure>(),
+           .accuracy_change = json["accuracy_change"].get<Figure>(),
+           .press = touch_in(json["press"]),
+           .slip = touch_in(json["slip"]),
+           .false_alarms = json["false_alarms"].get<FalseAlarmTable>()};
+}
+
+void to_json(nlohmann::json& json, const StressCurve& curve) {
+  json = {{"name", curve.name},       {"is_world", curve.is_world}, {"unit", curve.unit},
+          {"meaning", curve.meaning}, {"points", curve.points},     {"holds_up_to", nullptr}};
+  if (curve.holds) json["holds_up_to"] = {{"severity", curve.holds->severity}, {"is_beyond", curve.holds->is_beyond}};
+}
+
+void from_json(const JsonView& json, StressCurve& curve) {
+  curve = {.name = json["name"].text(),
+           .is_world = json["is_world"].truth(),
+           .unit = json["unit"].text(),
+           .meaning = json["meaning"].text(),
+           .points = json["points"].list_of<StressPoint>()};
+  if (const JsonView holds = json["holds_up_to"])
+    curve.holds = HoldsUpTo{holds["severity"].get<Figure>(), holds["is_beyond"].truth()};
+}
+
+void to_json(nlohmann::json& json, const StressedModel& model) {
+  json = {{"name", model.name},     {"trainings", model.trainings}, {"runs", model.runs}, {"close_ticks", model.close_ticks},
+          {"curves", model.curves}, {"quiet", model.quiet}};
+}
+
+void from_json(const JsonView& json, StressedModel& model) {
+  model = {.name = json["name"].text(),
+           .trainings = json["trainings"].texts(),
+           .runs = json["runs"].texts(),
+           .close_ticks = json["close_ticks"].count(),
+           .curves = json["curves"].list_of<StressCurve>(),
+           .quiet = json["quiet"].list_of<StressCurve>()};
+}
+
+void to_json(nlohmann::json& json, const Stress& stress) {
+  json = {{"format", stress_format},
+          {"title", stress.title},
+          {"simulated", stress.simulated},
+          {"judged_by", stress.judged_by},
+          {"manifest_hash", stress.manifest_hash.empty() ? nlohmann::json() : nlohmann::json(stress.manifest_hash)},
+          {"quiet_files", stress.quiet_files},
+          {"seed", stress.seed},
+          {"most_lost", stress.most_lost},
+          {"confirm", stress.confirm},
+          {"alarm_cost", stress.alarm_cost ? nlohmann::json(*stress.alarm_cost) : nlohmann::json()},
+          {"gate", stress.gate},
+          {"engine", stress.engine},
+          {"bootstrap", stress.bootstrap},
+          {"models", stress.models},
+          {"settings", stress.settings},
+          {"software", stress.software},
+          {"machine", stress.machine},
+          {"steps", stress.steps}};
+}
+
+void from_json(const JsonView& json, Stress& stress) {
+  if (json["format"].text() != stress_format) {
+    throw Error(
+        fmt::format("{} is another one; expected {}, as 'tactile stress' writes it", json["format"].where(), stress_format));
+  }
+  stress = {.title = json["title"].text(),
+            .simulated = json["simulated"].truth(),
+            .judged_by = json["judged_by"].text(),
+            .manifest_hash = json["manifest_hash"].text(),
+            .quiet_files = json["quiet_files"].texts(),
+            .seed = json["seed"].count(),
+            .most_lost = json["most_lost"].number(),
+            .confirm = json["confirm"].text(),
+            .alarm_cost = json["alarm_cost"].number_if_there(),
+            .gate = json["gate"].truth(),
+            .engine = json["engine"].text(),
+            .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
+            .models = json["models"].list_of<StressedModel>(),
+            .settings = json["settings"].copy(),
+            .software = json["software"].copy(),
+            .machine = json["machine"].copy(),
+            .steps = json["steps"].copy()};
+}
+
+std::string words_of(const StressCurve& curve) {
+  if (!curve.holds || curve.points.empty()) return "unknown";
+  const std::string unit = curve.unit.empty() ? "" : " " + curve.unit;
+  const Figure& severity = curve.holds->severity;
+  if (curve.holds->is_beyond) return fmt::format("beyond {:.3g}{}", curve.points.back().severity, unit);
+  if (!std::isfinite(severity.value)) return "unknown";
+  const std::string interval = severity.has_interval() ? fmt::format(" [{:.3g}, {:.3g}]", *severity.low, *severity.high) : "";
+  return fmt::format("up to {:.3g}{}{}", severity.value, unit, interval);
+}
+
+}  // namespace tactile::results

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tactile/results/delay_table.hpp"
+#include "tactile/results/false_alarm_table.hpp"
+#include "tactile/results/figure.hpp"
+
+namespace tactile::results {
+
+/// How one class is detected in worsened runs.
+struct StressedTouch {
+  Figure within_50_ms{};  ///< share of intervals detected within 50 ms after the onset, in [0, 1], by Kaplan and Meier
+  DelaySummary delays{};
+};
+
+/// All runs at one severity.
+struct StressPoint {
+  double severity = 0;
+  Figure accuracy{};         ///< mean over objects, in [0, 1]
+  Figure accuracy_change{};  ///< to the harmless severity, paired over trainings and runs; nothing at the harmless severity
+  StressedTouch press{}, slip{};
+  FalseAlarmTable false_alarms{};  ///< over all objects only
+};
+
+/// The severity up to which the accuracy is at most `Stress::most_lost` below that of the harmless severity.
+struct HoldsUpTo {
+  Figure severity{};       ///< linear between severities; the last one if the accuracy never falls so far
+  bool is_beyond = false;  ///< it never falls so far
+};
+
+/// A model on runs that are worsened by one recipe, from the harmless severity on.
+struct StressCurve {
+  std::string name{};                 ///< of the recipe or of the simulated world
+  bool is_world = false;              ///< the runs are simulated again, and judged by their truth; else their events are changed
+  std::string unit{};                 ///< of the severity
+  std::string meaning{};              ///< one sentence
+  std::vector<StressPoint> points{};  ///< the harmless severity first
+  std::optional<HoldsUpTo> holds{};   ///< nothing without accuracies
+};
+
+/// The trainings of one setting.
+struct StressedModel {
+  std::string name{};                    ///< of the first training
+  std::vector<std::string> trainings{};  ///< names of models
+  std::vector<std::string> runs{};       ///< judged by at least one of them: "fan/03"
+  std::uint64_t close_ticks = 0;         ///< of the unchanged runs: ticks where another engine's verdict may differ
+  std::vector<StressCurve> curves{};     ///< on these runs
+  std::vector<StressCurve> quiet{};      ///< on recordings without a touch: false alarms only
+};
+
+/// Models on runs that are worsened more and more.
+struct Stress {
+  std::string title{};
+  bool simulated = false;
+  std::string judged_by{};                 ///< in sentences: by which labels, and what the intervals are over
+  std::string manifest_hash{};             ///< of the dataset; empty without one
+  std::vector<std::string> quiet_files{};  ///< recordings without a touch
+  std::uint64_t seed = 1;                  ///< of the recipes
+  double most_lost = 0.05;                 ///< of the accuracy, for `HoldsUpTo`
+  std::string confirm = "1/1";
+  std::optional<double> alarm_cost{};  ///< of the decision filter; without one, verdicts are confirmed
+  bool gate = false;
+  std::string engine{};
+  BootstrapOptions bootstrap{};
+  std::vector<StressedModel> models{};
+  nlohmann::json settings = nullptr, software = nullptr, machine = nullptr, steps = nullptr;  ///< as in trade.json
+};
+
+inline constexpr std::string_view stress_format = "tactile-stress-1";
+
+/// As stress.json has it; docs/format.md lists its keys.
+void to_json(nlohmann::json& json, const Stress& stress);
+void from_json(const JsonView& json, Stress& stress);  ///< @throws Error  if it is of another format
+
+void to_json(nlohmann::json& json, const StressPoint& point);
+void from_json(const JsonView& json, StressPoint& point);
+void to_json(nlohmann::json& json, const StressCurve& curve);
+void from_json(const JsonView& json, StressCurve& curve);
+void to_json(nlohmann::json& json, const StressedModel& model);
+void from_json(const JsonView& json, StressedModel& model);
+
+/// "up to 120 kev/s [90, 160]", "beyond 500 kev/s", "unknown"
+std::string words_of(const StressCurve& curve);
+
+}  // namespace tactile::results

@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile::stress {
+namespace {
+
+namespace fs = std::filesystem;
+
+test::CommandResult run_in(const fs::path& folder, const std::string& command) {
+  const auto result = test::run_tactile(command + " --threads 2", folder);
+  EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+  return result;
+}
+
+/// Three objects of two simulated runs, and a model of one epoch.
+void make_model(const fs::path& folder) {
+  run_in(folder, "simulate --preset tiny --objects plastic-container,sprayer,water-bottle");
+  run_in(folder, "label --no-pictures");
+  run_in(folder, "windows");
+  run_in(folder, "train --epochs 2");
+}
+
+nlohmann::json stressed(const fs::path& folder, const std::string& arguments) {
+  return nlohmann::json::parse(run_in(folder, "stress " + arguments + " --json").out, nullptr, false);
+}
+
+TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
+  const test::TemporaryFolder folder;
+  make_model(folder.path());
+  const std::string arguments =
+      "--recipe loss:20,95 --recipe noise:500 --world light-dim:90 --quiet-recording data/sprayer/01/events.aedat4 ";
+  const nlohmann::json stress = stressed(folder.path(), arguments);
+  ASSERT_TRUE(stress.is_object());
+  EXPECT_EQ(stress.at("simulated"), true);
+  const nlohmann::json& model = stress.at("models")[0];
+  ASSERT_EQ(model.at("curves").size(), 3U);
+  const nlohmann::json &loss = model.at("curves")[0], &clean = loss.at("points")[0];
+  ASSERT_EQ(loss.at("points").size(), 3U);
+  EXPECT_EQ(clean.at("severity"), 0);
+
+  // The unchanged runs are those of eval, to the last digit.
+  run_in(folder.path(), "eval");
+  const nlohmann::json eval = read_json(folder / "models" / model.at("name").get<std::string>() / "eval.json");
+  EXPECT_EQ(clean.at("accuracy"), eval.at("accuracy").at("mean"));
+  for (const char* touch : {"press", "slip"}) {
+    const nlohmann::json &own = clean.at(touch), &of_eval = eval.at("delay").at(touch);
+    EXPECT_EQ(own.at("delays").at("median_of_all"), of_eval.at("median_of_all"));
+    EXPECT_EQ(own.at("delays").at("p90_of_all"), of_eval.at("p90_of_all"));
+    for (const auto& point : of_eval.at("detected_within")) {
+      if (point.at("ms") == 50) {
+        EXPECT_EQ(own.at("within_50_ms"), point.at("share"));
+      }
+    }
+  }
+  EXPECT_EQ(clean.at("false_alarms").at("outside_labels"), eval.at("false_alarms").at("outside_labels"));
+  EXPECT_EQ(clean.at("false_alarms").at("wrong_class"), eval.at("false_alarms").at("wrong_class"));
+
+  EXPECT_NE(loss.at("points")[2].at("accuracy"), clean.at("accuracy")) << "a twentieth of the events";
+  EXPECT_EQ(model.at("curves")[2].at("is_world"), true);
+  ASSERT_EQ(model.at("quiet").size(), 2U) << "recipes, not worlds";
+  EXPECT_GT(model.at("quiet")[0].at("points")[0].at("false_alarms").at("none_min").get<double>(), 0);
+
+  const std::string csv = read_text(folder / "stress" / "stress.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 + 2 + 2 + 3 + 2);
+  for (const char* figure : {"stress-accuracy.svg", "stress-detected.png", "stress-false-alarms.svg", "stress-quiet.png"})
+    EXPECT_TRUE(fs::exists(folder / "stress" / "figures" / figure)) << figure;
+
+  // Nothing is done again; what is removed is.
+  const nlohmann::json again = stressed(folder.path(), arguments);
+  EXPECT_EQ(again.at("steps_done"), 0);
+  EXPECT_EQ(again.at("models"), stress.at("models"));
+  fs::remove(folder / "stress" / "judged" / (model.at("name").get<std::string>() + "-loss-95.json"));
+  const nlohmann::json resumed = stressed(folder.path(), arguments);
+  EXPECT_EQ(resumed.at("steps_done"), 1);
+  EXPECT_EQ(resumed.at("models"), stress.at("models"));
+
+  run_in(folder.path(), "report stress");
+  const std::string page = read_text(folder / "stress" / "report" / "report.html");
+  EXPECT_NE(page.find("When the scene gets worse"), std::string::npos);
+  EXPECT_NE(page.find("figure-stress-accuracy"), std::string::npos);
+}
+
+TEST(StressCommand, SaysWhatIsWrongInOneSentence) {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "data");
+  const auto wrong = test::run_tactile("stress --recipe nois --quiet-recording none.aedat4", folder.path());
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 1) << wrong.err;
+}
+
+}  // namespace
+}  // namespace tactile::stress
