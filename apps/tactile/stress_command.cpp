@@ -16,6 +16,7 @@
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"

@@ -26,7 +26,7 @@ std::vector<events::Event> changed(const StressSeries& series, double severity, 
 std::vector<events::Event> a_second_of_events() {
   std::vector<events::Event> events;
   for (int i = 0; i < 1000; ++i)
-    events.push_back({camera_time(1000 * i), static_cast<std::uint16_t>(i % 64), static_cast<std::uint16_t>(i % 48), i % 2 == 0});
+    events.push_back({camera_time(1000 * i), static_cast<std::int16_t>(i % 64), static_cast<std::int16_t>(i % 48), i % 2 == 0});
   return events;
 }
 
