@@ -39,6 +39,10 @@ TEST(Stress, SaysInWordsHowFarItHolds) {
   EXPECT_EQ(words_of(curve), "up to 25 kev/s [10, 40]");
   curve.holds->is_beyond = true;
   EXPECT_EQ(words_of(curve), "beyond 100 kev/s");
+  curve.unit.clear();
+  EXPECT_EQ(words_of(curve), "holds");
+  curve.holds->is_beyond = false;
+  EXPECT_EQ(words_of(curve), "does not hold") << "a mirror is on or off";
   curve.holds.reset();
   EXPECT_EQ(words_of(curve), "unknown");
 }

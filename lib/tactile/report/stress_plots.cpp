@@ -67,13 +67,13 @@ double position_of(double value, StressMeasure measure) {
   return measure == StressMeasure::false_alarms ? log_position_from_zero(std::max(0.0, value)) : value;
 }
 
-/// Rows of place, value, low, high.
-std::vector<double> rows_of(const results::StressCurve& curve, const Line& line, StressMeasure measure) {
+/// Rows of place, value, low, high. @param aside  added to the place, so that bars of several lines do not hide each other
+std::vector<double> rows_of(const results::StressCurve& curve, const Line& line, StressMeasure measure, double aside) {
   std::vector<double> rows;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const results::Figure figure = figure_of(curve.points[i], measure, line.touch);
     const double value = position_of(figure.value, measure);
-    rows.insert(rows.end(), {static_cast<double>(i), value, figure.low ? position_of(*figure.low, measure) : value,
+    rows.insert(rows.end(), {static_cast<double>(i) + aside, value, figure.low ? position_of(*figure.low, measure) : value,
                              figure.high ? position_of(*figure.high, measure) : value});
   }
   return rows;
@@ -136,34 +136,38 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
   const auto& curves = stress.models.empty() ? none : curves_of(stress.models.front(), of_quiet);
   const std::size_t shown = std::min(curves.size(), most_panels);
   const int rows = std::max(1, (static_cast<int>(shown) + columns - 1) / columns);
-  const int top = 104 + 20 * static_cast<int>(lines.size());
+  const int top = 116 + 20 * static_cast<int>(lines.size());
   std::string title(title_of(measure));
   if (of_quiet) title += " (recordings without a touch)";
   if (stress.simulated && !of_quiet) title += " (simulated runs)";
   pictures::PlotScript script(title, page_width, top + (rows - 1) * row_height + panel_height + below);
   script.note(first_of(curves.size(), shown) + "Severity 0 is the unchanged recording. Bars: 95 % intervals.");
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const double y = 74 + 20 * static_cast<double>(i);
-    script.line(20, y, 56, y, lines[i].style.colour, 2, lines[i].style.dashes);
-    script.text(lines[i].words, 64, y, "left font ',12'", lines[i].style.colour);
-  }
-  script.text(unit_of(measure, of_quiet), 20, top - 30, "left font ',12'");
+  const auto legend_y = [](std::size_t line) { return 74 + 20 * static_cast<double>(line); };
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    script.text(lines[i].words, 64, legend_y(i), "left font ',12'", lines[i].style.colour);
+  script.text(unit_of(measure, of_quiet), 20, top - 36, "left font ',12'");
   const AxisRange range{measure == StressMeasure::false_alarms ? -0.03 : -3, end_of(stress, measure, of_quiet), panel_height};
-  const std::string alarm_tics = measure == StressMeasure::false_alarms ? decade_tics(range, true, true).text() : "";
+  const auto alarm_tics = [&](bool has_labels) {
+    return measure == StressMeasure::false_alarms ? decade_tics(range, true, true).text(has_labels) : std::string();
+  };
   for (std::size_t i = 0; i < std::max<std::size_t>(shown, 1); ++i) {
     const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
     const int panel_left = left + column * (width + gap), panel_top = top + row * row_height;
     script.begin_panel({.left = panel_left, .top = panel_top, .right = panel_left + width, .bottom = panel_top + panel_height});
+    for (std::size_t line = 0; i == 0 && line < lines.size(); ++line)
+      script.line(20, legend_y(line), 56, legend_y(line), lines[line].style.colour, 2, lines[line].style.dashes);
     const results::StressCurve empty;
     const results::StressCurve& curve = shown == 0 ? empty : curves[i];
     const double last = static_cast<double>(std::max<std::size_t>(curve.points.size(), 2)) - 1;
     script.axes({.begin = -0.08 * last, .end = 1.08 * last, .tics = severity_tics(curve)},
-                {.begin = range.begin, .end = range.end, .tics = alarm_tics, .has_labels = column == 0});
+                {.begin = range.begin, .end = range.end, .tics = alarm_tics(column == 0), .has_labels = column == 0});
     std::vector<pictures::PlotSeries> series;
-    for (const Line& line : lines) {
+    for (std::size_t place = 0; place < lines.size(); ++place) {
+      const Line& line = lines[place];
+      const double aside = 0.025 * last * (static_cast<double>(place) - static_cast<double>(lines.size() - 1) / 2);
       const auto& own = curves_of(stress.models[line.model], of_quiet);
       if (i >= own.size()) continue;
-      const std::string table = script.table(4, rows_of(own[i], line, measure));
+      const std::string table = script.table(4, rows_of(own[i], line, measure, aside));
       pictures::LineStyle bars = line.style;
       bars.dashes = 1;
       bars.size = 0.6;

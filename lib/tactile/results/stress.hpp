@@ -84,7 +84,7 @@ void from_json(const JsonView& json, StressCurve& curve);
 void to_json(nlohmann::json& json, const StressedModel& model);
 void from_json(const JsonView& json, StressedModel& model);
 
-/// "up to 120 kev/s [90, 160]", "beyond 500 kev/s", "unknown"
+/// "up to 120 kev/s [90, 160]", "beyond 500 kev/s", "unknown"; "holds" or "does not hold" for a recipe that is only on or off
 std::string words_of(const StressCurve& curve);
 
 }  // namespace tactile::results

@@ -32,7 +32,7 @@ std::vector<RunOutcome> runs_with(int right) {
 constexpr std::array<double, 3> severities{0, 10, 30};
 
 TEST(SeverityWhereLost, IsLinearBetweenSeverities) {
-  EXPECT_DOUBLE_EQ(*severity_where_lost(severities, std::array{0.9, 0.8, 0.1}, 0.05), 5) << "half of the first step";
+  EXPECT_NEAR(*severity_where_lost(severities, std::array{0.9, 0.8, 0.1}, 0.05), 5, 1e-9) << "half of the first step";
   EXPECT_NEAR(*severity_where_lost(severities, std::array{0.9, 0.9, 0.8}, 0.05), 20, 1e-9) << "half of the second";
 }
 
@@ -42,14 +42,14 @@ TEST(SeverityWhereLost, HoldsAtExactlyTheLossAllowed) {
 }
 
 TEST(SeverityWhereLost, IsTheFirstPlaceEvenIfTheAccuracyRisesAgain) {
-  EXPECT_DOUBLE_EQ(*severity_where_lost(severities, std::array{0.9, 0.8, 0.95}, 0.05), 5);
+  EXPECT_NEAR(*severity_where_lost(severities, std::array{0.9, 0.8, 0.95}, 0.05), 5, 1e-9);
 }
 
 TEST(HoldsUpTo, AveragesObjectsAndLiesWithinTheSeverities) {
   const std::vector<std::vector<RunOutcome>> outcomes{runs_with(90), runs_with(80), runs_with(10)};
   const auto holds = holds_up_to(severities, outcomes, 0.05);
   ASSERT_TRUE(holds);
-  EXPECT_DOUBLE_EQ(holds->severity.value, 5);
+  EXPECT_NEAR(holds->severity.value, 5, 1e-9);
   EXPECT_FALSE(holds->is_beyond);
   EXPECT_EQ(holds->severity.n, 3U);
 }
