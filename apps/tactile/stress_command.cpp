@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,9 +20,12 @@
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"
 #include "tactile/experiments/stress/stress.hpp"
+#include "tactile/pictures/contact_sheet.hpp"
 #include "tactile/pictures/gnuplot.hpp"
+#include "tactile/pictures/recipe_sheet.hpp"
 #include "tactile/report/stress_plots.hpp"
 #include "text_table.hpp"
 
@@ -191,11 +195,53 @@ std::vector<std::string> draw_figures(const results::Stress& stress, const fs::p
   return files;
 }
 
+/// The events until 50 ms after `t`, from a little more than a second before.
+std::vector<events::Event> events_around(events::RecordingReader& recording, CameraTime t) {
+  const CameraTime begin = before(t, microseconds{1'100'000}), end = after(t, microseconds{50'000});
+  std::vector<events::Event> around;
+  events::for_all_events(recording, events::event_stream(recording).id, [&](std::span<const events::Event> some) {
+    std::copy_if(some.begin(), some.end(), std::back_inserter(around),
+                 [&](const events::Event& event) { return begin <= event.t && event.t < end; });
+  });
+  return around;
+}
+
+/// A picture of each recipe at its middle severity, on the first run, 40 ms after the onset of its first interval; without runs,
+/// in the middle of the first quiet recording.
+void draw_recipes(const stress::StressOptions& options, const results::Stress& stress) {
+  fs::path file;
+  std::optional<CameraTime> t;
+  if (!stress.models.front().runs.empty()) {
+    const windows::Dataset dataset(*options.dataset);
+    for (const windows::DatasetInterval& interval : dataset.intervals()) {
+      if (t || name_of(dataset.runs()[interval.run_index]) != stress.models.front().runs.front()) continue;
+      file = dataset.run_folder(interval.run_index) / "events.aedat4";
+      t = after(interval.interval.start, microseconds{40'000});
+    }
+  } else {
+    file = options.quiet.front();
+  }
+  if (file.empty()) return;
+  events::RecordingReader recording(file);
+  if (!t && !recording.packets().empty()) t = recording.packets()[recording.packets().size() / 2].first;
+  const std::optional<events::SensorSize> size = events::event_stream(recording).size;
+  if (!t || !size) return;
+  const std::vector<events::Event> around = events_around(recording, *t);
+  for (const stress::StressSeries& series : options.series) {
+    stop_if_interrupted();
+    if (series.recipes.size() != 1) continue;
+    const double middle = series.severities[series.severities.size() / 2];
+    pictures::write_png(options.out / "recipes" / (series.name + ".png"),
+                        pictures::recipe_sheet(around, *size, recipes_at(series, middle).front(), *t));
+  }
+}
+
 void run(const StressArguments& args, const CommonArguments& common) {
   std::optional<windows::DatasetSummary> made;
   if (args.quiet.empty()) made = make_missing_dataset(args.data, false, common);
+  const stress::StressOptions options = options_of(args, common);
   const stress::StressSummary summary = stress::run_stress(
-      options_of(args, common), [&] { return progress_line(common); }, log_step);
+      options, [&] { return progress_line(common); }, log_step);
   nlohmann::json result = summary.stress;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
@@ -205,7 +251,9 @@ void run(const StressArguments& args, const CommonArguments& common) {
   try {
     if (!args.no_figures) {
       result["figures"] = draw_figures(summary.stress, args.out);
-      text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
+      draw_recipes(options, summary.stress);
+      text += fmt::format("Figures: {}; a picture of each recipe: {}\n", (fs::path(args.out) / "figures").string(),
+                          (fs::path(args.out) / "recipes").string());
     }
   } catch (const Error&) {
     print_result(common, result, text);  // the measurements are complete

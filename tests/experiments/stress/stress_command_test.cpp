@@ -50,7 +50,7 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   const nlohmann::json eval = read_json(folder / "models" / model.at("name").get<std::string>() / "eval.json");
   EXPECT_EQ(clean.at("accuracy"), eval.at("accuracy").at("mean"));
   for (const char* touch : {"press", "slip"}) {
-    const nlohmann::json &own = clean.at(touch), &of_eval = eval.at("delay").at(touch);
+    const nlohmann::json &own = clean.at(touch), &of_eval = eval.at("delay_ms").at(touch);
     EXPECT_EQ(own.at("delays").at("median_of_all"), of_eval.at("median_of_all"));
     EXPECT_EQ(own.at("delays").at("p90_of_all"), of_eval.at("p90_of_all"));
     for (const auto& point : of_eval.at("detected_within")) {
@@ -71,6 +71,9 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 + 2 + 2 + 3 + 2);
   for (const char* figure : {"stress-accuracy.svg", "stress-detected.png", "stress-false-alarms.svg", "stress-quiet.png"})
     EXPECT_TRUE(fs::exists(folder / "stress" / "figures" / figure)) << figure;
+
+  for (const char* recipe : {"loss", "noise"})
+    EXPECT_TRUE(fs::exists(folder / "stress" / "recipes" / (std::string(recipe) + ".png"))) << recipe;
 
   // Nothing is done again; what is removed is.
   const nlohmann::json again = stressed(folder.path(), arguments);
