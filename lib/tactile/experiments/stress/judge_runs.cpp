@@ -12,6 +12,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"
+#include "tactile/model/inference/classifier.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/results/json_view.hpp"
 
