@@ -30,11 +30,9 @@ set(TACTILE_PRECOMPILED_HEADERS
 
 # For code that runs for moments only: it compiles in half the time and is a third slower.
 set(TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-O1>)
-# GCC 14 has this at -O3 and not at -O1, and then refuses the header that was precompiled at -O3.
-include(CheckCXXCompilerFlag)
-check_cxx_compiler_flag(-munroll-only-small-loops TACTILE_HAS_UNROLL_ONLY_SMALL_LOOPS)
-if(TACTILE_HAS_UNROLL_ONLY_SMALL_LOOPS)
-  list(APPEND TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-munroll-only-small-loops>)
+# GCC 14 has these at -O3 and not at -O1, and then refuses the header that was precompiled at -O3.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 14 AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  list(APPEND TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-munroll-only-small-loops> $<$<CONFIG:Release>:-mvzeroupper>)
 endif()
 
 # The links between stages that docs/architecture.md allows, in lines "name -> stage stage …".
