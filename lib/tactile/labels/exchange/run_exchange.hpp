@@ -7,16 +7,9 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 #include "tactile/labels/exchange/import_edits.hpp"
+#include "tactile/labels/recording_span.hpp"
 
 namespace tactile::labels {
-
-/// The first and the last event of a run's recording.
-struct RecordingSpan {
-  CameraTime first{}, last{};
-};
-
-/// @throws Error  if the recording cannot be read or has no event
-RecordingSpan span_of_events(const RunFolder& run);
 
 /// The labels of a run, on the axis of `origin`. Without an origin: the film's axis if `prefer_film`, its clock is known and no
 /// label is before its begin; otherwise times from the first event.
