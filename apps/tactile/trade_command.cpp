@@ -47,7 +47,7 @@ struct TradeArguments {
   std::vector<double> widths{1, 0.5, 0.25};
   std::vector<int> last_pools{2, 4};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
-  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, gates{"off", "on"};
+  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, filters{"off", "0.01"}, gates{"off", "on"};
   std::uint64_t timed_ticks = 20'000;
   bool full = false, no_growth = false, no_figures = false, no_trial = false, strict = false;
   unsigned corners = 6;
@@ -85,6 +85,7 @@ trade::TradeLevels levels_of(const TradeArguments& args) {
           .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
           .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
           .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); }),
+          .alarm_costs = each_once(args.filters, [](const auto& text) { return number_in(text); }),
           .gate = each_once(args.gates, [](const auto& name) { return name == "on"; })};
 }
 
@@ -107,8 +108,19 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.precision, levels.precisions);
   take_usual(usual.sparse, levels.sparse);
   take_usual(usual.confirmation, levels.confirmations);
+  take_usual(usual.alarm_cost, levels.alarm_costs);
   take_usual(usual.gate, levels.gate);
   return usual;
+}
+
+Check is_filter() {
+  return Check{[](std::string& text) {
+                 const std::optional<double> cost = text == "off" ? std::optional(1.0) : number_in(text);
+                 return cost && *cost >= 1e-6 && *cost <= 1e6
+                            ? std::string()
+                            : "'" + text + "' is no filter; expected off, or an alarm cost such as 0.01";
+               },
+               ""};
 }
 
 constexpr std::string_view p90 = "p90:";
@@ -397,6 +409,7 @@ void add_trade_command(CLI::App& app) {
   add_list("--pass", args->passes, "sparse: the network skips empty regions; dense: it does not")
       .check(one_of({"sparse", "dense"}));
   add_list("--confirm", args->confirmations, "k/n").check(is_confirmation());
+  add_list("--filter", args->filters, "off, or the alarm cost of the decision filter").check(is_filter());
   add_list("--gate", args->gates, "off, on").check(one_of({"off", "on"}));
   command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .show_default();

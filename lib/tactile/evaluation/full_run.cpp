@@ -60,7 +60,7 @@ std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit) {
     if (run.events[k] >= limit) continue;
     ++gated;
     run.verdicts[k] = Touch::none;
-    run.probabilities[k] = {1, 0, 0};
+    if (!run.probabilities.empty()) run.probabilities[k] = {1, 0, 0};
   }
   return gated;
 }

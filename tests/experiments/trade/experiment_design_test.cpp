@@ -18,9 +18,9 @@ std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
-  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass and gate each, 3 confirmations, 2
-  // widths, 1 last pooling.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 3 + 2 + 1);
+  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
+  // confirmations, 2 widths, 1 last pooling.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -56,6 +56,7 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.widths = {1};
   levels.last_pools = {2};
   levels.confirmations = {{1, 1}};
+  levels.alarm_costs = {std::nullopt};
   levels.gate = {false};
   const auto settings = all_combinations({}, levels);
   // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each.
@@ -70,6 +71,18 @@ TEST(WhyImpossible, ReportsWhichIsNoWholeNumberOfWhich) {
   EXPECT_EQ(why_impossible(setting).value_or(""), "t_h 10 ms is no whole number of ticks of 4 ms");
 }
 
+TEST(WhyImpossible, AFilterReplacesTheConfirmation) {
+  TradeSetting setting;
+  setting.alarm_cost = 0.01;
+  EXPECT_FALSE(why_impossible(setting));
+  setting.confirmation = {2, 3};
+  EXPECT_EQ(why_impossible(setting).value_or(""), "the filter replaces the confirmation");
+  TradeLevels levels;
+  levels.confirmations = {{1, 1}, {2, 3}};
+  for (const TradeSetting& one : all_combinations({}, levels))
+    EXPECT_FALSE(one.alarm_cost && one.confirmation.of > 1) << id_of(one);
+}
+
 TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   TradeLevels levels;
   levels.histories = {20ms, 40ms, 50ms};
@@ -81,6 +94,7 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   levels.precisions = {model::Precision::fp32};
   levels.sparse = {true};
   levels.confirmations = {{1, 1}};
+  levels.alarm_costs = {std::nullopt};
   levels.gate = {false};
   std::map<std::string, TradeOutcome> measured;
   for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
@@ -122,6 +136,13 @@ TEST(TradeSetting, IsNamedByItsDifferences) {
   setting.gate = true;
   EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms, confirm 2/3, gate");
   EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32-sparse-2of3-gate");
+  TradeSetting filtered;
+  filtered.alarm_cost = 0.05;
+  EXPECT_EQ(text_of(filtered), "filter 0.05");
+  EXPECT_EQ(text_of({}, filtered), "no filter");
+  EXPECT_EQ(id_of(filtered), "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open-filter0.05");
+  EXPECT_EQ(nlohmann::json(filtered).at("filter"), "0.05");
+  EXPECT_EQ(nlohmann::json(setting).at("filter"), "off");
 }
 
 }  // namespace

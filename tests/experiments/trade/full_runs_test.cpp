@@ -5,6 +5,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/evaluation/full_run.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -37,18 +38,36 @@ TEST(VerdictsOf, GateFirstAndThenConfirm) {
   const std::vector<Touch> all(4, Touch::press);
   EXPECT_EQ(verdicts_of(predicted, std::nullopt, {}), all);
   EXPECT_EQ(verdicts_of(predicted, 5, {}), (std::vector<Touch>{Touch::press, Touch::none, Touch::press, Touch::press}));
-  EXPECT_EQ(verdicts_of(predicted, 5, {2, 2}), (std::vector<Touch>{Touch::none, Touch::none, Touch::none, Touch::press}));
+  EXPECT_EQ(verdicts_of(predicted, 5, {.confirmation = {2, 2}}),
+            (std::vector<Touch>{Touch::none, Touch::none, Touch::none, Touch::press}));
+}
+
+TEST(VerdictsOf, GateFirstAndThenFilter) {
+  results::FullRun predicted = predicted_as(std::vector<Touch>(100, Touch::slip), std::vector<std::uint64_t>(100, 9));
+  predicted.probabilities.assign(100, {0.1F, 0, 0.9F});
+  const model::Decision filtered{.filter = model::FilterSettings{}};
+  EXPECT_EQ(verdicts_of(predicted, 5, filtered), evaluation::decided(filtered, predicted));
+  EXPECT_EQ(verdicts_of(predicted, 5, filtered).back(), Touch::slip);
+  EXPECT_EQ(verdicts_of(predicted, 10, filtered), std::vector<Touch>(100, Touch::none)) << "closed at every tick";
+}
+
+TEST(AtTick, KeepsTheProbabilitiesOfItsTicks) {
+  results::FullRun predicted = predicted_as({Touch::press, Touch::slip, Touch::none}, {1, 2, 3});  // 6, 8, 10 ms
+  predicted.probabilities = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+  EXPECT_EQ(at_tick(predicted, 4ms).probabilities, (decltype(predicted.probabilities){{0, 0, 1}}));
 }
 
 TEST(WriteFullRuns, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
-  const std::vector<results::FullRun> runs{predicted_as({Touch::none, Touch::slip}, {0, 70'000'000'000}), predicted_as({}, {})};
+  std::vector<results::FullRun> runs{predicted_as({Touch::none, Touch::slip}, {0, 70'000'000'000}), predicted_as({}, {})};
+  runs[0].probabilities = {{1, 0, 0}, {0, 0.1F, 0.9F}};
   write_full_runs(folder / "predicted.json", runs);
   const auto read = read_full_runs(folder / "predicted.json");
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read[0].run, "fan/03");
   EXPECT_EQ(read[0].verdicts, runs[0].verdicts);
   EXPECT_EQ(read[0].events, runs[0].events);
+  EXPECT_EQ(read[0].probabilities, runs[0].probabilities);
   EXPECT_EQ(read[0].ticks.first, runs[0].ticks.first);
   EXPECT_EQ(read[0].ticks.count, 2);
   EXPECT_EQ(read[1].ticks.count, 0);

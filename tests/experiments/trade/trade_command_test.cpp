@@ -55,7 +55,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
   EXPECT_EQ(trade.at("runs").at("reported"), (std::vector<std::string>{"plastic-container/03", "sprayer/03", "water-bottle/03"}));
   EXPECT_EQ(trade.at("points")[0].at("design"), "usual");
-  for (const char* text : {"t_h 20 ms", "tick 4 ms", "tick 5 ms", "confirm 2/3", "gate", "int8"})
+  for (const char* text : {"t_h 20 ms", "tick 4 ms", "tick 5 ms", "confirm 2/3", "filter 0.01", "gate", "int8"})
     EXPECT_NE(point_of(trade, text), nullptr) << text;
   EXPECT_EQ(point_of(trade, "tick 3 ms"), nullptr);
   ASSERT_EQ(trade.at("left_out").size(), 2U) << "neither history is a whole number of 3 ms";
@@ -128,7 +128,7 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const std::string long_ticks =
       "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast "
       "--precision fp32 --pass "
-      "sparse --confirm 1/1 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us 1000000 "
+      "sparse --confirm 1/1 --filter 0.02 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us 1000000 "
       "--at-most-missed 1 --no-growth "
       "--no-figures ";
   const nlohmann::json trade = traded(folder.path(), "--apply best.json", long_ticks);
@@ -143,10 +143,14 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   EXPECT_NE(recommendation.at("sentence").get<std::string>().find("In 'tactile detect' over loopback"), std::string::npos);
   EXPECT_EQ(read_json(folder / "best.json").at("tick-us"),
             static_cast<int>(1000 * recommendation.at("setting").at("tick_ms").get<double>()));
+  EXPECT_EQ(read_json(folder / "best.json").at("filter"), true);
+  EXPECT_EQ(read_json(folder / "best.json").at("alarm-cost"), 0.02);
+  EXPECT_EQ(trial.at("alarm_cost"), 0.02);
   EXPECT_EQ(traded(folder.path(), "", long_ticks).at("steps_done"), 0);
   const auto detected =
       test::run_tactile("detect --config best.json --from file:data/plastic-container/03 --speed 0 --json", folder.path());
   EXPECT_EQ(detected.exit_code, 0) << detected.err;
+  EXPECT_EQ(nlohmann::json::parse(detected.out, nullptr, false).at("alarm_cost"), 0.02);
 }
 
 TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
@@ -155,7 +159,7 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const std::string few =
       "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 "
       "--pass sparse --confirm 1/1 "
-      "--gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
+      "--filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("a larger --budget-minutes"), std::string::npos) << none.err;

@@ -53,6 +53,7 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
   return {
       factor_of("tick_ms", levels.ticks, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
       factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
+      factor_of("filter", levels.alarm_costs, [](TradeSetting& s, std::optional<double> cost) { s.alarm_cost = cost; }),
       factor_of("gate", levels.gate, [](TradeSetting& s, bool gate) { s.gate = gate; }),
       factor_of("precision", levels.precisions, [](TradeSetting& s, model::Precision precision) { s.precision = precision; }),
       factor_of("pass", levels.sparse, [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),

@@ -22,6 +22,7 @@ struct TradeLevels {
   std::vector<model::Precision> precisions{model::Precision::fp32, model::Precision::int8};
   std::vector<bool> sparse{true, false};
   std::vector<Confirmation> confirmations{{1, 1}, {2, 3}, {3, 5}, {5, 9}};
+  std::vector<std::optional<double>> alarm_costs{std::nullopt, model::default_alarm_cost};  ///< of the filter; nothing: no filter
   std::vector<bool> gate{false, true};
 };
 

@@ -13,6 +13,7 @@
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
+
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
                                                  const model::Classifier& classifier, microseconds tick, unsigned threads,
                                                  const ProgressCallback& progress) {
@@ -22,7 +23,6 @@ std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     classified[i] = evaluation::classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier, 1, {}, {}, tick);
     classified[i].run = name_of(dataset.runs()[runs[i]]);
-    classified[i].probabilities = {};
     const std::scoped_lock lock(one_at_a_time);
     tell(progress, ++done, runs.size(), fmt::format("predicting every tick: {} of {} runs", done, runs.size()));
   });
@@ -42,16 +42,14 @@ results::FullRun at_tick(const results::FullRun& run, microseconds tick) {
     if (fewer.ticks.count++ == 0) fewer.ticks.first = t;
     fewer.verdicts.push_back(run.verdicts[static_cast<std::size_t>(i)]);
     fewer.events.push_back(run.events[static_cast<std::size_t>(i)]);
+    if (!run.probabilities.empty()) fewer.probabilities.push_back(run.probabilities[static_cast<std::size_t>(i)]);
   }
   return fewer;
 }
 
-std::vector<Touch> verdicts_of(const results::FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation) {
-  std::vector<Touch> verdicts = run.verdicts;
-  for (std::size_t i = 0; gate && i < verdicts.size(); ++i) {
-    if (run.events[i] < *gate) verdicts[i] = Touch::none;
-  }
-  return confirmed(verdicts, confirmation);
+std::vector<Touch> verdicts_of(results::FullRun run, std::optional<std::uint64_t> gate, const model::Decision& decision) {
+  if (gate) evaluation::apply_gate(run, *gate);
+  return evaluation::decided(decision, run);
 }
 
 void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs) {

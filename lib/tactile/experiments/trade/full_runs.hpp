@@ -6,17 +6,17 @@
 #include <span>
 #include <vector>
 
-#include "tactile/core/confirmation.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/model/inference/classifier.hpp"
+#include "tactile/model/inference/decision.hpp"
 #include "tactile/results/full_run.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile::trade {
 
 /// Renders and classifies every full tick of these runs, by the classifier's settings except for the tick.
-/// @return  the runs in their order, without probabilities
+/// @return  the runs in their order
 /// @throws Error  as `classify_full_run`
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
                                                  const model::Classifier& classifier, microseconds tick, unsigned threads,
@@ -26,8 +26,8 @@ std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset
 /// on the events of its history. @throws Error  if it is no multiple
 results::FullRun at_tick(const results::FullRun& run, microseconds tick);
 
-/// The verdict at each tick: none below the gate's limit, then confirmed.
-std::vector<Touch> verdicts_of(const results::FullRun& run, std::optional<std::uint64_t> gate, const Confirmation& confirmation);
+/// The verdict at each tick: none below the gate's limit, then confirmed or filtered.
+std::vector<Touch> verdicts_of(results::FullRun run, std::optional<std::uint64_t> gate, const model::Decision& decision);
 
 /// {"runs": []}, complete or not at all.
 void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs);

@@ -20,12 +20,13 @@ PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured,
   for (std::size_t training = 0; training < trainings; ++training) {
     const TradeNetwork& network = point.networks[training];
     const auto gate = gate_of(setting, network);
+    const model::Decision decision = decision_of(setting, network.bundle);
     const std::vector<results::FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
     const TradeTraining& of_training = plan.trainings[training];
     const std::vector<std::uint32_t> tested = of_training.tested();
     for (std::size_t i = 0; i < tested.size(); ++i) {
       const results::FullRun full = at_tick(predicted[i], setting.rendering.tick);
-      TradedRun outcome = outcome_of(plan.judged.at(tested[i]), full, verdicts_of(full, gate, setting.confirmation));
+      TradedRun outcome = outcome_of(plan.judged.at(tested[i]), full, verdicts_of(full, gate, decision));
       outcome.training = training;
       (i < of_training.runs.choice.size() ? outcomes.choice : outcomes.reported).push_back(std::move(outcome));
     }

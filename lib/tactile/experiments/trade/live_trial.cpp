@@ -107,12 +107,14 @@ std::vector<std::string> words_of(const nlohmann::json& options) {
 }  // namespace
 
 nlohmann::json detect_options(const TradeSetting& setting, const fs::path& model) {
-  return {{"model", fs::weakly_canonical(fs::absolute(model)).string()},
-          {"tick-us", setting.rendering.tick.count()},
-          {"engine", name_of(setting.engine)},
-          {"precision", name_of(setting.precision)},
-          {"confirm", text_of(setting.confirmation)},
-          {"gate", setting.gate}};
+  nlohmann::json options = {{"model", fs::weakly_canonical(fs::absolute(model)).string()},
+                            {"tick-us", setting.rendering.tick.count()},
+                            {"engine", name_of(setting.engine)},
+                            {"precision", name_of(setting.precision)},
+                            {"confirm", text_of(setting.confirmation)},
+                            {"gate", setting.gate}};
+  if (setting.alarm_cost) options.update({{"filter", true}, {"alarm-cost", *setting.alarm_cost}});
+  return options;
 }
 
 nlohmann::json run_live_trial(const TradeSetting& setting, const LiveTrialOptions& options, const ProgressCallback& progress) {

@@ -11,6 +11,7 @@
 #include "tactile/experiments/trade/judge_points.hpp"
 #include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -49,7 +50,7 @@ void remove_what_cannot_be_rendered(const TradePlan& plan, MeasuredPoints& measu
   }
 }
 
-/// Gives each point the network of its first training, and removes those that have none, or a gate that their network lacks.
+/// Gives each point the network of its first training, and removes those that have none, or lack a gate or transitions for it.
 void take_networks(const Stage& stage, MeasuredPoints& measured) {
   const TradeSetting& usual = stage.plan.options.usual;
   for (TradePoint& point : measured.points) {
@@ -66,9 +67,16 @@ void take_networks(const Stage& stage, MeasuredPoints& measured) {
         return !point.setting.gate || model::read_description(point.networks.front().bundle).gate.has_value();
       },
       "its network was made without a gate");
+  remove_unless(
+      measured, usual,
+      [](const TradePoint& point) {
+        return !point.setting.alarm_cost || model::read_description(point.networks.front().bundle).transitions.has_value();
+      },
+      "its network was made without rates of transitions");
   if (measured.points.empty() || !(measured.points.front().setting == usual))
     throw Error(
-        "the usual setting needs a gate, but its network has none; expected a network that this version of 'tactile train' made");
+        "the usual setting needs a gate or a filter, but its network has none; expected a network that this version of 'tactile "
+        "train' made");
 }
 
 fs::path file_of(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }
@@ -78,10 +86,12 @@ experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& net
   const fs::path file = file_of(plan, name);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   const std::vector<std::uint32_t> tested = plan.trainings[network.training].tested();
+  const model::ModelDescription description = model::read_description(network.bundle);
   return experiments::file_step(
       name,
       {{"manifest", plan.dataset.manifest_hash()},
-       {"weights", model::read_description(network.bundle).weights_sha256},
+       {"weights", description.weights_sha256},
+       {"temperature", model::read_temperature(network.bundle, description).value},
        {"runs", names_of(plan.dataset, tested)},
        {"tick_us", tick.count()},
        {"engine", name_of(setting.engine)},

@@ -85,10 +85,11 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
     classifiers.push_back(model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision}));
     models.push_back({&classifiers.back(), runs});
     const auto gate = gate_of(setting, network);
+    const model::Decision decision = decision_of(setting, network.bundle);
     const std::vector<results::FullRun> predicted =
         classify_full_runs(plan.dataset, runs, classifiers.back(), setting.rendering.tick, threads, progress);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const std::vector<Touch> verdicts = verdicts_of(predicted[i], gate, setting.confirmation);
+      const std::vector<Touch> verdicts = verdicts_of(predicted[i], gate, decision);
       outcomes.push_back(outcome_of(plan.judged.at(runs[i]), predicted[i], verdicts));
       outcomes.back().training = network.training;
     }
@@ -98,7 +99,9 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
   // `eval` judges only at the network's own ticks, where samples lie.
   if (setting.rendering.tick == point.networks.front().settings.rendering.tick) {
     const results::Evaluation evaluation = evaluation::evaluate(
-        plan.dataset, models, {.confirmation = setting.confirmation, .gate = setting.gate, .threads = threads}, progress);
+        plan.dataset, models,
+        {.confirmation = setting.confirmation, .alarm_cost = setting.alarm_cost, .gate = setting.gate, .threads = threads},
+        progress);
     result["by"] = "eval";
     result["accuracy"] = evaluation.accuracy.mean;
     result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/experiments/folder_lock.hpp"
 #include "tactile/experiments/trade/judge_points.hpp"
 #include "tactile/experiments/trade/recommend_setting.hpp"
@@ -101,12 +102,15 @@ json detect_config(const json& trade, const fs::path& trade_folder) {
     throw Error("no setting to apply: " + recommendation.at("sentence").get<std::string>());
   const json& setting = recommendation.at("setting");
   const fs::path models = trade_folder / trade.at("settings").at("models").get<std::string>();
-  return {{"model", fs::weakly_canonical(fs::absolute(models / recommendation.at("model").get<std::string>())).string()},
-          {"tick-us", static_cast<std::int64_t>(std::llround(1000 * setting.at("tick_ms").get<double>()))},
-          {"engine", setting.at("engine")},
-          {"precision", setting.at("precision")},
-          {"confirm", setting.at("confirm")},
-          {"gate", setting.at("gate")}};
+  json config = {{"model", fs::weakly_canonical(fs::absolute(models / recommendation.at("model").get<std::string>())).string()},
+                 {"tick-us", static_cast<std::int64_t>(std::llround(1000 * setting.at("tick_ms").get<double>()))},
+                 {"engine", setting.at("engine")},
+                 {"precision", setting.at("precision")},
+                 {"confirm", setting.at("confirm")},
+                 {"gate", setting.at("gate")}};
+  if (const std::optional<double> alarm_cost = number_in(setting.at("filter").get<std::string>()))
+    config.update({{"filter", true}, {"alarm-cost", *alarm_cost}});
+  return config;
 }
 
 }  // namespace tactile::trade

@@ -24,6 +24,7 @@ std::vector<SettingValue> values_of(const TradeSetting& setting) {
   const std::string resize = rendering.at("resize"), denoise = rendering.at("denoise");
   const std::string engine(name_of(setting.engine)), precision(name_of(setting.precision));
   const std::string pass = setting.sparse ? "sparse" : "dense", confirm = text_of(setting.confirmation);
+  const std::string filter = setting.alarm_cost ? fmt::format("{:g}", *setting.alarm_cost) : "off";
   return {{"th_ms", th_ms, fmt::format("th{:g}", th_ms), fmt::format("t_h {:g} ms", th_ms)},
           {"tick_ms", tick_ms, fmt::format("tick{:g}", tick_ms), fmt::format("tick {:g} ms", tick_ms)},
           {"factor", factor, fmt::format("f{:.6g}", factor), fmt::format("factor {:g}", factor)},
@@ -35,6 +36,7 @@ std::vector<SettingValue> values_of(const TradeSetting& setting) {
           {"precision", precision, precision, precision},
           {"pass", pass, pass, pass},
           {"confirm", confirm, fmt::format("{}of{}", setting.confirmation.needed, setting.confirmation.of), "confirm " + confirm},
+          {"filter", filter, "", setting.alarm_cost ? "filter " + filter : "no filter"},
           {"gate", setting.gate, setting.gate ? "gate" : "open", setting.gate ? "gate" : "no gate"}};
 }
 
@@ -52,6 +54,7 @@ std::string id_of(const TradeSetting& setting) {
   }
   if (setting.width != TradeSetting{}.width) parts.push_back(fmt::format("w{:g}", setting.width));
   if (setting.last_pool != TradeSetting{}.last_pool) parts.push_back(fmt::format("p{}", setting.last_pool));
+  if (setting.alarm_cost) parts.push_back(fmt::format("filter{:g}", *setting.alarm_cost));
   return fmt::format("{}", fmt::join(parts, "-"));
 }
 
@@ -64,12 +67,19 @@ std::string text_of(const TradeSetting& setting, const TradeSetting& base) {
   return words.empty() ? "as usual" : fmt::format("{}", fmt::join(words, ", "));
 }
 
+model::Decision decision_of(const TradeSetting& setting, const model::ModelBundle& bundle) {
+  model::Decision decision{.confirmation = setting.confirmation};
+  if (setting.alarm_cost) decision.filter = model::filter_of(bundle, model::read_description(bundle), *setting.alarm_cost);
+  return decision;
+}
+
 std::optional<std::string> why_impossible(const TradeSetting& setting) {
   const heatmaps::HeatmapOptions& rendering = setting.rendering;
   if (rendering.history % rendering.tick != microseconds{0})
     return fmt::format("t_h {:g} ms is no whole number of ticks of {:g} ms", in_ms(rendering.history), in_ms(rendering.tick));
   if (setting.engine == model::EngineKind::libtorch && (setting.precision != model::Precision::fp32 || !setting.sparse))
     return "libtorch computes all, in fp32";
+  if (setting.alarm_cost && setting.confirmation.of > 1) return "the filter replaces the confirmation";
   return std::nullopt;
 }
 

@@ -6,7 +6,9 @@
 
 #include "tactile/core/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/model/inference/decision.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 
 namespace tactile::trade {
@@ -21,20 +23,25 @@ struct TradeSetting {
   model::Precision precision = model::Precision::fp32;
   bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
   Confirmation confirmation{};
+  std::optional<double> alarm_cost{};  ///< of the decision filter, which then replaces the confirmation; > 0
   bool gate = false;
 
   friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
 };
 
 /// {"th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
-/// "gate"}
+/// "filter" ("off", or its alarm cost as a text), "gate"}
 void to_json(nlohmann::json& json, const TradeSetting& setting);
 
-/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or "-p4".
+/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
+/// "-p4", a filter "-filter0.01".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.
 std::string text_of(const TradeSetting& setting, const TradeSetting& base = {});
+
+/// How predictions of a network become verdicts. @throws Error  if a filter is to be used and the network has no transitions
+model::Decision decision_of(const TradeSetting& setting, const model::ModelBundle& bundle);
 
 /// Why the setting is impossible; nothing if it is possible.
 std::optional<std::string> why_impossible(const TradeSetting& setting);
