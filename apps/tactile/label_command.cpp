@@ -243,7 +243,11 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
   const RunsBelow found = runs_in(arguments.places);
   const std::vector<RunFolder>& runs = found.runs;
   if (arguments.edits.edits_labels()) return go_through_history(common, arguments.edits, found, !arguments.no_pictures);
-  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, found);
+  if (arguments.exchange.imports()) {
+    return import_labels(
+        common, arguments.exchange, found,
+        {.note = arguments.edits.note(), .dry_run = arguments.edits.dry_run, .draw_pictures = !arguments.no_pictures});
+  }
   if (arguments.exchange.exports()) {
     return export_labels(common, arguments.exchange, found, arguments.force, [&](std::span<const RunFolder> unlabelled) {
       return label_all(common, arguments, {unlabelled.begin(), unlabelled.end()}).failures;

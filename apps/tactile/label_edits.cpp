@@ -12,7 +12,6 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/core/parallel.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/labels/saved_labels.hpp"
 #include "text_table.hpp"
@@ -178,14 +177,13 @@ std::size_t count_in(const char* option, const std::string& text) {
                           option, shown_text(text), option));
 }
 
-void undo_or_redo(const CommonArguments& common, const LabelEditArguments& arguments, const RunFolder& run, bool draw_pictures) {
-  const bool is_undo = !arguments.undo.empty();
-  const std::size_t count = is_undo ? count_in("--undo", arguments.undo) : count_in("--redo", arguments.redo);
+void undo_or_redo(const CommonArguments& common, bool is_undo, std::size_t count, const RunFolder& run, bool draw_pictures) {
   labels::SaveOutcome outcome;
   try {
     outcome = is_undo ? labels::save_undo(run, std::nullopt, count) : labels::save_redo(run, std::nullopt, count);
   } catch (const Error& e) {
-    throw Error(sentence_of(e, run.name()));
+    const std::string what = e.what();
+    throw Error(what.find(run.name()) == std::string::npos ? run.name() + ": " + what : what);
   }
   const labels::Labels& labels = std::get<labels::VersionedLabels>(outcome).labels;
   const std::vector<labels::HistoryEntry>& entries = labels.history.entries;
@@ -198,11 +196,7 @@ void undo_or_redo(const CommonArguments& common, const LabelEditArguments& argum
       printed.add(run, entries[made - count + i], "redone: ");
     }
   }
-  if (draw_pictures) {
-    LabelPictures pictures;
-    pictures.draw_again(run, labels);
-    pictures.tell();
-  }
+  if (draw_pictures) draw_label_pictures(std::vector<RunAndLabels>{{run, labels}}, common.threads);
   print_result(common, {{is_undo ? "undone" : "redone", printed.json}}, printed.text);
 }
 
@@ -241,16 +235,17 @@ void add_label_edit_options(Command command, LabelEditArguments& arguments) {
     command.add_ordered_option(option, keep, meaning).type_name(value);
   };
   add_edit("--confirm", "RUN[:INTERVAL]", "A person has looked at the run, or at one interval, and it is right");
-  add_edit("--set", "RUN:INTERVAL.start=SECONDS",
-           "Move a start or an end, in seconds from the run's first event, or change a class: fan/01:press-1.class=slip");
-  add_edit("--add", "RUN:press=START..END", "Add a press or slip");
-  add_edit("--reject", "RUN:INTERVAL", "Remove an interval; it is not found again");
-  add_edit("--lift", "RUN:WORDS", "Lift the flag with these words; needs --why");
+  add_edit("--set", "EDIT",
+           "Move a start or an end, in seconds from the run's first event, or change a class: fan/01:press-1.start=1.2345, "
+           "fan/01:press-1.class=slip");
+  add_edit("--add", "EDIT", "Add a press or slip: fan/01:press=1.2..1.9");
+  add_edit("--reject", "EDIT", "Remove an interval, which is not found again: fan/01:press-1");
+  add_edit("--lift", "EDIT", "Lift the flag with these words, with a --why: fan/01:no robot log");
   command.add_option("--undo", arguments.undo, "Undo the last edits of a run").type_name("N").value_is_optional("1");
   command.add_option("--redo", arguments.redo, "Redo the last undone edits of a run").type_name("N").value_is_optional("1");
   command.add_flag("--history", arguments.history, "Print all edits");
   command.add_option("--who", arguments.who, "Who edits; default: the user's name on this system").type_name("NAME");
-  command.add_option("--why", arguments.why, "Why, for the history").type_name("TEXT");
+  command.add_option("--why", arguments.why, "Why, for the history").type_name("REASON");
   command.add_flag("--dry-run", arguments.dry_run, "Print what the edits or --import would change, and write nothing");
 }
 
@@ -274,41 +269,39 @@ void edit_labels(const CommonArguments& common, const LabelEditArguments& argume
                  bool draw_pictures) {
   const std::vector<RunEdits> runs = edits_by_run(arguments.edits, places);
   const labels::EditNote note = arguments.note();
-  std::vector<labels::Labels> labels;
+  std::vector<RunAndLabels> edited;
   // All are tried before the first is saved.
   for (const RunEdits& run : runs) {
     labels::Labels now = labels::read_versioned_labels(run.run).labels;
-    labels.push_back(with_all(std::move(now), run, labels::span_of_events(run.run), note));
+    edited.push_back({run.run, with_all(std::move(now), run, labels::span_of_events(run.run), note)});
   }
   for (std::size_t i = 0; i < runs.size() && !arguments.dry_run; ++i) {
     const auto change = [&](labels::Labels now, const labels::RecordingSpan& recording) {
       return with_all(std::move(now), runs[i], recording, note);
     };
-    labels[i] = std::get<labels::VersionedLabels>(labels::save_change(runs[i].run, std::nullopt, change)).labels;
+    edited[i].labels = std::get<labels::VersionedLabels>(labels::save_change(runs[i].run, std::nullopt, change)).labels;
   }
   Printed printed;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::vector<labels::HistoryEntry>& entries = labels[i].history.entries;
+    const std::vector<labels::HistoryEntry>& entries = edited[i].labels.history.entries;
     for (std::size_t k = entries.size() - runs[i].edits.size(); k < entries.size(); ++k)
       printed.add(runs[i].run, entries[k], arguments.dry_run ? "would be: " : "");
   }
-  if (draw_pictures && !arguments.dry_run) {
-    LabelPictures pictures;
-    parallel_for(runs.size(), common.threads, [&](std::size_t i) { pictures.draw_again(runs[i].run, labels[i]); });
-    pictures.tell();
-  }
+  if (draw_pictures && !arguments.dry_run) draw_label_pictures(edited, common.threads);
   print_result(common, {{"edited", printed.json}, {"dry_run", arguments.dry_run}}, printed.text);
 }
 
 void go_through_history(const CommonArguments& common, const LabelEditArguments& arguments, const RunsBelow& found,
                         bool draw_pictures) {
   if (arguments.history) return print_history(common, found);
-  const char* const option = arguments.undo.empty() ? "--redo" : "--undo";
+  const bool is_undo = !arguments.undo.empty();
+  const char* const option = is_undo ? "--undo" : "--redo";
+  const std::size_t count = count_in(option, is_undo ? arguments.undo : arguments.redo);
   if (found.runs.size() != 1) {
     throw Error(fmt::format("{}: {} runs are given; expected one, as in 'tactile label data/fan/01 {}'", option,
                             found.runs.size(), option));
   }
-  undo_or_redo(common, arguments, found.runs.front(), draw_pictures);
+  undo_or_redo(common, is_undo, count, found.runs.front(), draw_pictures);
 }
 
 }  // namespace tactile::cli

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/labels/label_options.hpp"
 #include "tactile/pictures/run_picture.hpp"
 
@@ -38,6 +39,12 @@ void LabelPictures::note_failure(const RunFolder& run, const std::exception& e) 
   const std::scoped_lock lock(guard_);
   if (failures_.empty()) first_ = run.name();
   failures_.push_back(sentence_of(e));
+}
+
+void draw_label_pictures(std::span<const RunAndLabels> edited, unsigned threads) {
+  LabelPictures pictures;
+  parallel_for(edited.size(), threads, [&](std::size_t i) { pictures.draw_again(edited[i].run, edited[i].labels); });
+  pictures.tell();
 }
 
 }  // namespace tactile::cli

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,13 @@ class LabelPictures {
   std::vector<std::string> failures_;
   std::string first_;
 };
+
+struct RunAndLabels {
+  RunFolder run;
+  labels::Labels labels;
+};
+
+/// Those of runs whose labels were edited; warns of those that were not drawn.
+void draw_label_pictures(std::span<const RunAndLabels> edited, unsigned threads);
 
 }  // namespace tactile::cli

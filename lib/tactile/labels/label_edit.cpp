@@ -210,6 +210,32 @@ std::string words_of(const LabelEdit& edit, const Labels& before, const Recordin
   return std::visit(Words{before, recording}, edit);
 }
 
+std::vector<std::string> words_of_changes(const Labels& before, const Labels& after, const RecordingSpan& recording) {
+  const auto with_id = [](const Labels& labels, const std::string& id) {
+    return std::find_if(labels.intervals.begin(), labels.intervals.end(),
+                        [&](const LabelledInterval& interval) { return interval.id == id; });
+  };
+  std::vector<std::string> words;
+  const auto add = [&](const LabelEdit& edit) { words.push_back(words_of(edit, before, recording)); };
+  for (const LabelledInterval& then : before.intervals) {
+    const auto now = with_id(after, then.id);
+    if (now == after.intervals.end()) {
+      add(RejectInterval{then.id});
+      continue;
+    }
+    const std::size_t known = words.size();
+    if (now->start.at != then.start.at) add(MoveEnd{.id = then.id, .which = IntervalEnd::start, .to = now->start.at});
+    if (now->end.at != then.end.at) add(MoveEnd{.id = then.id, .which = IntervalEnd::end, .to = now->end.at});
+    if (now->touch != then.touch) add(ChangeClass{.id = then.id, .touch = now->touch});
+    if (words.size() == known && now->confirmed && !then.confirmed) add(ConfirmInterval{then.id});
+  }
+  for (const LabelledInterval& now : after.intervals) {
+    if (with_id(before, now.id) == before.intervals.end())
+      add(AddInterval{.touch = now.touch, .start = now.start.at, .end = now.end.at});
+  }
+  return words;
+}
+
 CameraTime nearest_tick(CameraTime t, microseconds tick) {
   if (tick <= 0us) throw Error(fmt::format("a tick of {} us; expected one above 0", tick.count()));
   const CameraTime next = first_tick_from(t, tick), last = last_tick_until(t, tick);

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 #include "tactile/labels/labels.hpp"
@@ -73,6 +74,10 @@ Labels with_edit(Labels labels, const LabelEdit& edit, const RecordingSpan& reco
 /// What the edit does to `before`: "start of press-1 from 1.230100 s to 1.234500 s", in seconds after the first event.
 /// @throws Error  as `with_edit`
 std::string words_of(const LabelEdit& edit, const Labels& before, const RecordingSpan& recording);
+
+/// All that differs in the intervals, by id, each in the words of the edit that would make it; `before` comes first, then what
+/// was added.
+std::vector<std::string> words_of_changes(const Labels& before, const Labels& after, const RecordingSpan& recording);
 
 /// The tick nearest to `t`; of two, the earlier. @throws Error if `tick` is not above 0
 CameraTime nearest_tick(CameraTime t, microseconds tick);

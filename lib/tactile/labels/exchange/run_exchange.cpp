@@ -16,6 +16,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 #include "tactile/labels/label_options.hpp"
+#include "tactile/labels/saved_labels.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
@@ -191,13 +192,19 @@ std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::option
       if (!fs::exists(run.labels())) {
         throw Error(fmt::format("{}: {} has no labels; 'tactile label' makes them", file.string(), run.name()));
       }
-      Labels labels = read_labels(run.labels());
+      const VersionedLabels before = read_versioned_labels(run);
       const RecordingSpan span = span_of_events(run);
       const FileTimes times =
-          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, labels, span.first);
+          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, before.labels, span.first);
       EditCounts counts;
-      Labels with = with_edits(std::move(labels), imported, times, span.first, span.last, counts);
-      edited.push_back({run, file.string(), std::move(with), counts, imported.looked_at});
+      const Labels after = with_edits(before.labels, imported, times, span.first, span.last, counts);
+      edited.push_back({.run = run,
+                        .file = file.string(),
+                        .before_version = before.version,
+                        .edit = {.labels = imported, .times = times},
+                        .counts = counts,
+                        .changes = words_of_changes(before.labels, after, span),
+                        .looked_at = imported.looked_at});
     }
   }
   return edited;
