@@ -91,7 +91,8 @@ TEST_F(LabelEdits, SeveralAreMadeInTheirOrderEachWithItsEntry) {
   EXPECT_EQ(interval(0).at("class").get<std::string>(), "slip");
   EXPECT_EQ(interval(1).at("end_us"), first_us + 1'400'000);
   std::vector<std::string> rejected;
-  for (const json& one : labels().at("rejected")) rejected.push_back(one.at("class"));
+  const json now = labels();
+  for (const json& one : now.at("rejected")) rejected.push_back(one.at("class"));
   std::sort(rejected.begin(), rejected.end());
   EXPECT_EQ(rejected, (std::vector<std::string>{"press", "slip"})) << "the press that is a slip now is not found again";
   EXPECT_TRUE(labels("usb-hub/01").at("intervals").at(0).at("confirmed").get<bool>());
@@ -112,7 +113,9 @@ TEST_F(LabelEdits, AFlagIsLiftedByItsWordsWithAReason) {
   expect_refused("--lift 'fan/01:no robot log'", "without a reason; expected why the label is right");
   expect_refused("--lift 'fan/01:no such words' --why seen", "0 flags have these words; expected words of one of ");
   done("--lift 'fan/01:no robot log' --why 'the arm stood still' --no-pictures");
-  for (const json& flag : labels().at("flags")) {
+  const json now = labels();
+  ASSERT_FALSE(now.at("flags").empty());
+  for (const json& flag : now.at("flags")) {
     const bool is_lifted = flag.at("reason").get<std::string>().find("no robot log") != std::string::npos;
     EXPECT_EQ(flag.at("confirmed").get<bool>(), is_lifted) << flag;
   }
