@@ -134,6 +134,19 @@ TEST(LabelEdit, AnImportRemovesOnlyWhatItsToolCanShow) {
   EXPECT_EQ(all_shown.rejected.size(), 2U);
 }
 
+TEST(LabelEdit, ChangesAreNamedByTheEditsThatMakeThem) {
+  Labels after = with_edit(machines(), MoveEnd{.id = "press-1", .to = in_run(120'000)}, recording);
+  after = with_edit(after, RejectInterval{"slip-1"}, recording);
+  after = with_edit(after, AddInterval{.start = in_run(500'000), .end = in_run(600'000)}, recording);
+  const std::vector<std::string> expected{"start of press-1 from 0.100000 s to 0.120000 s",
+                                          "slip-1 rejected, from 0.300000 s to 0.400000 s",
+                                          "press added from 0.500000 s to 0.600000 s"};
+  EXPECT_EQ(words_of_changes(machines(), after, recording), expected);
+  const Labels confirmed = with_edit(machines(), ConfirmInterval{"slip-1"}, recording);
+  EXPECT_EQ(words_of_changes(machines(), confirmed, recording), std::vector<std::string>{"slip-1 confirmed"});
+  EXPECT_TRUE(words_of_changes(machines(), machines(), recording).empty());
+}
+
 TEST(LabelEdit, SnapsToTheNearestTickAndEvent) {
   EXPECT_EQ(nearest_tick(camera_time(2'999), 2ms), camera_time(2'000));
   EXPECT_EQ(nearest_tick(camera_time(3'001), 2ms), camera_time(4'000));
