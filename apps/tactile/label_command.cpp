@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <mutex>
 #include <opencv2/core/types.hpp>
 #include <set>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "label_edits.hpp"
 #include "label_exchange.hpp"
+#include "label_pictures.hpp"
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
 #include "rendering_arguments.hpp"
@@ -20,7 +21,6 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_runs.hpp"
-#include "tactile/pictures/run_picture.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "truth_tables.hpp"
 
@@ -40,6 +40,7 @@ struct LabelArguments {
   std::string robot_columns;
   std::string mask;
   LabelExchangeArguments exchange;
+  LabelEditArguments edits;
 };
 
 constexpr int widest_film = 8192;  // [px]
@@ -147,34 +148,6 @@ struct Outcome {
   std::vector<std::string> failures;  ///< errors, one a run
 };
 
-fs::path picture_file_of(const RunFolder& run) { return run.folder / "labels.png"; }
-
-/// Draws labels.png next to the labels of each run. A picture that cannot be drawn is left out, because the labels matter more.
-class Pictures {
- public:
-  void draw(const alignment::RunSignals& signals, const labels::Labels& labels) {
-    try {
-      pictures::draw_label_picture(pictures::picture_of(signals, labels), picture_file_of(signals.run));
-    } catch (const std::exception& e) {
-      const std::scoped_lock lock(guard_);
-      if (failures_.empty()) first_ = signals.run.name();
-      failures_.push_back(sentence_of(e));
-    }
-  }
-
-  void tell() const {
-    if (failures_.empty()) return;
-    spdlog::warn("{} not drawn (--no-pictures leaves them out): {}",
-                 failures_.size() == 1 ? first_ + "/labels.png was" : fmt::format("{} pictures were", failures_.size()),
-                 failures_.front());
-  }
-
- private:
-  std::mutex guard_;
-  std::vector<std::string> failures_;
-  std::string first_;
-};
-
 CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
   if (const auto us = labels.provenance.find("first_event_us"); us != labels.provenance.end() && us->is_number_integer())
     return camera_time(us->get<std::int64_t>());
@@ -193,12 +166,12 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   options.label.signals.robot.columns = arguments.robot_columns;
   if (!arguments.mask.empty()) options.label.signals.rate.mask = events::read_mask(arguments.mask);
-  Pictures pictures;
+  LabelPictures pictures;
   if (!arguments.no_pictures) {
     // A picture that is older than the labels shows them as they were before an edit.
     options.has_companions = [](const RunFolder& run) {
       std::error_code missing;
-      const auto drawn = fs::last_write_time(picture_file_of(run), missing);
+      const auto drawn = fs::last_write_time(label_picture_of(run), missing);
       return !missing && drawn >= fs::last_write_time(run.labels(), missing);
     };
     options.make_companions = [&](const alignment::RunSignals& signals, const labels::Labels& labels) {
@@ -249,11 +222,32 @@ Outcome read_runs(std::vector<RunFolder> runs) {
   return outcome;
 }
 
+/// What else than editing is asked for.
+std::vector<std::string> other_work(const LabelArguments& arguments) {
+  std::vector<std::string> options;
+  for (const auto& [option, is_given] :
+       {std::pair{"--import", arguments.exchange.imports()}, std::pair{"--export", arguments.exchange.exports()},
+        std::pair{"--summary", arguments.summary}, std::pair{"--compare-truth", arguments.compare_truth},
+        std::pair{"--force", arguments.force}, std::pair{"--strict", arguments.strict},
+        std::pair{"--roi", !arguments.roi.empty()}, std::pair{"--robot-columns", !arguments.robot_columns.empty()},
+        std::pair{"--mask", !arguments.mask.empty()}}) {
+    if (is_given) options.emplace_back(option);
+  }
+  return options;
+}
+
 void run_label(const CommonArguments& common, const LabelArguments& arguments) {
   check_exchange(arguments.exchange);
+  check_edits(arguments.edits, other_work(arguments));
+  if (!arguments.edits.edits.empty()) return edit_labels(common, arguments.edits, arguments.places, !arguments.no_pictures);
   const RunsBelow found = runs_in(arguments.places);
   const std::vector<RunFolder>& runs = found.runs;
-  if (arguments.exchange.imports()) return import_labels(common, arguments.exchange, found);
+  if (arguments.edits.edits_labels()) return go_through_history(common, arguments.edits, found, !arguments.no_pictures);
+  if (arguments.exchange.imports()) {
+    return import_labels(
+        common, arguments.exchange, found,
+        {.note = arguments.edits.note(), .dry_run = arguments.edits.dry_run, .draw_pictures = !arguments.no_pictures});
+  }
   if (arguments.exchange.exports()) {
     return export_labels(common, arguments.exchange, found, arguments.force, [&](std::span<const RunFolder> unlabelled) {
       return label_all(common, arguments, {unlabelled.begin(), unlabelled.end()}).failures;
@@ -311,6 +305,7 @@ void add_label_command(CLI::App& app) {
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
           .excludes(summary);
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);
+  add_label_edit_options(command, arguments->edits);
 }
 
 }  // namespace tactile::cli

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "label_pictures.hpp"
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
@@ -21,6 +22,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 #include "tactile/labels/exchange/run_exchange.hpp"
+#include "tactile/labels/saved_labels.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -260,32 +262,46 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   end_with(errors);
 }
 
-void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found) {
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found,
+                   const ImportArguments& how) {
   const std::vector<RunFolder>& runs = found.runs;
-  const std::vector<labels::ImportedRun> edited =
+  const std::vector<labels::ImportedRun> imported =
       labels::read_edits(files_in(arguments, runs), format_in(arguments), origin_in(arguments), runs);
-  nlohmann::json imported = nlohmann::json::array();
+  nlohmann::json json = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> unseen;
-  for (const labels::ImportedRun& run : edited) {
+  std::vector<std::string> unseen, errors = found.unreadable;
+  std::vector<RunAndLabels> edited;
+  std::string changes;
+  for (const labels::ImportedRun& run : imported) {
     if (!run.looked_at) unseen.push_back(run.run.name());
-    if (run.counts.edits() > 0) labels::write_labels(run.run.labels(), run.labels);
+    if (run.counts.edits() > 0 && !how.dry_run) {
+      labels::SaveOutcome outcome = labels::save_edit(run.run, run.before_version, run.edit, how.note);
+      if (std::holds_alternative<labels::EditConflict>(outcome)) {
+        errors.push_back(run.run.name() + ": its labels were changed meanwhile, and were not edited; expected the import again");
+        continue;
+      }
+      edited.push_back({run.run, std::move(std::get<labels::VersionedLabels>(outcome).labels)});
+    }
     const labels::EditCounts& counts = run.counts;
-    imported.push_back({{"run", run.run.name()},
-                        {"file", run.file},
-                        {"looked_at", run.looked_at},
-                        {"kept", counts.kept},
-                        {"confirmed", counts.confirmed},
-                        {"moved", counts.moved},
-                        {"added", counts.added},
-                        {"rejected", counts.rejected}});
+    json.push_back({{"run", run.run.name()},
+                    {"file", run.file},
+                    {"looked_at", run.looked_at},
+                    {"kept", counts.kept},
+                    {"confirmed", counts.confirmed},
+                    {"moved", counts.moved},
+                    {"added", counts.added},
+                    {"rejected", counts.rejected},
+                    {"changes", run.changes}});
     rows.push_back({run.run.name(), std::to_string(counts.kept), std::to_string(counts.confirmed), std::to_string(counts.moved),
                     std::to_string(counts.added), std::to_string(counts.rejected), run.file});
+    for (const std::string& change : run.changes) changes += fmt::format("{}: would be: {}\n", run.run.name(), change);
   }
+  if (how.draw_pictures) draw_label_pictures(edited, common.threads);
   if (!unseen.empty()) spdlog::info("without an answer, unchanged: {}", fmt::join(unseen, ", "));
-  print_result(common, {{"imported", imported}},
-               text_table({"run", "as before", "newly confirmed", "moved", "added", "rejected", ""}, rows));
-  end_with(found.unreadable);
+  print_result(
+      common, {{"imported", json}, {"dry_run", how.dry_run}},
+      text_table({"run", "as before", "newly confirmed", "moved", "added", "rejected", ""}, rows) + (how.dry_run ? changes : ""));
+  end_with(errors);
 }
 
 }  // namespace tactile::cli

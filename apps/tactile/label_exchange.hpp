@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "tactile/core/runs_below.hpp"
+#include "tactile/labels/label_history.hpp"
 
 namespace tactile::cli {
 
@@ -34,7 +35,15 @@ void check_exchange(const LabelExchangeArguments& arguments);
 void export_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found, bool replace,
                    const std::function<std::vector<std::string>(std::span<const RunFolder>)>& label_first);
 
-/// Writes a person's edits from another tool into the labels of the runs: all edits, or none after an `Error`.
-void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found);
+struct ImportArguments {
+  labels::EditNote note;
+  bool dry_run = false, draw_pictures = true;
+};
+
+/// Writes a person's edits from another tool into the labels of the runs, as one edit of each; none after an `Error`. A run whose
+/// labels another program changes meanwhile is left out.
+/// @throws Error  once the other runs are edited, if one was left out
+void import_labels(const CommonArguments& common, const LabelExchangeArguments& arguments, const RunsBelow& found,
+                   const ImportArguments& how);
 
 }  // namespace tactile::cli

@@ -48,6 +48,11 @@ Option& Option::one_value_each_time() {
   return *this;
 }
 
+Option& Option::value_is_optional(const std::string& without) {
+  option_->expected(0, 1)->default_str(without);
+  return *this;
+}
+
 Option& Option::needs(const Option& other) {
   option_->needs(other.option_);
   return *this;
@@ -65,6 +70,14 @@ Option Command::add_option(const std::string& names, T& value, const std::string
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& meaning) {
   return Option(*command_->add_flag(names, value, meaning));
+}
+
+Option Command::add_ordered_option(const std::string& names, const std::function<void(const std::string&)>& keep,
+                                   const std::string& meaning) {
+  const std::function<void(const std::vector<std::string>&)> keep_all = [keep](const std::vector<std::string>& values) {
+    for (const std::string& value : values) keep(value);
+  };
+  return Option(*command_->add_option_function(names, keep_all, meaning)->trigger_on_parse()->allow_extra_args(false));
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);

@@ -27,9 +27,10 @@ class Option {
   Option& default_text(const std::string& text);  ///< the help shows this text as the default
   Option& type_name(const std::string& name);     ///< stands for the value in the help: "FILE.json"
   Option& required();
-  Option& delimiter(char separator);  ///< between the values of a list
-  Option& repeatable();               ///< one value each time; all are kept
-  Option& one_value_each_time();      ///< of a list: words after the first value do not belong to the option
+  Option& delimiter(char separator);                      ///< between the values of a list
+  Option& repeatable();                                   ///< one value each time; all are kept
+  Option& one_value_each_time();                          ///< of a list: words after the first value do not belong to the option
+  Option& value_is_optional(const std::string& without);  ///< the option alone has this value
   Option& needs(const Option& other);
   Option& excludes(const Option& other);
 
@@ -50,6 +51,11 @@ class Command {
   Option add_option(const std::string& names, T& value, const std::string& meaning = "");
 
   Option add_flag(const std::string& names, bool& value, const std::string& meaning = "");
+
+  /// An option that may be given many times. `keep` gets each value once it is read, so that the order among options of different
+  /// names is known.
+  Option add_ordered_option(const std::string& names, const std::function<void(const std::string&)>& keep,
+                            const std::string& meaning);
 
  private:
   CLI::App* command_;

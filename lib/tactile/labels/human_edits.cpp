@@ -47,6 +47,12 @@ Remains cut_by(LabelledInterval& fresh, LabelledInterval& persons) {
   return Remains::cut_at_start;
 }
 
+/// Whether the person's interval was found as this one before it was moved, perhaps far away.
+bool was_found_as(const LabelledInterval& fresh, const LabelledInterval& persons) {
+  const std::optional<CameraTime>& found = persons.evidence.events;
+  return fresh.touch == persons.touch && found && *found >= fresh.start.low && *found < fresh.end.at;
+}
+
 /// An interval of the result, and where it comes from.
 struct Kept {
   LabelledInterval interval = {};
@@ -86,7 +92,7 @@ Merged merge(const Labels& fresh, const Labels& old) {
     bool stays = true;
     for (std::size_t i = 0; i < merged.persons && stays; ++i) {
       LabelledInterval& person = kept[i].interval;
-      const Remains remains = cut_by(candidate.interval, person);
+      const Remains remains = was_found_as(candidate.interval, person) ? Remains::nothing : cut_by(candidate.interval, person);
       if (remains == Remains::cut_at_start) candidate.begun_in = person.id;
       if (remains != Remains::nothing) continue;
       stays = false;

@@ -29,4 +29,8 @@ nlohmann::json settings_of(const LabelOptions& options);
 /// How the robot log was read that these labels were made from: by the settings in their provenance.
 robot::RobotLogOptions robot_log_options_of(const nlohmann::json& provenance);
 
+/// The same of all signals: region of the film, mask of pixels, columns of the robot log. What the provenance lacks is as by
+/// default.
+alignment::RunSignalsOptions signals_options_of(const nlohmann::json& provenance);
+
 }  // namespace tactile::labels

@@ -11,12 +11,14 @@
 #include "tactile/alignment/session_clocks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/folder_lock.hpp"
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/human_edits.hpp"
+#include "tactile/labels/label_history.hpp"
+#include "tactile/labels/saved_labels.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -154,9 +156,7 @@ class GroupLabeller {
         Labels labels = label_signals(signals, clocks[static_cast<std::size_t>(place)], options_.label);
         labels.provenance["inputs"] = inputs[i];
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
-        if (!options_.force && is_there(signals.run.labels()))
-          labels = keep_human_edits(std::move(labels), read_labels(signals.run.labels()));
-        write_labels(signals.run.labels(), labels);
+        labels = write_over(signals.run, std::move(labels));
         if (options_.make_companions) options_.make_companions(signals, labels);
         result.labels = std::move(labels);
       } catch (const std::exception& e) {
@@ -183,6 +183,21 @@ class GroupLabeller {
       results[group.result_index[k]].error = errors[group.requested[k]];
     }
     return inputs;
+  }
+
+  /// Writes the labels, with a person's edits of the file as it is now: one may have been saved in the meantime.
+  Labels write_over(const RunFolder& run, Labels fresh) const {
+    const FolderLock lock(run.folder);
+    std::optional<Labels> old;
+    try {
+      if (is_there(run.labels())) old = read_labels(run.labels());
+    } catch (const Error&) {
+      if (!options_.force) throw;
+    }
+    if (old && !options_.force) fresh = relabelled(std::move(fresh), *old);
+    if (old && options_.force) fresh = relabelled_without_edits(std::move(fresh), *old, {.who = system_user(), .why = ""});
+    write_labels(run.labels(), fresh);
+    return fresh;
   }
 
   std::vector<ReadRun> read_all(const Group& group) const {

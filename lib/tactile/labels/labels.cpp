@@ -7,30 +7,12 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/labels/label_json.hpp"
 
 namespace tactile::labels {
 namespace {
 
 using nlohmann::json;
-
-json json_of(const std::optional<CameraTime>& t) { return t ? json(us_of(*t)) : json(nullptr); }
-
-std::optional<CameraTime> time_in(const json& object, const char* key, const std::string& where) {
-  const auto found = object.find(key);
-  if (found == object.end() || found->is_null()) return std::nullopt;
-  return camera_time(member<std::int64_t>(object, key, where));
-}
-
-void add_time(json& object, const std::string& name, const alignment::UncertainTime& time) {
-  object[name + "_us"] = us_of(time.at);
-  object[name + "_low_us"] = us_of(time.low);
-  object[name + "_high_us"] = us_of(time.high);
-}
-
-alignment::UncertainTime uncertain_time_in(const json& object, const std::string& name, const std::string& where) {
-  const auto at = [&](const std::string& key) { return camera_time(member<std::int64_t>(object, key, where)); };
-  return {at(name + "_us"), at(name + "_low_us"), at(name + "_high_us")};
-}
 
 /// Whether the recording of the labels has times below 0, which no camera gives.
 bool has_times_below_zero(const std::filesystem::path& recording) {
@@ -75,12 +57,6 @@ json json_of(const std::vector<alignment::FittedClock>& pieces) {
   return list;
 }
 
-json list_in(const json& object, const char* key, const std::string& where) {
-  json list = member<json>(object, key, where);
-  if (!list.is_array()) throw Error(where + ": '" + key + "' is no list; expected a list");
-  return list;
-}
-
 alignment::FittedClock clock_in(const json& object, const std::string& where) {
   alignment::FittedClock clock{.relation = {.offset_us = member<std::int64_t>(object, "offset_us", where),
                                             .drift_ppm = member<double>(object, "drift_ppm", where),
@@ -106,34 +82,6 @@ std::vector<alignment::FittedClock> clocks_in(const json& clocks, const char* ke
   std::vector<alignment::FittedClock> pieces;
   for (const json& piece : *found) pieces.push_back(clock_in(piece, where + ": clocks." + key));
   return pieces;
-}
-
-/// Press or slip: no other class is labelled.
-Touch touch_in(const json& object, const std::string& where) {
-  const auto name = member<std::string>(object, "class", where);
-  for (const Touch touch : {Touch::press, Touch::slip}) {
-    if (name == name_of(touch)) return touch;
-  }
-  throw Error(where + ": class '" + name + "' is not a class of labels; expected press or slip");
-}
-
-TouchInterval stretch_in(const json& object, Touch touch, const std::string& where) {
-  return {touch, camera_time(member<std::int64_t>(object, "start_us", where)),
-          camera_time(member<std::int64_t>(object, "end_us", where))};
-}
-
-LabelledInterval interval_in(const json& object, const std::string& where) {
-  LabelledInterval interval{.id = object.contains("id") ? member<std::string>(object, "id", where) : std::string(),
-                            .touch = touch_in(object, where),
-                            .start = uncertain_time_in(object, "start", where),
-                            .end = uncertain_time_in(object, "end", where),
-                            .source = member<std::string>(object, "source", where),
-                            .evidence = {},
-                            .confirmed = member<bool>(object, "confirmed", where)};
-  const auto evidence = member<json>(object, "evidence", where);
-  interval.evidence = {time_in(evidence, "events_us", where), time_in(evidence, "robot_us", where),
-                       time_in(evidence, "video_us", where), time_in(evidence, "imu_us", where)};
-  return interval;
 }
 
 void check_intervals(const std::vector<LabelledInterval>& intervals, const std::string& where) {
@@ -220,18 +168,10 @@ Labels read_labels(const std::filesystem::path& file) {
         labels.releases.push_back(stretch_in(release, Touch::none, where));
     }
     if (object.contains("rejected")) {
-      for (const json& rejected : list_in(object, "rejected", where))
-        labels.rejected.push_back(stretch_in(rejected, touch_in(rejected, where), where));
+      for (const json& rejected : list_in(object, "rejected", where)) labels.rejected.push_back(rejected_in(rejected, where));
     }
-    for (const json& flag : list_in(object, "flags", where)) {
-      const json index = flag.contains("interval") ? member<json>(flag, "interval", where) : json(nullptr);
-      if (!index.is_null() && !index.is_number_unsigned())
-        throw Error(where + ": a flag's 'interval' is no index; expected one from 0, or null");
-      labels.flags.push_back({.interval_index = index.is_null() ? std::nullopt : std::optional(index.get<std::size_t>()),
-                              .reason = member<std::string>(flag, "reason", where),
-                              .confirmed = flag.contains("confirmed") && member<bool>(flag, "confirmed", where),
-                              .key = flag.contains("key") ? member<std::string>(flag, "key", where) : std::string()});
-    }
+    for (const json& flag : list_in(object, "flags", where)) labels.flags.push_back(flag_in(flag, where));
+    if (object.contains("history")) labels.history = history_in(member<json>(object, "history", where), where);
     labels.provenance = object.value("provenance", json::object());
   } catch (const json::exception& e) {
     throw Error(where + ": not laid out as labels are (a value " + plain_words(e.what()) +
@@ -262,32 +202,12 @@ void write_labels(const std::filesystem::path& file, const Labels& labels) {
       {"remarks", labels.remarks},
       {"rejected", json::array()},
       {"provenance", labels.provenance}};
-  for (const LabelledInterval& interval : intervals) {
-    json entry = {{"id", interval.id},
-                  {"class", name_of(interval.touch)},
-                  {"source", interval.source},
-                  {"confirmed", interval.confirmed},
-                  {"evidence",
-                   {{"events_us", json_of(interval.evidence.events)},
-                    {"robot_us", json_of(interval.evidence.robot)},
-                    {"video_us", json_of(interval.evidence.video)},
-                    {"imu_us", json_of(interval.evidence.imu)}}}};
-    add_time(entry, "start", interval.start);
-    add_time(entry, "end", interval.end);
-    object["intervals"].push_back(std::move(entry));
-  }
-  for (const LabelFlag& flag : labels.flags) {
-    object["flags"].push_back({{"interval", flag.interval_index ? json(*flag.interval_index) : json(nullptr)},
-                               {"reason", flag.reason},
-                               {"confirmed", flag.confirmed},
-                               {"key", flag.key}});
-  }
+  for (const LabelledInterval& interval : intervals) object["intervals"].push_back(json_of(interval));
+  for (const LabelFlag& flag : labels.flags) object["flags"].push_back(json_of(flag));
   for (const TouchInterval& release : labels.releases)
     object["releases"].push_back({{"start_us", us_of(release.start)}, {"end_us", us_of(release.end)}});
-  for (const TouchInterval& rejected : labels.rejected) {
-    object["rejected"].push_back(
-        {{"class", name_of(rejected.touch)}, {"start_us", us_of(rejected.start)}, {"end_us", us_of(rejected.end)}});
-  }
+  for (const TouchInterval& rejected : labels.rejected) object["rejected"].push_back(json_of_rejected(rejected));
+  if (!labels.history.entries.empty()) object["history"] = json_of(labels.history);
   write_json(file, object);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,44 +7,10 @@
 #include <vector>
 
 #include "tactile/alignment/fitted_clock.hpp"
-#include "tactile/core/doubt.hpp"
-#include "tactile/core/touch.hpp"
+#include "tactile/labels/edit_history.hpp"
+#include "tactile/labels/labelled_interval.hpp"
 
 namespace tactile::labels {
-
-/// The onset by each source, in camera time; nothing where a source does not show it.
-struct Evidence {
-  std::optional<CameraTime> events, robot, video, imu;
-};
-
-struct LabelledInterval {
-  std::string id = {};  ///< unique in its run, such as "press-1"; it identifies the interval in all formats
-  Touch touch = Touch::none;
-  alignment::UncertainTime start, end;
-  std::string source;  ///< of the onset: "events", or "person" if a person made or moved it
-  Evidence evidence;
-  bool confirmed = false;  ///< a person has looked at it
-
-  TouchInterval interval() const { return {touch, start.at, end.at}; }
-};
-
-/// How long both last at once; below 0 if they do not meet.
-inline microseconds overlap(const TouchInterval& a, const TouchInterval& b) {
-  return between(std::max(a.start, b.start), std::min(a.end, b.end));
-}
-
-/// A doubt that a person should check: about one interval, or the whole run.
-struct LabelFlag {
-  std::optional<std::size_t> interval_index;
-  std::string reason;
-  bool confirmed = false;  ///< a person found the label right: the flag no longer stands
-  std::string key = {};    ///< kind and values, as `Doubt` has them; empty if an older version wrote the flag
-};
-
-/// @param interval_index  nothing: of the whole run
-inline LabelFlag flag_of(Doubt doubt, std::optional<std::size_t> interval_index = std::nullopt) {
-  return {.interval_index = interval_index, .reason = std::move(doubt.words), .key = std::move(doubt.key)};
-}
 
 struct Labels {
   std::vector<LabelledInterval> intervals;  ///< by start; never overlapping
@@ -57,6 +22,7 @@ struct Labels {
   std::vector<std::string> remarks;  ///< what is missing or unusual, but needs no check
   /// Removed by a person: an interval of the same class that overlaps one is not found again.
   std::vector<TouchInterval> rejected;
+  EditHistory history;                                   ///< of a person's edits
   nlohmann::json provenance = nlohmann::json::object();  ///< the settings, and hashes of the files that the labels were made from
 
   bool run_is_flagged() const;                        ///< there is an unconfirmed flag on the whole run
@@ -78,6 +44,7 @@ void name_intervals(std::vector<LabelledInterval>& intervals);
 /// Intervals without an id are named. @throws Error  if the file is missing or not of labels, or its intervals overlap or share
 /// an id
 Labels read_labels(const std::filesystem::path& file);
+/// The oldest edits leave the history where it would take more than 3 MiB: the file must stay below what `read_labels` takes.
 void write_labels(const std::filesystem::path& file, const Labels& labels);
 
 }  // namespace tactile::labels

@@ -22,16 +22,9 @@ inline std::filesystem::path file_beside(const std::filesystem::path& dataset, c
 nlohmann::json manifest_of(const nlohmann::json& settings, events::SensorSize sensor, bool simulated,
                            std::span<const DatasetRun> runs);
 
-/// Locks the folder of a dataset, so that only one process replaces files in it.
-class FolderLock {
- public:
-  explicit FolderLock(const std::filesystem::path& dataset);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int folder_ = -1;
-};
+/// To lock while files of a dataset are replaced, so that only one process does.
+inline std::filesystem::path folder_of(const std::filesystem::path& dataset) {
+  return dataset.has_parent_path() ? dataset.parent_path() : std::filesystem::path(".");
+}
 
 }  // namespace tactile::windows::dataset_layout

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/folder_lock.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
@@ -84,7 +85,7 @@ void HeatmapsWriter::commit() {
   state_->table.close(where);
   state_->file.close(where);
 
-  const dataset_layout::FolderLock lock(state_->dataset);
+  const FolderLock lock(dataset_layout::folder_of(state_->dataset));
   WholeFile copy(state_->dataset, IfThere::replace);
   std::error_code failed;
   fs::copy_file(state_->dataset, copy.path(), failed);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/folder_lock.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
@@ -252,7 +253,7 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
     for (const DatasetRun& run : old->runs()) summary.events += run.events;
     const bool moved = !same_folders(old->runs(), plan.rows);
     summary.outcome = moved ? DatasetSummary::Outcome::moved : DatasetSummary::Outcome::unchanged;
-    const dataset_layout::FolderLock lock(file);
+    const FolderLock lock(dataset_layout::folder_of(file));
     if (moved) update_folders(file, plan.rows, summary.manifest_hash);
     remove_stale_files(file);  // an interrupted command may have left some
     return summary;
@@ -262,7 +263,7 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   const h5::Session session;
   WholeFile events(events_file, IfThere::replace);
   summary.events = write_events(plan, events.path(), summary.manifest_hash, options.sampling.history, progress);
-  const dataset_layout::FolderLock lock(file);
+  const FolderLock lock(dataset_layout::folder_of(file));
   if (existing == Existing::dataset) set_old_events_aside(file, events_file, dataset_layout::file_beside(file, "events.old"));
   WholeFile tables(file, IfThere::replace);
   write_tables(plan, tables.path(), events_file.filename().string(), summary.manifest_hash);

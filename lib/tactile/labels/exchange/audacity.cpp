@@ -71,7 +71,7 @@ ImportedLabels read_audacity(const std::filesystem::path& file) {
   const std::string text = read_text(file, std::size_t{8} << 20);
   std::string_view rest = text;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
-  ImportedLabels labels{.where = file.string()};
+  ImportedLabels labels{.where = file.string(), .earliest_us = 0};  // no label of a track begins before it
   bool is_empty = true;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());

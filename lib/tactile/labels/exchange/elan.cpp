@@ -260,7 +260,7 @@ ImportedLabels read_elan(const fs::path& path) {
   if (!document) throw Error(file + ": is not an annotation document; expected ELAN's <ANNOTATION_DOCUMENT>");
   if (const std::string units = header.attribute("TIME_UNITS").as_string("milliseconds"); units != "milliseconds")
     throw Error(fmt::format("{}: its times are in {}; expected milliseconds", file, shown_text(units)));
-  ImportedLabels labels{.where = file, .times = times_in(header, file)};
+  ImportedLabels labels{.where = file, .times = times_in(header, file), .earliest_us = 0, .shortest_us = 1'000};
   if (const std::string run = property(header, "tactile-run"); !run.empty()) labels.run = run;
 
   const std::map<std::string, std::int64_t> slots = slots_in(document, file);

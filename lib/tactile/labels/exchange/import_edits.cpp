@@ -8,11 +8,12 @@
 #include <span>
 
 #include "tactile/core/error.hpp"
+#include "tactile/labels/edited_intervals.hpp"
 
 namespace tactile::labels {
 namespace {
 
-constexpr std::size_t nothing = static_cast<std::size_t>(-1);
+constexpr std::size_t nothing = no_interval;
 
 bool differs(std::int64_t a, std::int64_t b, std::int64_t most) {
   return std::max(saturating_subtract(a, b), saturating_subtract(b, a)) > most;
@@ -39,6 +40,8 @@ class Edits {
         clock_(times.to_camera(first_event)),
         first_(first_event),
         last_(last_event),
+        earliest_us_(imported.earliest_us),
+        shortest_us_(imported.shortest_us),
         claimed_(old_.size(), false),
         old_of_(imported_.size(), nothing) {}
 
@@ -81,7 +84,12 @@ class Edits {
     return placed;
   }
 
-  bool is_gone(std::size_t old_index) const { return !claimed_[old_index]; }
+  /// Missing in the file, because its tool cannot show it.
+  bool is_hidden(std::size_t old_index) const {
+    const std::int64_t start_us = clock_.clock_us_from(old_[old_index].start.at);
+    return !claimed_[old_index] && (start_us < earliest_us_ ||
+                                    saturating_subtract(clock_.clock_us_from(old_[old_index].end.at), start_us) < shortest_us_);
+  }
 
  private:
   void claim(std::size_t imported_index, std::size_t old_index) {
@@ -140,6 +148,7 @@ class Edits {
   const std::vector<ImportedInterval>& imported_;
   ClockRelation clock_;
   CameraTime first_, last_;
+  std::int64_t earliest_us_, shortest_us_;
   std::vector<bool> claimed_;
   std::vector<std::size_t> old_of_;
 };
@@ -170,39 +179,6 @@ void make_neighbours_meet(std::vector<Placed>& placed, const std::string& file) 
   }
 }
 
-/// The rejected intervals, with those that the edits removed, and without those that overlap a present one of the same class.
-std::vector<TouchInterval> rejected_with(const Labels& labels, const Edits& edits, std::span<const LabelledInterval> intervals,
-                                         EditCounts& counts) {
-  std::vector<TouchInterval> rejected = labels.rejected;
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-    if (!edits.is_gone(i)) continue;
-    ++counts.rejected;
-    rejected.push_back(labels.intervals[i].interval());
-  }
-  std::erase_if(rejected, [&](const TouchInterval& one) {
-    return std::any_of(intervals.begin(), intervals.end(), [&](const LabelledInterval& interval) {
-      return interval.touch == one.touch && overlap(interval.interval(), one) > 0us;
-    });
-  });
-  return rejected;
-}
-
-/// The flags of the intervals that remain, with their new indexes.
-std::vector<LabelFlag> moved_flags(std::vector<LabelFlag> old, std::span<const std::size_t> new_index,
-                                   std::span<const LabelledInterval> intervals) {
-  std::vector<LabelFlag> flags;
-  for (LabelFlag& flag : old) {
-    if (flag.interval_index) {
-      const std::size_t index = new_index[*flag.interval_index];
-      if (index == nothing) continue;
-      flag.interval_index = index;
-      flag.confirmed = flag.confirmed || intervals[index].confirmed;
-    }
-    flags.push_back(std::move(flag));
-  }
-  return flags;
-}
-
 }  // namespace
 
 Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes& times, CameraTime first_event,
@@ -216,6 +192,9 @@ Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes
   edits.match();
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < imported.intervals.size(); ++i) placed.push_back(edits.place(i));
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+    if (edits.is_hidden(i)) placed.push_back({.interval = labels.intervals[i], .old_index = i});
+  }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
     return std::pair(a.interval.start.at, a.interval.end.at) < std::pair(b.interval.start.at, b.interval.end.at);
   });
@@ -238,12 +217,8 @@ Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes
     }
     intervals.push_back(std::move(one.interval));
   }
-  name_intervals(intervals);
-
-  labels.rejected = rejected_with(labels, edits, intervals, counts);
-  labels.flags = moved_flags(std::move(labels.flags), new_index, intervals);
-  labels.intervals = std::move(intervals);
-  return labels;
+  counts.rejected = static_cast<std::size_t>(std::count(new_index.begin(), new_index.end(), nothing));
+  return with_intervals(std::move(labels), std::move(intervals), new_index);
 }
 
 }  // namespace tactile::labels

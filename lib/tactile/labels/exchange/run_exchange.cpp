@@ -16,6 +16,7 @@
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 #include "tactile/labels/label_options.hpp"
+#include "tactile/labels/saved_labels.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
@@ -120,30 +121,6 @@ double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
 }  // namespace
 
-RecordingSpan span_of_events(const RunFolder& run) {
-  events::RecordingReader recording(run.events());
-  const std::int32_t id = events::event_stream(recording).id;
-  RecordingSpan span{CameraTime::max(), CameraTime::min()};
-  // The table's times are only a hint. The events of the outermost non-empty packets count.
-  std::vector<events::PacketRecord> packets;
-  for (const events::PacketRecord& packet : recording.packets()) {
-    if (packet.stream_id == id && packet.elements > 0) packets.push_back(packet);
-  }
-  const auto widen = [&](const events::PacketRecord& packet) {
-    const std::span<events::Event> events = recording.read_events(packet);
-    for (const events::Event& event : events) span = {std::min(span.first, event.t), std::max(span.last, event.t)};
-    return !events.empty();
-  };
-  std::stable_sort(packets.begin(), packets.end(),
-                   [](const events::PacketRecord& a, const events::PacketRecord& b) { return a.first < b.first; });
-  if (std::none_of(packets.begin(), packets.end(), widen))
-    throw Error(run.events().string() + ": has no event; expected a recording with events");
-  std::stable_sort(packets.begin(), packets.end(),
-                   [](const events::PacketRecord& a, const events::PacketRecord& b) { return a.last > b.last; });
-  static_cast<void>(std::any_of(packets.begin(), packets.end(), widen));
-  return span;
-}
-
 LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film) {
   const RecordingSpan span = span_of_events(run);
   LabelsToExport labels{.run = run.name(),
@@ -215,13 +192,19 @@ std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::option
       if (!fs::exists(run.labels())) {
         throw Error(fmt::format("{}: {} has no labels; 'tactile label' makes them", file.string(), run.name()));
       }
-      Labels labels = read_labels(run.labels());
+      const VersionedLabels before = read_versioned_labels(run);
       const RecordingSpan span = span_of_events(run);
       const FileTimes times =
-          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, labels, span.first);
+          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, before.labels, span.first);
       EditCounts counts;
-      Labels with = with_edits(std::move(labels), imported, times, span.first, span.last, counts);
-      edited.push_back({run, file.string(), std::move(with), counts, imported.looked_at});
+      const Labels after = with_edits(before.labels, imported, times, span.first, span.last, counts);
+      edited.push_back({.run = run,
+                        .file = file.string(),
+                        .before_version = before.version,
+                        .edit = {.labels = imported, .times = times},
+                        .counts = counts,
+                        .changes = words_of_changes(before.labels, after, span),
+                        .looked_at = imported.looked_at});
     }
   }
   return edited;

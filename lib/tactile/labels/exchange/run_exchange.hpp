@@ -2,21 +2,16 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tactile/core/run_folder.hpp"
 #include "tactile/labels/exchange/exchanged_labels.hpp"
 #include "tactile/labels/exchange/import_edits.hpp"
+#include "tactile/labels/label_edit.hpp"
+#include "tactile/labels/recording_span.hpp"
 
 namespace tactile::labels {
-
-/// The first and the last event of a run's recording.
-struct RecordingSpan {
-  CameraTime first{}, last{};
-};
-
-/// @throws Error  if the recording cannot be read or has no event
-RecordingSpan span_of_events(const RunFolder& run);
 
 /// The labels of a run, on the axis of `origin`. Without an origin: the film's axis if `prefer_film`, its clock is known and no
 /// label is before its begin; otherwise times from the first event.
@@ -32,14 +27,16 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels);
 struct ImportedRun {
   RunFolder run;
   std::string file;
-  Labels labels;
+  std::string before_version;  ///< of the labels that the effect was computed from
+  ImportFile edit;             ///< for `save_edit`, with that version
   EditCounts counts;
+  std::vector<std::string> changes;  ///< each in words, as `words_of_changes` has them
   bool looked_at = true;
 };
 
-/// Reads files of other tools and computes the edited labels of `runs`; writes nothing. The format is `format`, otherwise given
-/// by the file's ending. The run is named in the file, otherwise by its name (`fan-01.txt`), otherwise there must be only one
-/// run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event.
+/// Reads files of other tools and computes what they change in the labels of `runs`; writes nothing. The format is `format`,
+/// otherwise given by the file's ending. The run is named in the file, otherwise by its name (`fan-01.txt`), otherwise there must
+/// be only one run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event.
 /// @throws Error  if a file belongs to none of `runs`, two files belong to the same run, a run has no labels, or a file is
 /// invalid
 std::vector<ImportedRun> read_edits(std::span<const std::filesystem::path> files, std::optional<ExchangeFormat> format,
