@@ -17,8 +17,9 @@ constexpr std::size_t chunk = 8192;  // at most so many events are counted befor
 class EveryTick {
  public:
   /// @param where  the begin of the error for too many ticks
-  EveryTick(events::SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {})
-      : options_(options), use_(use), where_(std::move(where)), renderer_(sensor, options) {
+  EveryTick(events::SensorSize sensor, const HeatmapOptions& options, const TickCallback& use, std::string where = {},
+            std::function<void(std::span<const events::Event>)> see = {})
+      : options_(options), use_(use), see_(std::move(see)), where_(std::move(where)), renderer_(sensor, options) {
     heatmap_.resize(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height));
     range_.tick = options.tick;
   }
@@ -28,6 +29,7 @@ class EveryTick {
       const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
       if (!first_event_) first_event_ = part.front().t;
       renderer_.add(part);
+      if (see_) see_(part);
       render_until(part.back().t);
     }
   }
@@ -49,6 +51,7 @@ class EveryTick {
 
   HeatmapOptions options_;
   const TickCallback& use_;
+  std::function<void(std::span<const events::Event>)> see_;
   std::string where_;
   HeatmapRenderer renderer_;
   std::vector<std::uint8_t> heatmap_;
@@ -66,13 +69,13 @@ TickRange for_every_tick(std::span<const events::Event> events, events::SensorSi
 }
 
 TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
-                         const TickCallback& use) {
+                         const TickCallback& use, const std::function<void(std::span<const events::Event>)>& see) {
   const std::optional<events::SensorSize> sensor = recording.stream(stream_id).size;
   if (!sensor)
     throw Error(recording.file().string() + ": stream " + std::to_string(stream_id) + " declares no size; expected its sensor's");
   if (const std::string why = why_too_many(listed_ticks(recording, stream_id, options)); !why.empty())
     throw Error(recording.file().string() + ": " + why);
-  EveryTick ticks(*sensor, options, use, recording.file().string() + ": ");
+  EveryTick ticks(*sensor, options, use, recording.file().string() + ": ", see);
   events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) { ticks.add(events); });
   return ticks.range();
 }

@@ -26,8 +26,9 @@ TickRange for_every_tick(std::span<const events::Event> events, events::SensorSi
 /// The same for an event stream of a recording, packet by packet: memory follows the packet and the history.
 /// @throws Error  also if the stream declares no size. More than `most_ticks` in the list of packets throw before any tick is
 /// used
+/// @param see  called with events before their ticks are used; may be empty
 TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
-                         const TickCallback& use);
+                         const TickCallback& use, const std::function<void(std::span<const events::Event>)>& see = {});
 
 /// The full ticks of an event stream according to the recording's list of packets, without reading a packet.
 TickRange listed_ticks(const events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options);
