@@ -38,6 +38,13 @@ target_include_directories(tactile_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIR})
 target_compile_definitions(tactile_onnx INTERFACE ONNX_ML=1 ONNX_NAMESPACE=onnx)
 target_link_libraries(tactile_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf)
 
+# Only the C interface of XGBoost is used, and only to fit trees.
+find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h REQUIRED)
+find_library(XGBOOST_LIBRARY xgboost REQUIRED)
+add_library(tactile_xgboost INTERFACE)
+target_include_directories(tactile_xgboost SYSTEM INTERFACE ${XGBOOST_INCLUDE_DIR})
+target_link_libraries(tactile_xgboost INTERFACE ${XGBOOST_LIBRARY})
+
 # Only the compiler and the headers of FlatBuffers are used, without its CMake package, which has different names in Debian 12 and 13.
 find_program(FLATC flatc REQUIRED)
 find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)

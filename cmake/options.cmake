@@ -30,6 +30,12 @@ set(TACTILE_PRECOMPILED_HEADERS
 
 # For code that runs for moments only: it compiles in half the time and is a third slower.
 set(TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-O1>)
+# GCC 14 has this at -O3 and not at -O1, and then refuses the header that was precompiled at -O3.
+include(CheckCXXCompilerFlag)
+check_cxx_compiler_flag(-munroll-only-small-loops TACTILE_HAS_UNROLL_ONLY_SMALL_LOOPS)
+if(TACTILE_HAS_UNROLL_ONLY_SMALL_LOOPS)
+  list(APPEND TACTILE_COMPILE_QUICKLY $<$<CONFIG:Release>:-munroll-only-small-loops>)
+endif()
 
 # The links between stages that docs/architecture.md allows, in lines "name -> stage stage …".
 set(architecture ${PROJECT_SOURCE_DIR}/docs/architecture.md)

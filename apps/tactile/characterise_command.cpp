@@ -135,13 +135,24 @@ void characterise_sensor(const CharacteriseArguments& args, const CommonArgument
     spdlog::warn("the pixels fire in bursts (regularity {:.2f}): something moves or flickers, and the noise includes it",
                  sensor.background.regularity.value);
   }
+  constexpr double enough_events = 0.4;  // of a pixel: with fewer, the real still scene seems more regular than it is
+  const double pixels = static_cast<double>(sensor.size.width) * sensor.size.height;
+  if (const double per_pixel = sensor.rate_without_hot_hz.value * sensor.seconds / pixels; per_pixel < enough_events) {
+    spdlog::warn("{:.2f} events per pixel are too few for the spread and the regularity of the background; expected {} or more: "
+                 "record for {:.0f} s",
+                 per_pixel, enough_events, std::ceil(sensor.seconds * enough_events / std::max(per_pixel, 1e-9)));
+  }
   const fs::path out = args.out;
   make_folders(out);
   nlohmann::json json = characterise::json_of(sensor);
-  pictures::draw_sensor(sensor, out / "sensor.png");
-  write_whole(out / "mask.csv", mask_text(sensor));
-  write_whole(out / "physics.json", json_text(characterise::physics_of(sensor), 2) + "\n");
-  write_whole(out / "sensor.json", json_text(json, 2) + "\n");
+  // A file that appeared since the check is not replaced either.
+  const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
+  WholeFile picture(out / "sensor.png", if_there);
+  pictures::draw_sensor(sensor, picture.path());
+  picture.commit();
+  write_whole(out / "mask.csv", mask_text(sensor), if_there);
+  write_whole(out / "physics.json", json_text(characterise::physics_of(sensor), 2) + "\n", if_there);
+  write_whole(out / "sensor.json", json_text(json, 2) + "\n", if_there);
   json["out"] = out.string();
   print_result(common, json, text_of(sensor, out));
 }

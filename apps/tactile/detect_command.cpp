@@ -203,7 +203,7 @@ void add_model_options(Command& command, DetectArguments& args) {
 }
 
 void add_output_options(Command& command, DetectArguments& args) {
-  command.add_option("--udp", args.udp, "Send a record to HOST:PORT at each tick").type_name("ADDRESS");
+  command.add_option("--udp", args.udp, "Send a record to this address at each tick").type_name("HOST:PORT");
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");
   const Option record = command.add_flag("--record", args.record, "Also record the run, as 'record' does");

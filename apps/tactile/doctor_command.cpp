@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -104,11 +105,13 @@ double wake_up_delay_us() {
   return median(delays);
 }
 
-/// Writes 64 MiB into `folder` and syncs them [MB/s]; nothing if it cannot.
+/// Writes 64 MiB into `folder` and syncs them [MB/s]; nothing if it cannot. The file has no name while it is written, so that a
+/// kill leaves nothing.
 std::optional<double> disk_write_speed(const fs::path& folder) {
-  const fs::path file = folder / fmt::format(".tactile-doctor-{}", ::getpid());
-  const int out = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+  std::string file = (folder / ".tactile-doctor-XXXXXX").string();
+  const int out = ::mkostemp(file.data(), O_CLOEXEC);
   if (out < 0) return std::nullopt;
+  ::unlink(file.c_str());
   std::vector<char> chunk(1 << 20);
   for (std::size_t i = 0; i < chunk.size(); ++i) chunk[i] = static_cast<char>(i * 2654435761U >> 24);
   constexpr int chunks = 64;
@@ -119,7 +122,6 @@ std::optional<double> disk_write_speed(const fs::path& folder) {
   written = written && ::fsync(out) == 0;
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   ::close(out);
-  ::unlink(file.c_str());
   return written ? std::optional(chunks * 1.048576 / seconds) : std::nullopt;
 }
 

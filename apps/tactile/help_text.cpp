@@ -39,14 +39,24 @@ std::string typed_of(const CLI::Option& option) {
                      : option.get_name() == "--help" ? "-h, --help"
                      : value.empty()                 ? option.get_name()
                                                      : option.get_name() + " " + value;
-  if (option.get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+  if (option.get_expected_max() == CLI::detail::expected_max_vector_size && !text.ends_with("...")) text += " ...";
+  return text;
+}
+
+/// "; not with --a, --b or --c"; empty if the option goes with all others.
+std::string excluded_by(const CLI::Option& option) {
+  std::vector<std::string> others;
+  for (const CLI::Option* other : option.get_excludes()) others.push_back(label_of(*other));
+  std::string text;
+  for (std::size_t i = 0; i < others.size(); ++i)
+    text += (i == 0 ? "; not with " : i + 1 == others.size() ? " or " : ", ") + others[i];
   return text;
 }
 
 std::string meaning_of(const CLI::Option& option) {
   std::string text = option.get_description();
   if (const std::string right = value_text(option).right; !right.empty()) text += "; " + right;
-  for (const CLI::Option* other : option.get_excludes()) text += "; not with " + label_of(*other);
+  text += excluded_by(option);
   std::string usual = option.get_default_str();
   if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);
   if (!usual.empty()) text += " (default " + usual + ")";

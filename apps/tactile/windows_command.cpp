@@ -60,6 +60,7 @@ nlohmann::json json_of(const windows::DatasetSummary& summary, const std::string
           {"events", summary.events},
           {"runs", runs},
           {"warnings", summary.warnings},
+          {"misnamed", summary.misnamed},
           {"errors", summary.errors}};
 }
 

@@ -21,8 +21,9 @@ namespace {
 
 using test::run_tactile;
 
-const std::vector<std::string> commands{"simulate", "record",  "serve",    "info", "repair", "characterise", "convert",
-                                        "label",    "windows", "heatmaps", "view", "train",  "eval",         "doctor"};
+const std::vector<std::string> commands{"simulate",  "record",  "serve",    "info",   "repair", "characterise", "convert",
+                                        "label",     "windows", "heatmaps", "view",   "train",  "eval",         "detect",
+                                        "reproduce", "trade",   "report",   "export", "doctor"};
 
 TEST(CommandLine, VersionNamesTheGitRevision) {
   const auto result = run_tactile("--version");
@@ -56,6 +57,17 @@ TEST(CommandLine, HelpKeepsWithin80Columns) {
     int lines = 0;
     for (std::string line; std::getline(help, line); ++lines) EXPECT_LE(line.size(), 80U) << command << ": " << line;
     EXPECT_GT(lines, 8) << command;
+  }
+}
+
+TEST(CommandLine, HelpListsOnceWhatAnOptionExcludesAndThatItTakesSeveralValues) {
+  for (const std::string& command : commands) {
+    std::istringstream words(run_tactile(command + " --help").out);
+    std::string help;
+    for (std::string word; words >> word;) help += word + " ";
+    EXPECT_EQ(help.find("... ..."), std::string::npos) << command;
+    EXPECT_FALSE(std::regex_search(help, std::regex("; not with --[a-z-]+; not with"))) << command;
+    EXPECT_TRUE(command != "record" || help.find("; not with --object or --run ") != std::string::npos) << help;
   }
 }
 
@@ -268,6 +280,17 @@ TEST(Doctor, ReportsWhatMattersInJson) {
   for (const char* key : {"\"libtorch\"", "\"blas\"", "\"timer_step_ns\"", "\"disk_write_mb_per_s\"", "\"libcaer\""}) {
     EXPECT_NE(result.out.find(key), std::string::npos) << key;
   }
+}
+
+/// The file that measures the disk takes a while to write and to sync.
+TEST(Doctor, WritesToAFileThatAKillCannotLeave) {
+  const test::TemporaryFolder folder;
+  const auto result = test::run_shell("'" + std::string(test::tactile_binary) + R"sh(' doctor --quiet >/dev/null & pid=$!
+    while [ -e /proc/$pid/exe ]; do ls -l /proc/$pid/fd 2>/dev/null | grep -o "$PWD/.*(deleted)"; done; wait $pid)sh",
+                                      folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out, "");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 }  // namespace

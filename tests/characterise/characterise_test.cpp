@@ -147,6 +147,7 @@ TEST(Characterise, TakesPassagesFromTouchedRecordings) {
   ASSERT_TRUE(sensor.passages);
   EXPECT_NEAR(sensor.passages->on.value, 4, 0.05);
   EXPECT_EQ(sensor.dead.silent, 0U) << "a pixel that a marker moves over is not dead";
+  EXPECT_EQ(sensor.dead.expected, 0) << "each pixel has fired when touched";
 }
 
 TEST(Characterise, RefusesWhatItCannotUse) {

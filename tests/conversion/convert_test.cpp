@@ -158,8 +158,9 @@ TEST(Convert, TakesTheSmallestUsualSensorThatHoldsTheEventsOfACsv) {
   EXPECT_EQ(size_from("0,320,239,1\n"), (events::SensorSize{346, 260}));
   EXPECT_EQ(size_from("0,0,240,1\n"), (events::SensorSize{346, 260}));
   EXPECT_EQ(size_from("0,346,0,1\n"), (events::SensorSize{640, 480}));
+  EXPECT_EQ(size_from("0,1279,700,1\n"), (events::SensorSize{1280, 720}));
   EXPECT_EQ(size_from("0,0,0,1\n5,639,479,1\n"), (events::SensorSize{640, 480}));
-  EXPECT_EQ(size_from("0,640,9,1\n5,3,99,1\n"), (events::SensorSize{641, 100}));
+  EXPECT_EQ(size_from("0,1280,9,1\n5,3,99,1\n"), (events::SensorSize{1281, 100}));
   EXPECT_EQ(size_from("0,0,0,1\n", {.size = events::SensorSize{1280, 720}}), (events::SensorSize{1280, 720}));
 }
 

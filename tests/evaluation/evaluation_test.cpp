@@ -83,9 +83,11 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_GT(evaluation.accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.accuracy.objects.size(), 3U);
   EXPECT_EQ(evaluation.confusion.samples(), model::samples_of_runs(dataset, test_runs(dataset)).size());
-  ASSERT_EQ(evaluation.baselines.size(), 4U);
+  ASSERT_EQ(evaluation.baselines.size(), 5U);
   EXPECT_NEAR(evaluation.baselines[0].accuracy.mean.value, 1.0 / 3, 1e-12);
   EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // left or right is told by the centre
+  EXPECT_EQ(evaluation.baselines[4].name, "boosted_trees");
+  EXPECT_GT(evaluation.baselines[4].accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.network.press.all.intervals, 3U);
   EXPECT_EQ(evaluation.network.slip.all.intervals, 3U);
   EXPECT_EQ(evaluation.trivial.at("always_press").press.all.early, 3U);

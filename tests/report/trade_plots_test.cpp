@@ -230,7 +230,7 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
     drawn(plot);
   }
   const std::string svg = drawn(trade_delay_plot(trade));
-  EXPECT_TRUE(tells(svg, "no gate (12.5 % missed)"));
+  EXPECT_TRUE(tells(svg, "no gate (12.5 % missed or early)"));
 }
 
 TEST(TradePlots, NumberTheFrontByWhatIsAcross) {

@@ -31,9 +31,11 @@ void add_content_anchors(AnchorSearch& search) {
     search.found.doubts.push_back(
         doubt("arm-rests", "the arm does not move, and no output changes: the recording shows nothing of the log"));
   }
-  if (search.found.anchors.empty() && search.found.doubts.empty())
-    search.found.doubts.push_back(doubt(
-        "no-lift-at-events", "the arm's motion matches the events, but no lift begins where they do: nothing relates its clock"));
+  if (!search.found.anchors.empty() || !search.found.doubts.empty()) return;
+  search.found.doubts.push_back(
+      shift_s ? doubt("no-lift-at-events",
+                      "the arm's motion matches the events, but no lift begins where they do: nothing relates its clock")
+              : doubt("no-match", "nothing in the recording matches the arm's motion: nothing relates its clock"));
 }
 
 }  // namespace

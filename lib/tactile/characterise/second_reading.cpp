@@ -330,11 +330,12 @@ void SecondReading::State::put_background(Sensor& sensor) const {
 void SecondReading::State::put_dead(Sensor& sensor, const NoiseModel& model) const {
   constexpr std::size_t most_listed = 1000;
   const auto width = static_cast<std::size_t>(first.counts.size.width);
-  double silent = 0, events = 0, pixels = 0;
+  double silent = 0, events = 0, pixels = 0, untouched = 0;
   for (std::size_t i = 0; i < ordinary.size(); ++i) {
     if (!ordinary[i]) continue;
     pixels += 1;
     events += first.counts.events(i);
+    untouched += !fired_when_touched[i];
     silent += first.counts.events(i) == 0 && !fired_when_touched[i];
   }
   DeadPixels& dead = sensor.dead;
@@ -342,7 +343,7 @@ void SecondReading::State::put_dead(Sensor& sensor, const NoiseModel& model) con
   std::vector<double> means;  // of the recordings
   for (const ReadRecording& recording : first.recordings)
     means.push_back(events / std::max(1.0, pixels) * recording.seconds() / first.counts.seconds);
-  dead.expected = pixels * silent_share(model, means);
+  dead.expected = untouched * silent_share(model, means);
   constexpr double model_error = 0.1;  // the rates are not quite log-normal
   dead.count.value = std::max(0.0, silent - dead.expected);
   dead.count.uncertainty = std::hypot(std::sqrt(silent), model_error * dead.expected);

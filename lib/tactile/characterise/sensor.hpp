@@ -55,7 +55,7 @@ struct UnusualPixels {
 struct DeadPixels {
   Measured count;                           ///< silent ones minus expected ones, at least 0
   std::uint64_t silent = 0;                 ///< in all recordings, touched ones too
-  double expected = 0;                      ///< silent ones by the noise of ordinary pixels
+  double expected = 0;                      ///< silent ones by the noise of ordinary pixels that no touch made fire
   std::vector<std::pair<int, int>> places;  ///< x, y of the silent ones if they are known: fewer than one in two is expected;
                                             ///< 1000 at most
 

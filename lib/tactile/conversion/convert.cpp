@@ -25,7 +25,8 @@ namespace tactile::conversion {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array common_sizes{events::SensorSize{320, 240}, events::SensorSize{346, 260}, events::SensorSize{640, 480}};
+constexpr std::array common_sizes{events::SensorSize{320, 240}, events::SensorSize{346, 260}, events::SensorSize{640, 480},
+                                  events::SensorSize{1280, 720}};
 
 /// The earliest and the latest time so far.
 class TimesSeen {

@@ -1,8 +1,12 @@
 #include "tactile/evaluation/baseline_scores.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "tactile/evaluation/accuracy.hpp"
+#include "tactile/features/tick_features.hpp"
+#include "tactile/model/training/fit_trees.hpp"
+#include "tactile/model/training/sample_features.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/event_counts.hpp"
 
@@ -32,6 +36,7 @@ void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, cons
     samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells),
                 classifier.input_size());
   }
+  add_features(samples, dataset, classifier, run);
 }
 
 /// The baselines of one training.
@@ -39,9 +44,22 @@ struct FittedBaselines {
   MajorityBaseline majority;
   EventCountBaseline event_count;
   LogisticBaseline moments, fields;
+  std::optional<model::BoostedTrees> trees;
 };
 
+std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std::uint64_t seed) {
+  if (training.features.empty()) return std::nullopt;
+  return model::fit_trees(training.features, training.truth, {.seed = seed});
+}
+
 }  // namespace
+
+void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
+                  std::uint32_t run) {
+  if (!features::feature_bin(classifier.rendering().tick, classifier.rendering().history)) return;
+  const auto of_run = model::sample_features(dataset, run, model::samples_of_runs(dataset, {&run, 1}), classifier.rendering());
+  samples.features.insert(samples.features.end(), of_run.begin(), of_run.end());
+}
 
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress) {
@@ -63,7 +81,8 @@ std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamp
   for (const BaselineSamples& training : trainings) {
     if (training.truth.empty()) return {};
     fitted.push_back({fit_majority(training.truth), fit_event_count(training.events, training.truth),
-                      fit_logistic(training.moments, training.truth), fit_logistic(training.fields, training.truth)});
+                      fit_logistic(training.moments, training.truth), fit_logistic(training.fields, training.truth),
+                      trees_of(training, bootstrap.seed)});
   }
   const auto score = [&](const std::string& name, auto verdict) {
     std::vector<results::RunConfusion> confusions;
@@ -77,10 +96,21 @@ std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamp
   };
   using Fitted = const FittedBaselines&;
   using Samples = const BaselineSamples&;
-  return {score("majority", [](Fitted by, Samples, std::size_t) { return by.majority.touch; }),
-          score("event_count", [](Fitted by, Samples run, std::size_t k) { return by.event_count.verdict(run.events[k]); }),
-          score("logistic_moments", [](Fitted by, Samples run, std::size_t k) { return by.moments.verdict(run.moments[k]); }),
-          score("logistic_position", [](Fitted by, Samples run, std::size_t k) { return by.fields.verdict(run.fields[k]); })};
+  std::vector<results::BaselineScore> scores{
+      score("majority", [](Fitted by, Samples, std::size_t) { return by.majority.touch; }),
+      score("event_count", [](Fitted by, Samples run, std::size_t k) { return by.event_count.verdict(run.events[k]); }),
+      score("logistic_moments", [](Fitted by, Samples run, std::size_t k) { return by.moments.verdict(run.moments[k]); }),
+      score("logistic_position", [](Fitted by, Samples run, std::size_t k) { return by.fields.verdict(run.fields[k]); })};
+  const bool has_trees =
+      std::all_of(fitted.begin(), fitted.end(), [](Fitted by) { return by.trees.has_value(); }) &&
+      std::none_of(tests.begin(), tests.end(), [](Samples run) { return run.features.empty() && !run.truth.empty(); });
+  if (has_trees) {
+    scores.push_back(score("boosted_trees", [](Fitted by, Samples run, std::size_t k) {
+      return model::verdict_of(
+          by.trees->logits(std::span(run.features).subspan(k * features::feature_count, features::feature_count)));
+    }));
+  }
+  return scores;
 }
 
 }  // namespace tactile::evaluation

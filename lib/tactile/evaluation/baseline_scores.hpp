@@ -14,11 +14,12 @@
 
 namespace tactile::evaluation {
 
-/// Balanced samples as the baselines see them: number of events, and features of the heatmap.
+/// Balanced samples as the baselines see them: number of events, features of the heatmap, and features of the events.
 struct BaselineSamples {
   std::vector<Touch> truth;
   std::vector<std::uint64_t> events;
   std::vector<Features> moments, fields;
+  std::vector<float> features{};  ///< `features::feature_count` of each sample; none if there is no `feature_bin`
 
   void add(Touch touch, std::uint64_t events_in_window, std::span<const std::uint8_t> heatmap, events::SensorSize size) {
     truth.push_back(touch);
@@ -27,6 +28,11 @@ struct BaselineSamples {
     fields.push_back(shares_of_fields(heatmap, size));
   }
 };
+
+/// Adds the features of all samples of a run, which `add` has added in their order.
+/// @throws Error  as `model::sample_features`
+void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
+                  std::uint32_t run);
 
 /// The samples that the model learned from directly, with no other model between; none where the dataset has none of these runs.
 /// @throws Error  if the dataset cannot be read

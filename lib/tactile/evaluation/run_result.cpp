@@ -224,6 +224,7 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     ++next;
   };
   run.full = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
+  add_features(result.samples, dataset, scoring.classifier, run_index);
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];

@@ -74,7 +74,7 @@ pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
     dot.x = setting.episodes_per_min.value;
     dot.y = results::scaled(setting.delay_us, 1e-3);
     dot.on_front = setting.on_delay_front;
-    if (std::isfinite(setting.missed.value)) dot.text += fmt::format(" ({:.1f} % missed)", 100 * setting.missed.value);
+    if (std::isfinite(setting.missed.value)) dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.missed.value);
     dots.push_back(std::move(dot));
   }
   const std::optional<double> cut = cut_intervals(dots);

@@ -16,7 +16,7 @@ void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
           "Each setting by its difference from the usual one; below each figure its 95 % interval. Differences are paired over "
           "trainings and runs. Probability: of being on the front, with trainings, objects and runs drawn again",
       .head = {"setting", "trainings", "accuracy [%]", "difference [points]", "median delay [ms]", "difference [ms]", "p90 [ms]",
-               "missed [%]", "false alarms/min", "difference", "p50 [us]", "p99 [us]", "p99.9 [us]", "front",
+               "missed or early [%]", "false alarms/min", "difference", "p50 [us]", "p99 [us]", "p99.9 [us]", "front",
                "probability [%]: accuracy", "delay"},
       .rows = {}};
   std::size_t left_out = 0;

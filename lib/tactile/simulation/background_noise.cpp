@@ -47,8 +47,8 @@ BackgroundNoise::BackgroundNoise(const CameraPixels& pixels, const EventCameraOp
   // An interval that contains a given time is longer: its distribution is weighted with its length.
   const std::vector<float> containing = gamma_quantiles(shape + 1.0, (shape + 1.0) / shape, quantile_count);
   const std::size_t count = pixels.background_interval.size();
-  first_.assign(ring_readouts, nobody);
-  next_.assign(count, nobody);
+  first_.assign(ring_readouts, no_pixel);
+  next_.assign(count, no_pixel);
   due_.assign(count, 0);
   for (std::uint32_t pixel = 0; pixel < count; ++pixel) {
     if (!(pixels.background_interval[pixel] > 0)) continue;

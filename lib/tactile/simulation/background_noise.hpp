@@ -22,8 +22,8 @@ class BackgroundNoise {
   template <class Fire>
   void advance(std::uint32_t readout, const Fire& fire) {
     for (; now_ <= readout && !due_.empty(); ++now_) {
-      std::uint32_t pixel = std::exchange(first_[now_ % first_.size()], nobody);
-      while (pixel != nobody) {
+      std::uint32_t pixel = std::exchange(first_[now_ % first_.size()], no_pixel);
+      while (pixel != no_pixel) {
         const std::uint32_t later = next_[pixel];
         if (due_[pixel] <= now_) {
           fire(pixel, random_.uniform() < static_cast<double>(pixels_->background_on_share[pixel]));
@@ -36,7 +36,7 @@ class BackgroundNoise {
   }
 
  private:
-  static constexpr std::uint32_t nobody = 0xffff'ffff;
+  static constexpr std::uint32_t no_pixel = 0xffff'ffff;
 
   std::uint32_t readouts_until(std::uint32_t pixel, const std::vector<float>& quantiles);
   void insert(std::uint32_t pixel);

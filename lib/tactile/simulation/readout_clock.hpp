@@ -30,7 +30,7 @@ class ReadoutClock {
   ReadoutClock(const EventCameraOptions& options, std::uint64_t seed);
 
   double next_us() const { return next_us_; }  ///< the begin of the next read-out
-  /// Goes on to the next read-out. @param events  of the read-out that ends
+  /// Moves to the next read-out. @param events  of the read-out that ends
   void advance(std::size_t events);
 
   bool scans() const { return scan_us_ != 0; }

@@ -144,7 +144,8 @@ void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::stri
 std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
   std::vector<PlannedRun> found;
   RunsBelow below = look_for_runs(data);
-  plan.warnings = std::move(below.misnamed);
+  plan.misnamed = std::move(below.misnamed);
+  plan.warnings = plan.misnamed;
   plan.errors = std::move(below.unreadable);
   for (RunFolder& folder : below.runs) {
     PlannedRun run{.folder = std::move(folder),
@@ -225,7 +226,7 @@ std::string folder_name(const RunFolder& run, const fs::path& dataset) {
   return (below ? relative : folder).string();
 }
 
-/// Warns of the runs without samples, of the objects that have no other runs, and tells how to lift flags.
+/// Warns of the runs without samples, of the objects that have no other runs, and says how to lift flags.
 /// @throws Error  if no run has samples, or `strict` and an object has none
 void warn_of_runs_without_samples(DatasetPlan& plan, const fs::path& data, const std::set<std::string>& with_samples,
                                   bool strict) {

@@ -40,8 +40,9 @@ struct DatasetPlan {
   std::vector<WindowedRun> left_out;
   std::size_t passed_over = 0;                     ///< left out because they are simulated and others are real
   std::vector<RunWithoutSamples> without_samples;  ///< except those passed over; by object, then run
-  std::vector<std::string> warnings;
-  std::vector<std::string> errors;  ///< a sentence for each run or folder that cannot be read
+  std::vector<std::string> misnamed;               ///< a sentence for each folder that is left out for its name
+  std::vector<std::string> warnings;               ///< those of `misnamed` too
+  std::vector<std::string> errors;                 ///< a sentence for each run or folder that cannot be read
   events::SensorSize sensor;
   bool simulated = false;
 

@@ -222,6 +222,7 @@ bool same_folders(std::span<const DatasetRun> a, std::span<const DatasetRun> b) 
 
 DatasetSummary summary_of(const DatasetPlan& plan) {
   DatasetSummary summary{.runs = plan.left_out,
+                         .misnamed = plan.misnamed,
                          .warnings = plan.warnings,
                          .errors = plan.errors,
                          .manifest_hash = hash_of(plan.manifest),

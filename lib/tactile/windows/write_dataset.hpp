@@ -32,7 +32,8 @@ struct DatasetSummary {
   Outcome outcome = Outcome::written;
   bool was_damaged = false;           ///< the replaced dataset could not be read
   std::vector<WindowedRun> runs;      ///< every run found, by object, then run
-  std::vector<std::string> warnings;  ///< a sentence each
+  std::vector<std::string> misnamed;  ///< a sentence for each folder that is left out for its name
+  std::vector<std::string> warnings;  ///< a sentence each; those of `misnamed` too
   std::vector<std::string> errors;    ///< why runs cannot be read, a sentence each; they are left out
   std::string manifest_hash;
   bool simulated = false;
@@ -53,8 +54,7 @@ struct DatasetSummary {
 ///
 /// @param threads  0: one per core; the result does not depend on it
 /// @throws Error  if no run has labels or samples, an object has no samples and `strict` is set, recordings differ in sensor
-/// size, or
-///                `file` exists and is not a dataset
+///                size, or `file` exists and is not a dataset
 DatasetSummary write_dataset(const std::filesystem::path& data, const std::filesystem::path& file,
                              const WindowsOptions& options = {}, unsigned threads = 0, const ProgressCallback& progress = {});
 

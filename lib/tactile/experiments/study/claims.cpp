@@ -1,6 +1,5 @@
 #include "tactile/experiments/study/claims.hpp"
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -277,6 +276,13 @@ void judge_delay(results::Claim& claim) {
   claim.why = "some intervals have no delay; of the others the claim would hold";
 }
 
+/// An object is the only exception only if the others come near.
+void judge_exception(results::Claim& exception, const results::Claim& others) {
+  if (exception.verdict != results::Verdict::holds || others.verdict == results::Verdict::holds) return;
+  exception.verdict = others.verdict;
+  exception.why = fmt::format("the others come near: {}", name_of(others.verdict));
+}
+
 /// Nothing if the runs have no slip.
 std::optional<bool> every_slip_at_once(std::span<const results::RunDetections> runs, std::span<const std::size_t> chosen_runs,
                                        double tick_ms) {
@@ -423,8 +429,8 @@ std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::
     claims[i].why = fmt::format("no model was trained for {} ms, which the paper compares", fmt::join(lacking, ", "));
     claims[i].can_be_told = false;
   }
-  judge_delay(claims[4]);
-  judge_delay(claims[5]);
+  for (const std::size_t delay : {4U, 5U}) judge_delay(claims[delay]);
+  judge_exception(claims[10], claims[9]);
   return claims;
 }
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile::model {
+
+/// The features of samples of one run (`features::tick_features`), from the events that the dataset stores.
+/// @param samples    indexes in the dataset, of this run, ascending
+/// @param rendering  its history, tick and mask are used
+/// @return  [samples, features::feature_count]
+/// @throws Error  if there is no `features::feature_bin`, or the dataset cannot be read
+std::vector<float> sample_features(const windows::Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
+                                   const heatmaps::HeatmapOptions& rendering);
+
+}  // namespace tactile::model
