@@ -50,7 +50,8 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
 }
 
 bool TickDetector::rehearse() {
-  if (gated_) return false;
+  const bool closed = ratio_ ? gated_ : options_.gate && options_.gate->closes(renderer_.events(), infinite);
+  if (closed) return false;
   renderer_.render(std::span(heatmap_));
   classify_(heatmap_);
   return true;

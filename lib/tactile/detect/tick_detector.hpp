@@ -59,7 +59,7 @@ class TickDetector {
 
   /// Renders and runs the network without use, so that weights and code are in the cache for the next verdict. Changes no
   /// verdict.
-  /// @return  false, and nothing is done, if the gate was closed at the last verdict
+  /// @return  false, and nothing is done, if the gate was closed at the last verdict, or the events are fewer than its limit
   bool rehearse();
 
   /// The verdict at the tick `t`, which is later than the last one. Skipped ticks in between count as none.

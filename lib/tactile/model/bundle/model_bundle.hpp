@@ -94,7 +94,8 @@ ModelDescription read_description(const ModelBundle& bundle);
 /// The bundle's weights. @throws Error  if their hash differs from `description`, or they have other sizes or are not finite
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description);
 
-/// The rule by which the bundle's gate opens. @throws Error  if the bundle has no gate
+/// The rule by which the bundle's gate opens. @throws Error  if the bundle has no gate, or no ratios for another `miss` than
+/// usual
 GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss = gate_share);
 
 /// The last trained bundle below `models` that `wanted` accepts; nothing if there is none. Folders without a readable model.json

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <numbers>
-#include <optional>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/infinite.hpp"
 
 namespace tactile::model {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr int cell_side = 80, longest_side = 1 << 15, most_cells_across = 250;
 constexpr double least_background = 0.05, surely_moving = 8, memory_steps = 500;
 constexpr double active_share = 0.1;
-constexpr std::size_t steps_per_lesson = 8;
+constexpr std::size_t steps_per_sample = 10, samples = BackgroundRatio::steps_to_know, enough_moving = samples * 9 / 10;
 constexpr std::int64_t most_doublings = 20, least_doublings = -60;
 
 /// 2^(least_doublings + i)
@@ -56,9 +56,10 @@ BackgroundRatio::BackgroundRatio(events::SensorSize sensor, microseconds history
   halvings_.resize(cells_);
   rest_.resize(cells_);
   none_.resize(cells_);
-  first_.reserve(cells_ * steps_to_know);
+  samples_.resize(cells_ * samples);
+  moving_.resize(samples);
   const std::int64_t steps = std::max<std::int64_t>(1, (history.count() + step_us - 1) / step_us);
-  recent_.assign(static_cast<std::size_t>(steps), 0.0);
+  recent_.assign(static_cast<std::size_t>(steps), infinite);
 }
 
 void BackgroundRatio::add(std::span<const events::Event> events) {
@@ -81,13 +82,14 @@ void BackgroundRatio::add(std::span<const events::Event> events) {
 
 double BackgroundRatio::at(CameraTime t) {
   const std::int64_t end = step_at(t);
+  if (!begun_ && ahead_.empty()) next_ = end;
   if (!begun_ && !ahead_.empty()) {
-    begun_ = true;
     next_ = ahead_.front().index + 1;  // the first step is not whole
     unused_.push_back(std::move(ahead_.front().counts));
     ahead_.pop_front();
   }
-  while (begun_ && next_ < end) {
+  begun_ = true;
+  while (next_ < end) {
     if (!ahead_.empty() && ahead_.front().index == next_) {
       take(ahead_.front().counts);
       unused_.push_back(std::move(ahead_.front().counts));
@@ -97,8 +99,12 @@ double BackgroundRatio::at(CameraTime t) {
       skip_silence(ahead_.empty() ? end : std::min(end, ahead_.front().index));
     }
   }
-  return is_known() ? *std::max_element(recent_.begin(), recent_.end()) : std::numeric_limits<double>::infinity();
+  return is_known() ? largest() : infinite;
 }
+
+double BackgroundRatio::largest() const { return *std::max_element(recent_.begin(), recent_.end()); }
+
+double BackgroundRatio::latest() const { return is_known() ? recent_[(place_ == 0 ? recent_.size() : place_) - 1] : infinite; }
 
 /// Takes the empty steps before `end`. Beyond ten times the background's memory they change nothing any more.
 void BackgroundRatio::skip_silence(std::int64_t end) {
@@ -109,35 +115,44 @@ void BackgroundRatio::skip_silence(std::int64_t end) {
 
 void BackgroundRatio::take(std::span<const std::uint32_t> counts) {
   if (!is_known()) {
-    first_.insert(first_.end(), counts.begin(), counts.end());
-    if (++seen_ == steps_to_know) know();
+    sample(counts);
+    if (++seen_ == steps_to_know) take_median();
     return;
   }
-  const double ratio = ratio_of(counts);
-  recent_[place_] = ratio;
+  recent_[place_] = ratio_of(counts);
   place_ = place_ + 1 < recent_.size() ? place_ + 1 : 0;
-  if (until_learning_ > 0) {
-    --until_learning_;
-  } else if (*std::max_element(recent_.begin(), recent_.end()) < surely_moving) {
-    learn(counts);
-    until_learning_ = steps_per_lesson - 1;
-  }
+  if (until_sample_-- > 0) return;
+  until_sample_ = steps_per_sample - 1;
+  const bool moves = largest() >= surely_moving;
+  moving_count_ += moves;
+  moving_count_ -= moving_[sample_place_];
+  moving_[sample_place_] = moves;
+  sample(counts);
+  if (!moves) learn(counts);
+  if (moving_count_ >= enough_moving) take_median();
 }
 
-void BackgroundRatio::know() {
-  std::array<std::uint32_t, steps_to_know> of_cell{};
+void BackgroundRatio::sample(std::span<const std::uint32_t> counts) {
+  std::copy(counts.begin(), counts.end(), samples_.begin() + static_cast<std::ptrdiff_t>(sample_place_ * cells_));
+  sample_place_ = sample_place_ + 1 < samples ? sample_place_ + 1 : 0;
+}
+
+/// The background becomes the median of the samples.
+void BackgroundRatio::take_median() {
+  std::array<std::uint32_t, samples> of_cell{};
   for (std::size_t cell = 0; cell < cells_; ++cell) {
-    for (std::size_t i = 0; i < steps_to_know; ++i) of_cell[i] = first_[i * cells_ + cell];
-    std::nth_element(of_cell.begin(), of_cell.begin() + steps_to_know / 2, of_cell.end());
-    set_background(cell, static_cast<double>(of_cell[steps_to_know / 2]));
+    for (std::size_t i = 0; i < samples; ++i) of_cell[i] = samples_[i * cells_ + cell];
+    std::nth_element(of_cell.begin(), of_cell.begin() + samples / 2, of_cell.end());
+    set_background(cell, static_cast<double>(of_cell[samples / 2]));
   }
-  first_ = {};
+  std::fill(moving_.begin(), moving_.end(), std::uint8_t{0});
+  moving_count_ = 0;
 }
 
 void BackgroundRatio::learn(std::span<const std::uint32_t> counts) {
   for (std::size_t cell = 0; cell < cells_; ++cell) {
-    const double m = background_[cell], widest = 2 * std::sqrt(m + 1);
-    set_background(cell, m + steps_per_lesson * std::clamp(counts[cell] - m, -widest, widest) / memory_steps);
+    const double m = background_[cell];
+    set_background(cell, m + steps_per_sample * std::min(counts[cell] - m, 2 * std::sqrt(m + 1)) / memory_steps);
   }
 }
 
@@ -167,28 +182,29 @@ std::vector<double> opening_ratios(events::RecordingReader& recording, std::span
                                    const heatmaps::HeatmapOptions& rendering) {
   constexpr microseconds in_time{10'000};
   const events::Stream& stream = events::event_stream(recording);
-  // With a history of one step, a value is the ratio of that step.
-  BackgroundRatio ratio(stream.size.value_or(events::SensorSize{}), microseconds{BackgroundRatio::step_us}, rendering.mask);
-  std::vector<std::optional<double>> best(intervals.size());
-  std::optional<CameraTime> next;
-  const auto take_until = [&](CameraTime last) {
-    for (; *next <= last; *next += microseconds{BackgroundRatio::step_us}) {
-      const double value = ratio.at(*next);
-      for (std::size_t i = 0; i < intervals.size() && ratio.is_known(); ++i) {
-        const CameraTime end = std::min(intervals[i].end, after(intervals[i].start, in_time));
-        if (*next > intervals[i].start && *next <= end) best[i] = std::max(best[i].value_or(value), value);
-      }
-    }
+  BackgroundRatio ratio(stream.size.value_or(events::SensorSize{}), rendering.history, rendering.mask);
+  const auto last_step_of = [](const TouchInterval& interval) {
+    return step_at(std::min(interval.end, after(interval.start, in_time)));
   };
+  std::map<std::int64_t, double> at_end_of;  // the ratio of the step that ends at this many steps
+  for (const TouchInterval& interval : intervals) {
+    for (std::int64_t end = step_at(interval.start) + 1; end <= last_step_of(interval); ++end) at_end_of[end] = infinite;
+  }
+  auto next = at_end_of.begin();
   events::for_all_events(recording, stream.id, [&](std::span<const events::Event> events) {
     if (events.empty()) return;
-    if (!next) next = camera_time((step_at(events.front().t) + 1) * BackgroundRatio::step_us);
     ratio.add(events);
-    take_until(events.back().t);
+    for (; next != at_end_of.end() && camera_time(next->first * BackgroundRatio::step_us) <= events.back().t; ++next) {
+      ratio.at(camera_time(next->first * BackgroundRatio::step_us));
+      next->second = ratio.latest();
+    }
   });
   std::vector<double> ratios;
-  for (const std::optional<double>& value : best) {
-    if (value && std::isfinite(*value)) ratios.push_back(*value);
+  for (const TouchInterval& interval : intervals) {
+    double best = -infinite;
+    for (std::int64_t end = step_at(interval.start) + 1; end <= last_step_of(interval); ++end)
+      best = std::max(best, at_end_of[end]);
+    if (std::isfinite(best)) ratios.push_back(best);
   }
   return ratios;
 }

@@ -22,17 +22,21 @@ namespace tactile::model {
 ///   ratio = sum over cells of ln(0.9 + 0.1 min(2^n exp(-m), 2^20))
 ///
 /// The value at t is the largest ratio of the steps that ended in (t - t_h, t]: events of a touch stay seen while they are in
-/// the history. It is infinite until the background is known, after 250 steps.
+/// the history. It is infinite until the background is known, after 250 steps, and for t_h more.
 ///
-/// The background of a cell is the median of its first 250 steps, at least 0.05. Then it follows the counts,
+/// The background of a cell is the median of its first 250 steps, at least 0.05. Then it follows the counts at each 10th step
+/// whose value is below 8,
 ///
-///   m += 8 (clamp(n, m - 2 sqrt(m + 1), m + 2 sqrt(m + 1)) - m) / 500,
+///   m += 10 (min(n, m + 2 sqrt(m + 1)) - m) / 500.
 ///
-/// at each 8th step whose value is below 8: no touch, however long, raises it, and slow changes of the light move it. If the
-/// background rises at once by so much that the value stays above 8, the value stays there.
+/// Motion does not raise it, and slow changes of the light move it. If the noise rises at once, the value stays above 8 and the
+/// background stands still. A touch pauses, noise does not: where 90 % of the last 5 s (250 samples, one each 10 steps) have
+/// values of at least 8, the background becomes the median of these samples, in every cell. Motion of 5 s without a pause becomes
+/// background too.
 ///
-/// A value depends only on the events and t, not on which ticks were asked for. A step costs some 100 operations, an event 5.
-/// Memory is allocated only for more steps ahead of t than ever before.
+/// Steps count from the first event, or from the first `at` if that is earlier. Then a value depends only on the events and t,
+/// not on which ticks were asked for. A step costs some 100 operations, an event 5. Memory is allocated only for more steps ahead
+/// of t than ever before.
 class BackgroundRatio {
  public:
   /// @param mask  pixels whose events do not count
@@ -44,6 +48,9 @@ class BackgroundRatio {
 
   /// The value at `t`, from the events added so far. Ascending.
   double at(CameraTime t);
+
+  /// The ratio of the last step that ended at the last `at` or before; infinite until the background is known.
+  double latest() const;
 
   double background(std::size_t cell) const { return background_[cell]; }  ///< events per step; of known cells
   bool is_known() const { return seen_ >= steps_to_know; }
@@ -57,8 +64,10 @@ class BackgroundRatio {
     std::vector<std::uint32_t> counts;
   };
   void take(std::span<const std::uint32_t> counts);
+  void sample(std::span<const std::uint32_t> counts);
   void learn(std::span<const std::uint32_t> counts);
-  void know();
+  void take_median();
+  double largest() const;
   void set_background(std::size_t cell, double events);
   void skip_silence(std::int64_t end);
   double ratio_of(std::span<const std::uint32_t> counts) const;
@@ -71,9 +80,11 @@ class BackgroundRatio {
   std::vector<std::vector<std::uint32_t>> unused_;  ///< their memory
   std::int64_t next_ = 0;                           ///< the step to take next, once `begun_`
   bool begun_ = false;
-  std::size_t until_learning_ = 0;      ///< steps
   std::size_t seen_ = 0;                ///< steps taken, until the background is known
-  std::vector<std::uint32_t> first_;    ///< counts of the first steps, by cell
+  std::size_t until_sample_ = 0;        ///< steps
+  std::vector<std::uint32_t> samples_;  ///< ring of the counts by cell: of the first steps, then of each 10th
+  std::vector<std::uint8_t> moving_;    ///< of a sample: whether its value was at least 8
+  std::size_t sample_place_ = 0, moving_count_ = 0;
   std::vector<double> background_;      ///< m
   std::vector<std::int64_t> halvings_;  ///< whole h and rest f of exp(-m) = f 2^-h, 1/2 < f <= 1: both are in range for
   std::vector<double> rest_;            ///< any m
@@ -82,10 +93,10 @@ class BackgroundRatio {
   std::vector<std::uint32_t> none_;  ///< counts of an empty step
 };
 
-/// For each interval, the largest value in the first 10 ms after its start, which decides whether a gate opens in time. Intervals
-/// that begin before the background is known, or end within a step, have none. Of values that are the same for any t_h, the
-/// history counts only steps after the start.
+/// For each interval, the largest ratio of the steps that end in the first 10 ms after its start, and not after its end: it
+/// decides whether a gate opens in time. Intervals without such a step, or from before the background is known, have none.
 /// @param intervals  in any order
+/// @throws Error  as RecordingReader, or if the stream declares no size
 std::vector<double> opening_ratios(events::RecordingReader& recording, std::span<const TouchInterval> intervals,
                                    const heatmaps::HeatmapOptions& rendering);
 
