@@ -42,7 +42,7 @@ struct DetectArguments {
   double reconnect_s = 10, duration_s = 0;
   std::string engine = "fast", precision = "fp32";
   DecisionArguments decision;
-  bool gate = false;
+  GateArguments gate;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, mask;
@@ -125,7 +125,7 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   check(rendering);
   if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
   options.detector.decision = decision_of(args.decision, bundle, model);
-  if (args.gate) options.detector.gate = model::gate_limit(bundle, model);
+  if (args.gate.on) options.detector.gate = model::gate_rule(bundle, model, args.gate.miss);
   options.detector.temperature = model::read_temperature(bundle, model).value;
   options.slack = microseconds{args.slack_us};
   options.rehearses = !args.no_rehearsal;
@@ -183,8 +183,7 @@ void add_model_options(Command& command, DetectArguments& args) {
   command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
   add_decision_options(command, args.decision);
-  command.add_flag("--gate", args.gate,
-                   "Report none without running the network while there are fewer events than the model's limit");
+  add_gate_options(command, args.gate);
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")

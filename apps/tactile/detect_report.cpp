@@ -64,6 +64,10 @@ std::string verdicts_text(const detect::VerdictCounts& counts) {
   return text;
 }
 
+std::string text_of(const model::GateRule& rule) {
+  return rule.ratio ? fmt::format("log ratio below {:.1f}", *rule.ratio) : fmt::format("fewer than {} events", rule.events);
+}
+
 void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
   const detect::DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   lines.emplace_back("ticks", summary.plays ? fmt::format("{} reported, none skipped; no deadline for a replay", ticks.reported)
@@ -71,8 +75,8 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
                                                           ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
   if (summary.detector.gate)
-    lines.emplace_back("gate", fmt::format("{} of {} ticks with fewer than {} events", summary.counts.gated, ticks.reported,
-                                           *summary.detector.gate));
+    lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,
+                                           text_of(*summary.detector.gate)));
   if (!summary.plays)
     lines.emplace_back(
         "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
@@ -198,8 +202,11 @@ nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectMode
       {"rendering", detector.rendering},
       {"confirm", text_of(detector.decision.confirmation)},
       {"alarm_cost", detector.decision.filter ? nlohmann::json(detector.decision.filter->alarm_cost) : nlohmann::json()},
-      {"gate",
-       detector.gate ? nlohmann::json{{"limit_events", *detector.gate}, {"gated", summary.counts.gated}} : nlohmann::json()},
+      {"gate", detector.gate ? nlohmann::json{{"limit_events", detector.gate->ratio ? 0 : detector.gate->events},
+                                              {"limit_ratio",
+                                               detector.gate->ratio ? nlohmann::json(*detector.gate->ratio) : nlohmann::json()},
+                                              {"gated", summary.counts.gated}}
+                             : nlohmann::json()},
       {"ended", summary.ended},
       {"elapsed_s", in_s(summary.elapsed)},
       {"cpu_s", summary.cpu_s},

@@ -38,7 +38,8 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   options.confirmation = confirmation_in(args.decision.confirm);
   options.alarm_cost = alarm_cost_of(args.decision);
-  options.gate = args.gate;
+  options.gate = args.gate.on;
+  options.gate_miss = args.gate.miss;
   options.threads = common.threads;
   return options;
 }
@@ -60,7 +61,7 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const eva
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
   if (options.alarm_cost) name += fmt::format("-filter-{:g}", *options.alarm_cost);
-  if (options.gate) name += "-gate";
+  if (options.gate) name += options.gate_miss == model::gate_share ? "-gate" : fmt::format("-gate-miss-{:g}", options.gate_miss);
   if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
   return usual.parent_path() / (name + ".json");
 }
@@ -233,9 +234,7 @@ void add_eval_command(CLI::App& app) {
                   "Count alarms separately for this long after an interval [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
   add_decision_options(command, args->decision);
-  command.add_flag("--gate", args->gate,
-                   "Report none without running the network while there are fewer events than the model's limit; results are "
-                   "given with and without the gate");
+  add_gate_options(command, args->gate);
   add_engine_option(command, args->engine);
   const Option run =
       command

@@ -18,7 +18,7 @@ struct EvalArguments {
   bool unseen = false, no_train = false, strict = false;
   double guard_ms = -1;
   DecisionArguments decision;
-  bool gate = false;
+  GateArguments gate;
   std::optional<unsigned> trainings;  ///< of --unseen; their usual number if not given
   std::string engine = "fast";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has

@@ -126,7 +126,7 @@ evaluation::PredictionOptions prediction_options(const EvalArguments& args, unsi
                                                  const std::optional<windows::Dataset>& dataset, const model::ModelBundle& bundle,
                                                  const model::ModelDescription& model) {
   evaluation::PredictionOptions options{.decision = decision_of(args.decision, bundle, model), .threads = threads};
-  if (args.gate) options.gate = model::gate_limit(bundle, model);
+  if (args.gate.on) options.gate = model::gate_rule(bundle, model, args.gate.miss);
   if (dataset) options.guard = dataset->sampling().guard;
   if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};

@@ -138,7 +138,10 @@ std::string gate_text(const results::Evaluation& evaluation) {
     return number(score.false_alarms.wrong_class_per_min);
   });
   const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
-  return text_table({fmt::format("gate: none below {} events", off.limit), "on", "off"}, rows) +
+  return text_table({off.ratio ? fmt::format("gate: none below a log ratio of {:.1f}", *off.ratio)
+                               : fmt::format("gate: none below {} events", off.limit),
+                     "on", "off"},
+                    rows) +
          fmt::format("The gate skips the network at {:.1f} % of {} ticks.\n\n", share, off.ticks);
 }
 

@@ -182,6 +182,15 @@ void add_decision_options(Command command, DecisionArguments& args) {
       .show_default();
 }
 
+void add_gate_options(Command command, GateArguments& args) {
+  const Option gate =
+      command.add_flag("--gate", args.on, "Report none without running the network while the events are likely to be background");
+  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips that it may open too late for")
+      .check(in_range(0.0, 0.999))
+      .needs(gate)
+      .show_default();
+}
+
 std::optional<double> alarm_cost_of(const DecisionArguments& args) {
   if (!args.filter) return std::nullopt;
   if (confirmation_in(args.confirm) != Confirmation{})

@@ -39,6 +39,15 @@ struct DecisionArguments {
   double alarm_cost = model::default_alarm_cost;
 };
 
+/// The gate, which skips the network while the skin is quiet.
+struct GateArguments {
+  bool on = false;
+  double miss = model::gate_share;
+};
+
+/// `--gate` and `--gate-miss`.
+void add_gate_options(Command command, GateArguments& args);
+
 /// `--confirm`, `--filter` and `--alarm-cost`.
 void add_decision_options(Command command, DecisionArguments& args);
 

@@ -87,8 +87,8 @@ struct Listener {
 
 TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   const fs::path folder = trained().folder.path();
-  for (const std::string options :
-       {"", " --confirm 3/4", " --gate", " --gate --confirm 2/3", " --filter", " --gate --filter --alarm-cost 0.1"}) {
+  for (const std::string options : {"", " --confirm 3/4", " --gate", " --gate --gate-miss 0.5 --confirm 2/3", " --filter",
+                                    " --gate --filter --alarm-cost 0.1"}) {
     const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + options, folder);
     ASSERT_EQ(eval.exit_code, 0) << eval.err;
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
@@ -111,6 +111,11 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
       EXPECT_TRUE(json.at("ticks").at("missed_share").is_null());
       EXPECT_EQ(json.at("ended"), "source ended");
       EXPECT_EQ(json.at("gate").is_null(), options.find("gate") == std::string::npos);
+      if (!json.at("gate").is_null()) {
+        EXPECT_GT(json.at("gate").at("limit_ratio").get<double>(), 5);
+        EXPECT_EQ(json.at("gate").at("limit_events"), 0);
+        EXPECT_GT(json.at("gate").at("gated").get<int>(), 10);
+      }
       EXPECT_GT(json.at("verdicts").at("slip").get<int>(), 0);
       EXPECT_EQ(json.at("latency_us").at("network").at("count"), offline.size());
     }
@@ -478,6 +483,18 @@ TEST(DetectCommand, ReportsWhatIsWrong) {
   fs::copy(trained().bundle.folder, folder / "models/old", fs::copy_options::recursive);
   nlohmann::json model = read_json(folder / "models/old/model.json");
   EXPECT_GT(model.at("gate").at("limit_events").get<int>(), 0);
+  EXPECT_FALSE(model.at("gate").at("ratios").empty());
+  model.at("gate").erase("ratios");
+  model.at("gate").erase("intervals");
+  write_json(folder / "models/old/model.json", model);
+  const auto by_events = run_tactile("detect --quiet --json --model old --gate --from file:data/fan/02 --speed 0", folder);
+  ASSERT_EQ(by_events.exit_code, 0) << by_events.err;
+  const auto gate = nlohmann::json::parse(by_events.out).at("gate");
+  EXPECT_EQ(gate.at("limit_events"), model.at("gate").at("limit_events"));
+  EXPECT_TRUE(gate.at("limit_ratio").is_null());
+  const auto by_misses = run_tactile("detect --model old --gate --gate-miss 0.01 --from file:data/fan/02 --speed 0", folder);
+  EXPECT_EQ(by_misses.exit_code, 1);
+  EXPECT_NE(by_misses.err.find("has no ratios"), std::string::npos) << by_misses.err;
   model.erase("gate");
   write_json(folder / "models/old/model.json", model);
   const auto old = run_tactile("detect --model old --gate --from file:data/fan/02 --speed 0", folder);

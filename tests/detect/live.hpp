@@ -43,7 +43,7 @@ struct Live {
   bool more_came = false;
   detect::LiveDetector detector;
 
-  explicit Live(bool plays = false, std::optional<std::uint64_t> gate = {}, Confirmation confirmation = {},
+  explicit Live(bool plays = false, std::optional<model::GateRule> gate = {}, Confirmation confirmation = {},
                 microseconds play_for = microseconds::max())
       : detector(
             {sensor,

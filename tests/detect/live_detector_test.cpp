@@ -136,7 +136,7 @@ TEST(LiveDetector, MarksVerdictsWithAnIncompleteHistory) {
 }
 
 TEST(LiveDetector, GatesQuietTicksWithoutTheNetwork) {
-  Live live(false, 5);
+  Live live(false, model::GateRule{.events = 5});
   for (std::int64_t t = 0; t <= 20'000; t += t < 10'000 ? 2'500 : 500) live.take({t}, base + t), live.report_all(base + t);
   ASSERT_GE(live.reported.size(), 3U);
   EXPECT_EQ(live.reported[0].verdict.events, 4U);

@@ -23,7 +23,7 @@ struct Rehearsing {
 
   static HostTime host_at(std::int64_t t) { return host_time(base + 100 * t); }
 
-  explicit Rehearsing(bool rehearses, std::optional<std::uint64_t> gate = {})
+  explicit Rehearsing(bool rehearses, std::optional<model::GateRule> gate = {})
       : detector(
             {sensor,
              input,
@@ -100,7 +100,7 @@ TEST(LiveDetector, RehearsesNeitherTooEarlyNorTooLate) {
 }
 
 TEST(LiveDetector, DoesNotRehearseBelowTheGate) {
-  Rehearsing live(true, 5);
+  Rehearsing live(true, model::GateRule{.events = 5});
   live.take(0, 5);
   live.take(1'000'000, 2);
   ASSERT_EQ(live.reported.size(), 1U);

@@ -235,6 +235,13 @@ TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
   ASSERT_EQ(gated.exit_code, 0) << gated.err;
   EXPECT_LE(characters_in(longest_line(gated.out)), 100U) << longest_line(gated.out);
   EXPECT_TRUE(fs::exists(trained.bundle.folder / "eval-gate.json"));
+  const auto missing = run_tactile("eval --quiet --gate --gate-miss 0.25", trained.folder.path());
+  ASSERT_EQ(missing.exit_code, 0) << missing.err;
+  const auto usual_gate = read_json(trained.bundle.folder / "eval-gate.json").at("gate");
+  const auto missing_gate = read_json(trained.bundle.folder / "eval-gate-miss-0.25.json").at("gate");
+  EXPECT_GE(missing_gate.at("limit_ratio").get<double>(), usual_gate.at("limit_ratio").get<double>());
+  EXPECT_GE(missing_gate.at("gated").get<int>(), usual_gate.at("gated").get<int>());
+  EXPECT_NE(run_tactile("eval --quiet --gate-miss 0.25", trained.folder.path()).exit_code, 0) << "needs --gate";
 }
 
 TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {

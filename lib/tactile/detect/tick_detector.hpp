@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/inference/decision.hpp"
 #include "tactile/model/inference/logits.hpp"
 
@@ -23,7 +24,7 @@ struct TickVerdict {
   model::Probabilities probabilities{1, 0, 0};  ///< of none, press, slip; {1, 0, 0} if gated
   Touch predicted = Touch::none;                ///< by gate or network at this tick, before confirmation or filter
   Touch verdict = Touch::none;                  ///< after confirmation or filter
-  bool gated = false;                           ///< fewer events than the gate's limit: none, without rendering or network
+  bool gated = false;                           ///< the gate is closed: none, without rendering or network
 };
 
 /// The computing time of one tick.
@@ -35,8 +36,8 @@ struct TickCost {
 struct TickDetectorOptions {
   heatmaps::HeatmapOptions rendering;
   model::Decision decision{};
-  std::optional<std::uint64_t> gate = std::nullopt;  ///< least number of events in t_h for which the network runs
-  double temperature = 1;                            ///< of the probabilities, > 0
+  std::optional<model::GateRule> gate = std::nullopt;  ///< when the network does not run
+  double temperature = 1;                              ///< of the probabilities, > 0
 };
 
 /// Verdicts from events, tick by tick, with the renderer, gate, network and decision of `eval`: the same events give the same
@@ -47,7 +48,10 @@ class TickDetector {
   /// @throws Error  if this sensor's heatmaps are of another size, or as HeatmapRenderer
   TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
 
-  void add(std::span<const events::Event> events) { renderer_.add(events); }  ///< @throws Error as HeatmapRenderer
+  void add(std::span<const events::Event> events) {  ///< @throws Error as HeatmapRenderer
+    renderer_.add(events);
+    if (ratio_) ratio_->add(events);
+  }
 
   /// Counts the events so far of the history that ends at `t`, and forgets earlier ones. This leaves less work for the verdict at
   /// `t` or a later tick, and changes no verdict.
@@ -55,7 +59,7 @@ class TickDetector {
 
   /// Renders and runs the network without use, so that weights and code are in the cache for the next verdict. Changes no
   /// verdict.
-  /// @return  false, and nothing is done, if the events are fewer than the gate's limit
+  /// @return  false, and nothing is done, if the gate was closed at the last verdict, or the events are fewer than its limit
   bool rehearse();
 
   /// The verdict at the tick `t`, which is later than the last one. Skipped ticks in between count as none.
@@ -65,10 +69,14 @@ class TickDetector {
   void restart();
 
  private:
+  void begin_ratio();
+
   events::SensorSize sensor_;
   TickDetectorOptions options_;
   ClassifyHeatmap classify_;
   heatmaps::HeatmapRenderer renderer_;
+  std::optional<model::BackgroundRatio> ratio_;  ///< with a gate that compares with the background
+  bool gated_ = false;                           ///< at the last verdict
   model::RunningDecision decision_;
   std::vector<std::uint8_t> heatmap_;
 };

@@ -191,9 +191,10 @@ void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored,
   evaluation.with_flagged = with_flagged(scored, left_out);
 }
 
-results::GateOff gate_off(const ScoredRuns& scored, std::uint64_t limit) {
+results::GateOff gate_off(const ScoredRuns& scored, const model::GateRule& rule) {
   const auto open = scored.each<results::RunConfusion>(&RunResult::open_confusion);
-  results::GateOff off{.limit = limit,
+  results::GateOff off{.limit = rule.ratio ? 0 : rule.events,
+                       .ratio = rule.ratio,
                        .accuracy = accuracy_of(open, scored.bootstrap),
                        .confusion = sum_of(open),
                        .network = scored.detector(&RunResult::open)};

@@ -21,7 +21,8 @@ struct EvaluationOptions {
       std::nullopt;  ///< how long after an interval alarms are counted separately; >= 0; default: the dataset's guard
   Confirmation confirmation{};
   std::optional<double> alarm_cost = std::nullopt;  ///< of the decision filter, which then replaces the confirmation; > 0
-  bool gate = false;                                ///< the verdict is none below the model's limit of events
+  bool gate = false;                                ///< the verdict is none where the model's gate is closed
+  double gate_miss = model::gate_share;             ///< the share of intervals that it may miss, in [0, 1)
   DelayOptions delay{};
   results::OverTimeOptions over_time{};
   results::BootstrapOptions bootstrap{};

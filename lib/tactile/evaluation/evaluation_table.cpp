@@ -208,7 +208,8 @@ std::string table_of(const results::Evaluation& evaluation) {
   for (const auto& [name, score] : evaluation.trivial) add_detector(table, ":" + name, score);
   if (evaluation.gate_off) {
     const results::GateOff& off = *evaluation.gate_off;
-    table.count("gate", "all", "", "limit_events", off.limit);
+    if (off.ratio) table.number("gate", "all", "", "limit_ratio", *off.ratio);
+    if (!off.ratio) table.count("gate", "all", "", "limit_events", off.limit);
     table.count("gate", "all", "", "ticks", off.ticks);
     table.count("gate", "all", "", "gated", off.gated);
     table.accuracy("accuracy:gate_off", off.accuracy);

@@ -6,7 +6,9 @@
 #include <iterator>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/infinite.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/model/inference/background_ratio.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -29,6 +31,7 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
                             size.width, size.height, expected.width, expected.height, classifier.bundle().string()));
   }
   results::FullRun run;
+  model::BackgroundRatio ratio(*stream.size, rendering.history, rendering.mask);
   std::vector<std::uint8_t> waiting;
   const auto classify_waiting = [&] {
     const auto logits = classifier.classify(waiting, threads);
@@ -42,10 +45,16 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
   const auto use = [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
     if (see) see(t, heatmap, events);
     run.events.push_back(events);
+    run.ratios.push_back(static_cast<float>(ratio.at(t)));
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };
-  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use, change);
+  const heatmaps::ChangeEvents change_and_watch = [&](std::span<const events::Event> recorded, bool is_last) {
+    const std::span<const events::Event> changed = change ? change(recorded, is_last) : recorded;
+    ratio.add(changed);
+    return changed;
+  };
+  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use, change_and_watch);
   if (!waiting.empty()) classify_waiting();
   return run;
 }
@@ -54,10 +63,10 @@ std::vector<Touch> decided(const model::Decision& decision, const results::FullR
   return model::decided(decision, run.ticks.tick, run.verdicts, run.probabilities);
 }
 
-std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit) {
+std::uint64_t apply_gate(results::FullRun& run, const model::GateRule& rule) {
   std::uint64_t gated = 0;
   for (std::size_t k = 0; k < run.events.size(); ++k) {
-    if (run.events[k] >= limit) continue;
+    if (!rule.closes(run.events[k], run.ratios.empty() ? infinite : static_cast<double>(run.ratios[k]))) continue;
     ++gated;
     run.verdicts[k] = Touch::none;
     if (!run.probabilities.empty()) run.probabilities[k] = {1, 0, 0};

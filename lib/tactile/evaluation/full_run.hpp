@@ -30,9 +30,9 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
 /// The verdict at each tick of a run with probabilities.
 std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run);
 
-/// Sets the ticks with fewer than `limit` events to none, with the probabilities {1, 0, 0}, as if the network had not run.
+/// Sets the ticks at which the gate is closed to none, with the probabilities {1, 0, 0}, as if the network had not run.
 /// @return  the number of these ticks
-std::uint64_t apply_gate(results::FullRun& run, std::uint64_t limit);
+std::uint64_t apply_gate(results::FullRun& run, const model::GateRule& rule);
 
 /// About how many full ticks a recording holds, from its list of packets.
 std::size_t expected_ticks(const std::filesystem::path& recording, const heatmaps::HeatmapOptions& options);

@@ -30,7 +30,7 @@ struct RunPrediction {
 
 struct PredictionOptions {
   model::Decision decision{};
-  std::optional<std::uint64_t> gate = std::nullopt;  ///< the verdict is none below so many events in t_h
+  std::optional<model::GateRule> gate = std::nullopt;  ///< the verdict is none where it closes
   DelayOptions delay{};
   microseconds guard{100'000};         ///< how long after an interval alarms are counted separately, >= 0
   bool include_flagged = false;        ///< flagged intervals are used too

@@ -169,9 +169,9 @@ void check_fits(const windows::Dataset& dataset, const model::Classifier& classi
   }
 }
 
-std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const EvaluationOptions& options) {
+std::optional<model::GateRule> gate_of(const model::Classifier& classifier, const EvaluationOptions& options) {
   if (!options.gate) return std::nullopt;
-  return model::gate_limit({classifier.bundle()}, classifier.model());
+  return model::gate_rule({classifier.bundle()}, classifier.model(), options.gate_miss);
 }
 
 model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options) {

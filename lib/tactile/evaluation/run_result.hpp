@@ -70,7 +70,7 @@ struct RunScoring {
   const EvaluationOptions& options;
   microseconds guard;                         ///< of false alarms
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
-  std::optional<std::uint64_t> gate;          ///< its limit
+  std::optional<model::GateRule> gate;
   model::Decision decision;
 };
 
@@ -85,8 +85,8 @@ WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& f
 /// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size
 void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options);
 
-/// The limit of the model's gate, where it is to be used.
-std::optional<std::uint64_t> gate_of(const model::Classifier& classifier, const EvaluationOptions& options);
+/// The model's gate, where it is to be used.
+std::optional<model::GateRule> gate_of(const model::Classifier& classifier, const EvaluationOptions& options);
 
 /// How the model's predictions become verdicts. @throws Error  if a filter is to be used that the model lacks
 model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options);

@@ -24,7 +24,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     confusions[i].run = dataset.runs()[runs[i]].run;
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, predicted_of(k));
   };
-  const std::optional<std::uint64_t> gate = gate_of(classifier, options);
+  const std::optional<model::GateRule> gate = gate_of(classifier, options);
   const model::Decision decision = decision_of(classifier, options);
   if (options.confirmation.of == 1 && !gate && !decision.filter) {
     // One run is read while others are classified.

@@ -30,7 +30,11 @@ nlohmann::json gate_json(const GateOff& off) {
   nlohmann::json without = detector_json(off.network);
   without["accuracy"] = off.accuracy;
   without["confusion"] = off.confusion;
-  return {{"limit_events", off.limit}, {"ticks", off.ticks}, {"gated", off.gated}, {"off", without}};
+  return {{"limit_events", off.limit},
+          {"limit_ratio", off.ratio ? nlohmann::json(*off.ratio) : nlohmann::json()},
+          {"ticks", off.ticks},
+          {"gated", off.gated},
+          {"off", without}};
 }
 
 DetectorScore detector_in(const JsonView& json) {
@@ -66,8 +70,8 @@ GuardScore guard_in(const JsonView& json) {
 
 GateOff gate_in(const JsonView& json) {
   const JsonView off = json["off"];
-  return {json["limit_events"].count(),    json["ticks"].count(),          json["gated"].count(),
-          off["accuracy"].get<Accuracy>(), confusion_in(off["confusion"]), detector_in(off)};
+  return {json["limit_events"].count(),    json["limit_ratio"].number_if_there(), json["ticks"].count(), json["gated"].count(),
+          off["accuracy"].get<Accuracy>(), confusion_in(off["confusion"]),        detector_in(off)};
 }
 
 void add_truth(nlohmann::json& json, const TruthScore& truth) {

@@ -53,7 +53,8 @@ struct TruthScore {
 
 /// The figures without the gate, and how often the gate is closed.
 struct GateOff {
-  std::uint64_t limit = 0;  ///< events in t_h
+  std::uint64_t limit = 0;        ///< events in t_h; 0 if the gate compares with the background
+  std::optional<double> ratio{};  ///< then its least likelihood ratio, as a logarithm
   std::uint64_t ticks = 0, gated = 0;
   Accuracy accuracy;
   Confusion confusion;

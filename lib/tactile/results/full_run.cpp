@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "tactile/core/error.hpp"
 
@@ -13,37 +16,58 @@ namespace {
 
 constexpr std::size_t digits_of_one = 8;  // of a float32
 
+void append(std::string& text, float value) {
+  fmt::format_to(std::back_inserter(text), "{:08x}", std::bit_cast<std::uint32_t>(value));
+}
+
+/// Nothing unless they are so many.
+std::optional<std::vector<float>> floats_in(const std::string& text, std::size_t count) {
+  if (text.size() != count * digits_of_one) return std::nullopt;
+  std::vector<float> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t bits = 0;
+    const char* const begin = text.data() + i * digits_of_one;
+    const auto read = std::from_chars(begin, begin + digits_of_one, bits, 16);
+    if (read.ec != std::errc() || read.ptr != begin + digits_of_one) return std::nullopt;
+    values.push_back(std::bit_cast<float>(bits));
+  }
+  return values;
+}
+
 using Probabilities = std::vector<std::array<float, touch_count>>;
 
 std::string hexadecimal(const Probabilities& probabilities) {
   std::string text;
-  text.reserve(probabilities.size() * touch_count * digits_of_one);
   for (const auto& of_tick : probabilities) {
-    for (const float value : of_tick) fmt::format_to(std::back_inserter(text), "{:08x}", std::bit_cast<std::uint32_t>(value));
+    for (const float value : of_tick) append(text, value);
   }
   return text;
 }
 
 /// @throws Error  unless they are so many, in [0, 1]
 Probabilities probabilities_in(const JsonView& view, std::size_t ticks) {
-  const std::string text = view.text();
+  const auto values = floats_in(view.text(), ticks * touch_count);
+  const auto is_probability = [](float value) { return value >= 0 && value <= 1; };
+  if (!values || !std::all_of(values->begin(), values->end(), is_probability))
+    throw Error(view.where() + " are not three float32 from 0 to 1 per tick; expected 24 hexadecimal digits each");
   Probabilities probabilities(ticks);
-  bool is_sound = text.size() == ticks * touch_count * digits_of_one;
-  for (std::size_t i = 0; is_sound && i < ticks * touch_count; ++i) {
-    std::uint32_t bits = 0;
-    const char* const begin = text.data() + i * digits_of_one;
-    const auto read = std::from_chars(begin, begin + digits_of_one, bits, 16);
-    const auto value = std::bit_cast<float>(bits);
-    is_sound = read.ec == std::errc() && read.ptr == begin + digits_of_one && value >= 0 && value <= 1;
-    probabilities[i / touch_count][i % touch_count] = value;
-  }
-  if (!is_sound) throw Error(view.where() + " are not three float32 from 0 to 1 per tick; expected 24 hexadecimal digits each");
+  for (std::size_t i = 0; i < values->size(); ++i) probabilities[i / touch_count][i % touch_count] = (*values)[i];
   return probabilities;
+}
+
+/// @throws Error  unless they are so many
+std::vector<float> ratios_in(const JsonView& view, std::size_t ticks) {
+  auto values = floats_in(view.text(), ticks);
+  if (!values || std::any_of(values->begin(), values->end(), [](float value) { return std::isnan(value); }))
+    throw Error(view.where() + " are not a float32 per tick; expected 8 hexadecimal digits each");
+  return *std::move(values);
 }
 
 }  // namespace
 
 void to_json(nlohmann::json& json, const FullRun& run) {
+  std::string ratios;
+  for (const float ratio : run.ratios) append(ratios, ratio);
   std::string digits;
   for (const Touch touch : run.verdicts) digits += static_cast<char>('0' + static_cast<int>(touch));
   json = {{"run", run.run},
@@ -51,7 +75,8 @@ void to_json(nlohmann::json& json, const FullRun& run) {
           {"tick_us", run.ticks.tick.count()},
           {"said", digits},
           {"probabilities", hexadecimal(run.probabilities)},
-          {"events", run.events}};
+          {"events", run.events},
+          {"ratios", ratios}};
 }
 
 void from_json(const JsonView& json, FullRun& run) {
@@ -67,6 +92,7 @@ void from_json(const JsonView& json, FullRun& run) {
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
   if (const JsonView probabilities = json["probabilities"]; !probabilities.text().empty())
     run.probabilities = probabilities_in(probabilities, run.verdicts.size());
+  if (const JsonView ratios = json["ratios"]; !ratios.text().empty()) run.ratios = ratios_in(ratios, run.verdicts.size());
   if (run.events.size() != run.verdicts.size() || run.ticks.tick <= microseconds{0})
     throw Error(json.where() + ": the numbers of verdicts and event counts differ; expected a full run of a model");
 }

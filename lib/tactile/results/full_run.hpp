@@ -19,11 +19,12 @@ struct FullRun {
   std::vector<Touch> verdicts{};                                ///< the likeliest, before gate and confirmation
   std::vector<std::array<float, touch_count>> probabilities{};  ///< of none, press, slip
   std::vector<std::uint64_t> events{};                          ///< in [t_c - t_h, t_c)
+  std::vector<float> ratios{};                                  ///< of `BackgroundRatio`; empty if unknown
   std::size_t close = 0;  ///< ticks of logits so close that another engine may give another verdict; not in JSON
 };
 
-/// {"run", "first_us", "tick_us", "said": "0012", "probabilities": "3f800000…", "events": []}; the probabilities are the float32
-/// of none, press and slip of each tick, in 8 hexadecimal digits each
+/// {"run", "first_us", "tick_us", "said": "0012", "probabilities": "3f800000…", "events": [], "ratios": "…"}; the probabilities
+/// of none, press and slip of each tick and the ratios are float32, in 8 hexadecimal digits each
 void to_json(nlohmann::json& json, const FullRun& run);
 void from_json(const JsonView& json, FullRun& run);
 

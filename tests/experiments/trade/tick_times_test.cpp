@@ -19,8 +19,8 @@ namespace {
 TEST(TickTime, IsTheCountingAloneWhereTheGateCloses) {
   const TickTime tick{.counting = 2, .rendering = 30, .network = 400, .events = 99};
   EXPECT_DOUBLE_EQ(tick.total(std::nullopt), 432);
-  EXPECT_DOUBLE_EQ(tick.total(100), 2);
-  EXPECT_DOUBLE_EQ(tick.total(99), 432);
+  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 100}), 2);
+  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 99}), 432);
 }
 
 TEST(WriteTimes, ReadsBackTheSame) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace tactile::model {
@@ -29,8 +30,44 @@ TEST(Gate, RefusesAShareThatIsNone) {
   EXPECT_THROW(calibrated_gate({1}, std::nan("")), std::exception);
 }
 
+TEST(Gate, MissesNoMoreIntervalsThanAskedFor) {
+  Gate gate{.limit = 70, .share = 0.001, .ticks = 100};
+  for (int i = 0; i < 1000; ++i) gate.ratios.push_back(10 + i);
+  gate.intervals = 2000;  // the larger ratios are not kept
+  EXPECT_EQ(rule_of(gate).ratio, 12) << "2 of 2000 are below";
+  EXPECT_EQ(rule_of(gate, 0).ratio, 10);
+  EXPECT_EQ(rule_of(gate, 0.1).ratio, 210);
+  EXPECT_EQ(rule_of(gate, 0.9).ratio, 1009) << "the largest that is kept";
+  EXPECT_THROW(rule_of(gate, 1), std::exception);
+  EXPECT_THROW(rule_of(gate, -0.1), std::exception);
+}
+
+TEST(Gate, ClosesBelowItsRatioWhateverTheNumberOfEvents) {
+  const GateRule rule{.events = 70, .ratio = 12.5};
+  EXPECT_TRUE(rule.closes(1'000'000, 12.4));
+  EXPECT_FALSE(rule.closes(0, 12.5));
+  EXPECT_FALSE(rule.closes(0, std::numeric_limits<double>::infinity())) << "the background is not known yet";
+}
+
+TEST(Gate, OfAnOlderBundleClosesBelowItsLimitOfEvents) {
+  const nlohmann::json older{{"limit_events", 1321}, {"share", 0.001}, {"ticks", 4242}};
+  const GateRule rule = rule_of(older.get<Gate>());
+  EXPECT_FALSE(rule.ratio);
+  EXPECT_TRUE(rule.closes(1320, 1e9));
+  EXPECT_FALSE(rule.closes(1321, -1));
+}
+
+TEST(Gate, RefusesRatiosThatAreNotInOrder) {
+  nlohmann::json json = Gate{.limit = 1, .share = 0.001, .ticks = 4, .ratios = {1, 2}, .intervals = 2};
+  EXPECT_NO_THROW(json.get<Gate>());
+  json["ratios"] = {2, 1};
+  EXPECT_THROW(json.get<Gate>(), std::exception);
+  json["ratios"] = {1, 2, 3};
+  EXPECT_THROW(json.get<Gate>(), std::exception) << "more than intervals";
+}
+
 TEST(Gate, IsReadBackAsItWasWritten) {
-  const Gate gate{.limit = 1321, .share = 0.001, .ticks = 4242};
+  const Gate gate{.limit = 1321, .share = 0.001, .ticks = 4242, .ratios = {0.1, 12.625, 1e9}, .intervals = 7};
   const nlohmann::json json = gate;
   EXPECT_EQ(json.get<Gate>(), gate);
 }

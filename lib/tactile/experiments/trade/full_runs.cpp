@@ -42,12 +42,13 @@ results::FullRun at_tick(const results::FullRun& run, microseconds tick) {
     if (fewer.ticks.count++ == 0) fewer.ticks.first = t;
     fewer.verdicts.push_back(run.verdicts[static_cast<std::size_t>(i)]);
     fewer.events.push_back(run.events[static_cast<std::size_t>(i)]);
+    if (!run.ratios.empty()) fewer.ratios.push_back(run.ratios[static_cast<std::size_t>(i)]);
     if (!run.probabilities.empty()) fewer.probabilities.push_back(run.probabilities[static_cast<std::size_t>(i)]);
   }
   return fewer;
 }
 
-std::vector<Touch> verdicts_of(results::FullRun run, std::optional<std::uint64_t> gate, const model::Decision& decision) {
+std::vector<Touch> verdicts_of(results::FullRun run, std::optional<model::GateRule> gate, const model::Decision& decision) {
   if (gate) evaluation::apply_gate(run, *gate);
   return evaluation::decided(decision, run);
 }

@@ -27,7 +27,7 @@ std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset
 results::FullRun at_tick(const results::FullRun& run, microseconds tick);
 
 /// The verdict at each tick: none below the gate's limit, then confirmed or filtered.
-std::vector<Touch> verdicts_of(results::FullRun run, std::optional<std::uint64_t> gate, const model::Decision& decision);
+std::vector<Touch> verdicts_of(results::FullRun run, std::optional<model::GateRule> gate, const model::Decision& decision);
 
 /// {"runs": []}, complete or not at all.
 void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs);

@@ -136,9 +136,9 @@ TimedSetting timed_setting_of(const TradePoint& point) {
   return {setting.rendering, setting.engine, setting.precision, setting.sparse, point.networks.front().bundle.folder};
 }
 
-std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
+std::optional<model::GateRule> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
   if (!setting.gate) return std::nullopt;
-  return model::gate_limit(network.bundle, model::read_description(network.bundle));
+  return model::gate_rule(network.bundle, model::read_description(network.bundle));
 }
 
 }  // namespace tactile::trade

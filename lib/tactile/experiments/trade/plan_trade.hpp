@@ -83,8 +83,8 @@ struct TradeTraining {
 /// The part of a point that costs time, with the network of its first training, which must exist.
 TimedSetting timed_setting_of(const TradePoint& point);
 
-/// The fewest events in a history at which the gate opens; nothing if the setting has no gate.
-std::optional<std::uint64_t> gate_of(const TradeSetting& setting, const TradeNetwork& network);
+/// The rule by which the gate opens; nothing if the setting has no gate.
+std::optional<model::GateRule> gate_of(const TradeSetting& setting, const TradeNetwork& network);
 
 /// What settings are measured on.
 struct TradePlan {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/experiments/trade/trade_setting.hpp"
 #include "tactile/model/inference/classifier.hpp"
@@ -26,9 +27,10 @@ struct TickTime {
   float network = 0;         ///< of the logits
   std::uint32_t events = 0;  ///< in [t_c - t_h, t_c)
 
-  /// The whole duration, or only that of counting if the gate closes.
-  double total(std::optional<std::uint64_t> gate) const {
-    return gate && events < *gate ? counting : static_cast<double>(counting) + rendering + network;
+  /// The whole duration, or only that of counting if the gate closes. The pieces that are timed are too short to know the
+  /// background: a gate that compares with it counts as open.
+  double total(std::optional<model::GateRule> gate) const {
+    return gate && gate->closes(events, infinite) ? counting : static_cast<double>(counting) + rendering + network;
   }
 };
 

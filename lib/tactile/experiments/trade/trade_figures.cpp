@@ -167,13 +167,13 @@ TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::sp
   return outcome;
 }
 
-TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<std::uint64_t> gate) {
+TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<model::GateRule> gate) {
   TimedRun timed;
   timed.object = run.object;
   timed.run = run.run;
   for (const TickTime& time : times) {
     timed.tick_us.push_back(static_cast<float>(time.total(gate)));
-    if (!gate || time.events >= *gate) timed.open_tick_us.push_back(static_cast<float>(time.total({})));
+    if (!gate || !gate->closes(time.events, infinite)) timed.open_tick_us.push_back(static_cast<float>(time.total({})));
   }
   return timed;
 }

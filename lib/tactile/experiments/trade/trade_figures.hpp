@@ -49,7 +49,7 @@ struct TradedRun : results::JudgedRun {
 TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts);
 
 /// The durations of a run's ticks; only those of counting if the gate closes.
-TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<std::uint64_t> gate);
+TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<model::GateRule> gate);
 
 /// The episodes outside labels as `alarms`, and the time outside labels as `none_time`: what one sees in a laboratory, where
 /// releases and motion without labels are not known. A long episode counts again for each further 500 ms.

@@ -1,5 +1,6 @@
 #include "tactile/model/bundle/gate.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tactile/core/error.hpp"
@@ -9,7 +10,11 @@
 namespace tactile::model {
 
 void to_json(nlohmann::json& json, const Gate& gate) {
-  json = {{"limit_events", gate.limit}, {"share", gate.share}, {"ticks", gate.ticks}};
+  json = {{"limit_events", gate.limit},
+          {"share", gate.share},
+          {"ticks", gate.ticks},
+          {"ratios", gate.ratios},
+          {"intervals", gate.intervals}};
 }
 
 void from_json(const nlohmann::json& json, Gate& gate) {
@@ -17,6 +22,12 @@ void from_json(const nlohmann::json& json, Gate& gate) {
   gate.limit = member<std::uint64_t>(json, "limit_events", where);
   gate.share = member<double>(json, "share", where);
   gate.ticks = member<std::uint64_t>(json, "ticks", where);
+  if (!json.contains("ratios")) return;
+  gate.ratios = member<std::vector<double>>(json, "ratios", where);
+  gate.intervals = member<std::uint64_t>(json, "intervals", where);
+  const bool is_sound = std::is_sorted(gate.ratios.begin(), gate.ratios.end()) && gate.ratios.size() <= gate.intervals &&
+                        std::all_of(gate.ratios.begin(), gate.ratios.end(), [](double ratio) { return std::isfinite(ratio); });
+  if (!is_sound) throw Error(where + ": ratios that are not finite and ascending, or more than intervals; expected such");
 }
 
 Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {
@@ -26,6 +37,15 @@ Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {
   const auto index = static_cast<std::size_t>(std::floor(share * static_cast<double>(counts.size())));
   gate.limit = value_of_rank<std::uint64_t>(counts, index);
   return gate;
+}
+
+GateRule rule_of(const Gate& gate, double miss) {
+  if (!(miss >= 0 && miss < 1)) throw Error("gate: misses of " + std::to_string(miss) + "; expected 0 to below 1");
+  GateRule rule{.events = gate.limit};
+  if (gate.ratios.empty()) return rule;
+  const auto index = static_cast<std::size_t>(std::floor(miss * static_cast<double>(gate.intervals)));
+  rule.ratio = gate.ratios[std::min(index, gate.ratios.size() - 1)];
+  return rule;
 }
 
 }  // namespace tactile::model

@@ -2,15 +2,22 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 namespace tactile::model {
 
-/// Skips the network while the skin is quiet: with fewer than `limit` events in t_h the verdict is none.
+/// When the network is skipped because the skin is quiet: below a ratio that compares with the background, or, for older bundles,
+/// with fewer than `limit` events in t_h. The verdict is then none.
 struct Gate {
   std::uint64_t limit = 0;  ///< events in [t_c - t_h, t_c)
   double share = 0;         ///< the largest share of ticks below the limit, in the calibration
   std::uint64_t ticks = 0;  ///< of press and slip in the calibration
+
+  /// The largest value of `BackgroundRatio` in the first 10 ms of each labelled interval of the training runs, ascending; at most
+  /// 1000, the smallest. Older bundles have none.
+  std::vector<double> ratios{};
+  std::uint64_t intervals = 0;  ///< in the calibration
 
   friend bool operator==(const Gate&, const Gate&) = default;
 };
@@ -19,6 +26,22 @@ void to_json(nlohmann::json& json, const Gate& gate);
 void from_json(const nlohmann::json& json, Gate& gate);  ///< @throws Error
 
 inline constexpr double gate_share = 1e-3;
+
+/// The rule by which a tick is skipped.
+struct GateRule {
+  std::uint64_t events = 0;       ///< least number of events in t_h for which the network runs
+  std::optional<double> ratio{};  ///< instead: the least value of `BackgroundRatio`
+
+  bool closes(std::uint64_t events_in_history, double ratio_now) const {
+    return ratio ? ratio_now < *ratio : events_in_history < events;
+  }
+  friend bool operator==(const GateRule&, const GateRule&) = default;
+};
+
+/// The rule that misses this share of the intervals of the calibration: of n ratios in ascending order, the one with index
+/// floor(miss * n) is the least that opens. With fewer than 1 / miss intervals it opens for all of them. @throws Error  unless 0
+/// <= miss < 1
+GateRule rule_of(const Gate& gate, double miss = gate_share);
 
 /// The largest limit that gives at most this share of presses and slips the verdict none: of n counts in ascending order the one
 /// with index floor(share * n). 0, which never skips the network, if there are no counts.

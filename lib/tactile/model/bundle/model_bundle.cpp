@@ -195,8 +195,12 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
   return read_weights(bundle.weights(), layers.parameters());
 }
 
-std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description) {
-  if (description.gate) return description.gate->limit;
+GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss) {
+  if (description.gate && description.gate->ratios.empty() && miss != gate_share) {
+    throw Error(bundle.folder.string() + ": has no ratios of its training intervals; expected a model that has them for " +
+                "--gate-miss: run 'tactile train --force' again");
+  }
+  if (description.gate) return rule_of(*description.gate, miss);
   throw Error(bundle.folder.string() +
               ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
 }

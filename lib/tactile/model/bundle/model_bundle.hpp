@@ -94,9 +94,9 @@ ModelDescription read_description(const ModelBundle& bundle);
 /// The bundle's weights. @throws Error  if their hash differs from `description`, or they have other sizes or are not finite
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description);
 
-/// The smallest number of events in t_h for which the network is evaluated.
-/// @throws Error  if the bundle has no gate
-std::uint64_t gate_limit(const ModelBundle& bundle, const ModelDescription& description);
+/// The rule by which the bundle's gate opens. @throws Error  if the bundle has no gate, or no ratios for another `miss` than
+/// usual
+GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss = gate_share);
 
 /// The last trained bundle below `models` that `wanted` accepts; nothing if there is none. Folders without a readable model.json
 /// are ignored.

@@ -11,7 +11,9 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/utc_time.hpp"
 #include "tactile/core/version.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/training/stressed_heatmaps.hpp"
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/event_counts.hpp"
@@ -57,6 +59,30 @@ Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> run
     counts.insert(counts.end(), of_run.begin(), of_run.end());
   }
   return calibrated_gate(counts);
+}
+
+/// Adds the ratios of the intervals of these runs, from their recordings. None if a recording is missing.
+void add_ratios(Gate& gate, const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
+                const heatmaps::HeatmapOptions& rendering) {
+  constexpr std::size_t most = 1000;
+  for (const std::uint32_t run : runs) {
+    const std::filesystem::path recording = dataset.run_folder(run) / "events.aedat4";
+    if (!std::filesystem::is_regular_file(recording)) {
+      gate.ratios.clear();
+      gate.intervals = 0;
+      return;
+    }
+    std::vector<TouchInterval> labelled;
+    for (const windows::DatasetInterval& interval : dataset.intervals()) {
+      if (interval.run_index == run) labelled.push_back(interval.interval);
+    }
+    events::RecordingReader reader(recording);
+    const std::vector<double> ratios = opening_ratios(reader, labelled, rendering);
+    gate.ratios.insert(gate.ratios.end(), ratios.begin(), ratios.end());
+  }
+  gate.intervals = gate.ratios.size();
+  std::sort(gate.ratios.begin(), gate.ratios.end());
+  gate.ratios.resize(std::min(gate.ratios.size(), most));
 }
 
 /// The transitions of the labels of these runs.
@@ -189,6 +215,7 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
   description.gate = gate_of(dataset, split.train_runs, description.settings.rendering);
+  add_ratios(*description.gate, dataset, split.train_runs, description.settings.rendering);
   description.transitions = transitions_of(dataset, split.train_runs);
   description.trained_at = now_utc();
   description.version = version();
