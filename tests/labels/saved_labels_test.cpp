@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <thread>
+#include <future>
 
 #include "alignment/made_run.hpp"
 #include "support/temporary_folder.hpp"
@@ -118,9 +118,9 @@ TEST_F(SavedLabels, OfTwoWhoEditAtOnceNoEditIsLost) {
   const auto add = [&](int first) {
     for (int i = first; i < first + each; ++i) save_edit(run, std::nullopt, short_press(i), ada);
   };
-  std::thread other(add, each);
+  std::future<void> other = std::async(std::launch::async, add, each);
   add(0);
-  other.join();
+  other.get();
   const Labels labels = read_labels(run.labels());
   EXPECT_EQ(labels.intervals.size(), 2U + 2U * each);
   EXPECT_EQ(labels.history.entries.size(), 2U * each);
@@ -128,10 +128,8 @@ TEST_F(SavedLabels, OfTwoWhoEditAtOnceNoEditIsLost) {
 
 TEST_F(SavedLabels, OfTwoWhoSawTheSameLabelsOneIsAsked) {
   const auto edit = [&](int number) { return save_edit(run, machines.version, short_press(number), ada); };
-  SaveOutcome first, second;
-  std::thread other([&] { second = edit(1); });
-  first = edit(0);
-  other.join();
+  std::future<SaveOutcome> other = std::async(std::launch::async, edit, 1);
+  const SaveOutcome first = edit(0), second = other.get();
   EXPECT_NE(std::holds_alternative<EditConflict>(first), std::holds_alternative<EditConflict>(second));
   EXPECT_EQ(read_labels(run.labels()).intervals.size(), 3U);
 }
