@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "support/error_of.hpp"
 
 namespace tactile::results {
@@ -26,6 +28,23 @@ TEST(FullRun, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.verdicts, run.verdicts);
   EXPECT_EQ(read.probabilities, run.probabilities);
   EXPECT_EQ(read.events, run.events);
+}
+
+TEST(FullRun, ComesBackWithItsRatios) {
+  FullRun run{.run = "fan/03",
+              .ticks = {.count = 3, .tick = 2ms},
+              .verdicts = {Touch::none, Touch::none, Touch::press},
+              .events = {0, 1, 2}};
+  run.ratios = {std::numeric_limits<float>::infinity(), -0.25F, 12.5F};
+  nlohmann::json json = run;
+  json["probabilities"] = "";
+  EXPECT_EQ(json.at("ratios"), "7f800000be80000041480000");
+  EXPECT_EQ(run_in(json).ratios, run.ratios);
+  for (const char* ratios : {"7f800000be800000", "7f800000be8000004148000g", "7f800000be8000007fc00000"}) {
+    json["ratios"] = ratios;
+    EXPECT_EQ(test::error_of([&] { run_in(json); }),
+              "said.json: 'ratios' are not a float32 per tick; expected 8 hexadecimal digits each");
+  }
 }
 
 TEST(FullRun, IsRefusedByFileAndMember) {

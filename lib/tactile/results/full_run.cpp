@@ -66,8 +66,6 @@ std::vector<float> ratios_in(const JsonView& view, std::size_t ticks) {
 }  // namespace
 
 void to_json(nlohmann::json& json, const FullRun& run) {
-  std::string ratios;
-  for (const float ratio : run.ratios) append(ratios, ratio);
   std::string digits;
   for (const Touch touch : run.verdicts) digits += static_cast<char>('0' + static_cast<int>(touch));
   json = {{"run", run.run},
@@ -75,8 +73,11 @@ void to_json(nlohmann::json& json, const FullRun& run) {
           {"tick_us", run.ticks.tick.count()},
           {"said", digits},
           {"probabilities", hexadecimal(run.probabilities)},
-          {"events", run.events},
-          {"ratios", ratios}};
+          {"events", run.events}};
+  if (run.ratios.empty()) return;
+  std::string ratios;
+  for (const float ratio : run.ratios) append(ratios, ratio);
+  json["ratios"] = ratios;
 }
 
 void from_json(const JsonView& json, FullRun& run) {
@@ -92,7 +93,9 @@ void from_json(const JsonView& json, FullRun& run) {
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
   if (const JsonView probabilities = json["probabilities"]; !probabilities.text().empty())
     run.probabilities = probabilities_in(probabilities, run.verdicts.size());
-  if (const JsonView ratios = json["ratios"]; !ratios.text().empty()) run.ratios = ratios_in(ratios, run.verdicts.size());
+  for (const auto& [name, value] : json.members()) {  // files of earlier versions have none
+    if (name == "ratios") run.ratios = ratios_in(value, run.verdicts.size());
+  }
   if (run.events.size() != run.verdicts.size() || run.ticks.tick <= microseconds{0})
     throw Error(json.where() + ": the numbers of verdicts and event counts differ; expected a full run of a model");
 }
