@@ -32,7 +32,7 @@ class SavedLabels : public testing::Test {
 
   /// A press of one millisecond, where no other is.
   static AddInterval short_press(int number) {
-    const CameraTime start = camera_time(test::made_camera_begin_us + 2'200'000 + 10'000 * number);
+    const CameraTime start = camera_time(test::made_camera_begin_us + 2'200'000 + std::int64_t{10'000} * number);
     return {.start = start, .end = after(start, 1ms)};
   }
 
