@@ -73,7 +73,7 @@ TEST(LabelEdit, OneThatCannotBeIsRefusedInOneSentence) {
   expect_refused(MoveEnd{.id = "press-1", .to = in_run(-1)}, "outside the recording; expected 0 s to 1.000000 s");
   expect_refused(MoveEnd{.id = "press-1", .which = IntervalEnd::end, .to = in_run(310'000), .end_earlier = true},
                  "would overlap slip-1");
-  expect_refused(MoveEnd{.id = "slip-1", .to = in_run(150'000)}, "or the wish to end the earlier one");
+  expect_refused(MoveEnd{.id = "slip-1", .to = in_run(150'000)}, "a place that is free, once the end of press-1 is moved");
   expect_refused(AddInterval{.touch = Touch::none, .start = in_run(500'000), .end = in_run(600'000)}, "class none");
   expect_refused(AddInterval{.start = in_run(500'000), .end = in_run(1'000'001)}, "outside the recording");
   expect_refused(ChangeClass{.id = "slip-1", .touch = Touch::slip}, "is a slip already");

@@ -77,10 +77,11 @@ Labels with_placed(Labels labels, std::vector<LabelledInterval> intervals, std::
       other.confirmed = true;
       continue;
     }
-    throw Error(fmt::format("{} from {} s to {} s would overlap {} from {} s to {} s; expected a place that is free{}", name,
-                            seconds(start, recording), seconds(intervals[index].end.at, recording), other.id,
-                            seconds(other.start.at, recording), seconds(other.end.at, recording),
-                            other.start.at < start && !end_earlier ? ", or the wish to end the earlier one" : ""));
+    throw Error(
+        fmt::format("{} from {} s to {} s would overlap {} from {} s to {} s; expected a place that is free{}", name,
+                    seconds(start, recording), seconds(intervals[index].end.at, recording), other.id,
+                    seconds(other.start.at, recording), seconds(other.end.at, recording),
+                    other.start.at < start && !end_earlier ? fmt::format(", once the end of {} is moved", other.id) : ""));
   }
   std::vector<LabelledInterval> sorted;
   std::vector<std::size_t> new_index(labels.intervals.size(), no_interval);
