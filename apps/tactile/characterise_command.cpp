@@ -138,9 +138,10 @@ void characterise_sensor(const CharacteriseArguments& args, const CommonArgument
   constexpr double enough_events = 0.4;  // of a pixel: with fewer, the real still scene seems more regular than it is
   const double pixels = static_cast<double>(sensor.size.width) * sensor.size.height;
   if (const double per_pixel = sensor.rate_without_hot_hz.value * sensor.seconds / pixels; per_pixel < enough_events) {
-    spdlog::warn("{:.2f} events per pixel are too few for the spread and the regularity of the background; expected {} or more: "
-                 "record for {:.0f} s",
-                 per_pixel, enough_events, std::ceil(sensor.seconds * enough_events / std::max(per_pixel, 1e-9)));
+    spdlog::warn(
+        "{:.2f} events per pixel are too few for the spread and the regularity of the background; expected {} or more: "
+        "record for {:.0f} s",
+        per_pixel, enough_events, std::ceil(sensor.seconds * enough_events / std::max(per_pixel, 1e-9)));
   }
   const fs::path out = args.out;
   make_folders(out);

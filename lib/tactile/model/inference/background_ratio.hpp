@@ -35,8 +35,8 @@ namespace tactile::model {
 /// background too.
 ///
 /// Steps count from the first event, or from the first `at` if that is earlier. Then a value depends only on the events and t,
-/// not on which ticks were asked for. A step of 48 cells costs some 1600 instructions, an event 16. Memory is allocated only for more steps ahead
-/// of t than ever before.
+/// not on which ticks were asked for. A step of 48 cells costs some 1600 instructions, an event 16. Memory is allocated only for
+/// more steps ahead of t than ever before.
 class BackgroundRatio {
  public:
   /// @param mask  pixels whose events do not count
