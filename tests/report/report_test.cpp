@@ -395,7 +395,7 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
 
   const auto nothing = run_tactile("report models", folder.path());
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_TRUE(tells(nothing.err, "contains no study, model, trade or dataset")) << nothing.err;
+  EXPECT_TRUE(tells(nothing.err, "contains no study, model, trade, stress or dataset")) << nothing.err;
   write_whole(folder / "models/a/eval.json", "{\"accuracy\": 3}");
   const auto damaged = run_tactile("report models/a", folder.path());
   EXPECT_EQ(damaged.exit_code, 1);

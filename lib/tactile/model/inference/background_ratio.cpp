@@ -180,7 +180,7 @@ double BackgroundRatio::ratio_of(std::span<const std::uint32_t> counts) const {
 
 std::vector<double> opening_ratios(events::RecordingReader& recording, std::span<const TouchInterval> intervals,
                                    const heatmaps::HeatmapOptions& rendering) {
-  constexpr microseconds in_time{10'000};
+  static constexpr microseconds in_time{10'000};
   const events::Stream& stream = events::event_stream(recording);
   BackgroundRatio ratio(stream.size.value_or(events::SensorSize{}), rendering.history, rendering.mask);
   const auto last_step_of = [](const TouchInterval& interval) {
