@@ -64,7 +64,7 @@ std::string verdicts_text(const detect::VerdictCounts& counts) {
   return text;
 }
 
-std::string text_of(const model::GateRule& rule) {
+std::string rule_text(const model::GateRule& rule) {
   return rule.ratio ? fmt::format("log ratio below {:.1f}", *rule.ratio) : fmt::format("fewer than {} events", rule.events);
 }
 
@@ -76,7 +76,7 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
   if (summary.detector.gate)
     lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,
-                                           text_of(*summary.detector.gate)));
+                                           rule_text(*summary.detector.gate)));
   if (!summary.plays)
     lines.emplace_back(
         "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
