@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include "command.hpp"
+
 namespace tactile::cli {
 
 void log_step(const std::string& description, bool kept) {
@@ -20,6 +22,19 @@ std::string figure_text(const nlohmann::json& figure, double factor, int decimal
   };
   if (figure.at("value").is_null() || (figure.at("low").is_null() && figure.at("high").is_null())) return number("value", "-");
   return fmt::format("{} [{}, {}]", number("value", "-"), number("low", "?"), number("high", "?"));
+}
+
+std::vector<std::string> draw_plots(std::span<const std::pair<std::string, pictures::Plot>> plots,
+                                    const std::filesystem::path& folder) {
+  std::vector<std::string> files;
+  for (const auto& [name, plot] : plots) {
+    for (const char* type : {".svg", ".png"}) {
+      stop_if_interrupted();
+      files.push_back((folder / (name + type)).string());
+      pictures::draw(plot, files.back());
+    }
+  }
+  return files;
 }
 
 }  // namespace tactile::cli

@@ -1,7 +1,13 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "tactile/pictures/gnuplot.hpp"
 
 namespace tactile::cli {
 
@@ -11,5 +17,10 @@ void log_step(const std::string& description, bool kept);
 /// "97.31 [96.20, 98.10]", "-" without a value; an unknown bound is "?".
 /// @param figure  {"value", "low", "high"}   @param factor  100 for percent
 std::string figure_text(const nlohmann::json& figure, double factor, int decimals);
+
+/// Draws each plot as NAME.svg and NAME.png in a folder. @return  the files in this order
+/// @throws Interrupted  between two of them
+std::vector<std::string> draw_plots(std::span<const std::pair<std::string, pictures::Plot>> plots,
+                                    const std::filesystem::path& folder);
 
 }  // namespace tactile::cli

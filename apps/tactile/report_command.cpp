@@ -76,34 +76,21 @@ fs::path data_of(const fs::path& model) {
   return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
 }
 
-/// A report of a trade of speed for accuracy alone.
-report::ReportInput report_of_trade(const fs::path& folder) {
+/// A report of a trade of speed for accuracy, or of worsened runs, alone.
+/// @param part  the input's member for it
+template <class Result>
+report::ReportInput report_of(Result result, std::optional<Result> report::ReportInput::*part) {
   report::ReportInput input;
-  input.trade = report::read_trade(folder);
-  input.title = input.trade->title;
-  input.simulated = input.trade->simulated;
+  input.title = result.title;
+  input.simulated = result.simulated;
+  input.*part = std::move(result);
   return input;
 }
 
-/// A report of worsened runs alone.
-report::ReportInput report_of_stress(const fs::path& folder) {
-  report::ReportInput input;
-  input.stress = report::read_stress(folder);
-  input.title = input.stress->title;
-  input.simulated = input.stress->simulated;
-  return input;
-}
-
-/// The folder of a stress to include: the one named, else stress/ where it exists.
-fs::path stress_of(const ReportArguments& args) {
-  if (!args.stress.empty()) return args.stress;
-  return is_file("stress/stress.json") ? "stress" : "";
-}
-
-/// The folder of a trade to include: the one named, else trade/ where it exists.
-fs::path trade_of(const ReportArguments& args) {
-  if (!args.trade.empty()) return args.trade;
-  return is_file("trade/trade.json") ? "trade" : "";
+/// The folder of a trade or a stress to include: the one named, else the usual one where it exists.
+fs::path folder_to_include(const std::string& named, const std::string& usual) {
+  if (!named.empty()) return named;
+  return is_file(fs::path(usual) / (usual + ".json")) ? usual : "";
 }
 
 /// The input of the report, and its folder.
@@ -115,8 +102,8 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
     return {report::read_study(what.parent_path()), what.parent_path() / "report"};
   if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
   if (is_file(what / "model.json")) return {report::read_models({what}, data_of(what)), what / "report"};
-  if (is_file(what / "trade.json")) return {report_of_trade(what), what / "report"};
-  if (is_file(what / "stress.json")) return {report_of_stress(what), what / "report"};
+  if (is_file(what / "trade.json")) return {report_of(report::read_trade(what), &report::ReportInput::trade), what / "report"};
+  if (is_file(what / "stress.json")) return {report_of(report::read_stress(what), &report::ReportInput::stress), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(
@@ -134,8 +121,10 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
 
 void report(const ReportArguments& args, const CommonArguments& common) {
   auto [input, place] = input_of(args);
-  if (const fs::path trade = trade_of(args); !trade.empty() && !input.trade) input.trade = report::read_trade(trade);
-  if (const fs::path stress = stress_of(args); !stress.empty() && !input.stress) input.stress = report::read_stress(stress);
+  if (const fs::path trade = folder_to_include(args.trade, "trade"); !trade.empty() && !input.trade)
+    input.trade = report::read_trade(trade);
+  if (const fs::path stress = folder_to_include(args.stress, "stress"); !stress.empty() && !input.stress)
+    input.stress = report::read_stress(stress);
   RunsBelow below;
   std::error_code unknown;
   if (!input.data.empty() && fs::is_directory(input.data, unknown)) below = look_for_runs(input.data);

@@ -184,15 +184,7 @@ std::vector<std::string> draw_figures(const results::Stress& stress, const fs::p
   }
   if (!stress.models.front().quiet.empty())
     plots.emplace_back("stress-quiet", report::stress_plot(stress, report::StressMeasure::false_alarms, true));
-  std::vector<std::string> files;
-  for (const auto& [name, plot] : plots) {
-    for (const char* type : {".svg", ".png"}) {
-      stop_if_interrupted();
-      files.push_back((out / "figures" / (name + type)).string());
-      pictures::draw(plot, files.back());
-    }
-  }
-  return files;
+  return draw_plots(plots, out / "figures");
 }
 
 /// The events until 50 ms after `t`, from a little more than a second before.

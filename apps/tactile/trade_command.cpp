@@ -269,15 +269,7 @@ std::vector<std::string> draw_figures(const fs::path& out) {
   } else {
     for (const char* type : {".svg", ".png"}) fs::remove(out / "figures" / ("trade-growth" + std::string(type)));
   }
-  std::vector<std::string> files;
-  for (const auto& [name, plot] : plots) {
-    for (const char* type : {".svg", ".png"}) {
-      stop_if_interrupted();
-      files.push_back((out / "figures" / (name + type)).string());
-      pictures::draw(plot, files.back());
-    }
-  }
-  return files;
+  return draw_plots(plots, out / "figures");
 }
 
 /// Warns if the results in the folder are of another dataset: all is measured again, which may take hours.

@@ -29,12 +29,7 @@ class EveryTick {
       const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
       if (!first_event_) first_event_ = part.front().t;
       last_event_ = part.back().t;
-      if (change_) {
-        add_changed(change_(part, false));
-      } else {
-        renderer_.add(part);
-        render_until(last_event_);
-      }
+      add_changed(change_ ? change_(part, false) : part);
     }
   }
 
