@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "tactile/alignment/slow_bursts.hpp"
 #include "tactile/core/doubt.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
@@ -94,6 +96,16 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
         "recording-gap", "the recording has a gap: no pixel fires for {} ms, from {} after its first event on",
         between(longest->begin, longest->end).count() / 1000, in_seconds(between(signals.rate.begin, longest->begin).count())));
   }
+}
+
+/// Without an IMU, the robot's clock follows from what the skin does, and a slow press is part of that.
+void read_slow_bursts(RunSignals& signals) {
+  std::vector<Burst> large;
+  std::copy_if(signals.bursts.begin(), signals.bursts.end(), std::back_inserter(large),
+               [&](const Burst& burst) { return !is_after_effect(burst, signals.rate, signals.bursts); });
+  events::RecordingReader recording(signals.run.events());
+  signals.slow_bursts = slow_bursts(recording, signals.event_stream, signals.rate, large);
+  for (Burst& slow : signals.slow_bursts) slow.events = events_above(signals.rate, signals.quiet, slow.begin, slow.end);
 }
 
 /// When the camera's data arrived at the host, by run.json.
@@ -196,6 +208,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals, options.robot);
+  if (signals.has_robot && signals.imu.empty()) read_slow_bursts(signals);
   if (std::filesystem::exists(run.video())) {
     try {
       const std::vector<VideoTime> times =

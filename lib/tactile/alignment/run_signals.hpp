@@ -44,9 +44,10 @@ struct RunSignals {
   std::int32_t event_stream = 0;
   EventRate rate;
   QuietRate quiet;
-  std::vector<Burst> bursts;
-  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
-  bool has_robot = false;        ///< there is a log, perhaps an empty one
+  std::vector<Burst> bursts;       ///< of the rate of the whole image, by time
+  std::vector<Burst> slow_bursts;  ///< that only a few places show, by time; looked for where there is a robot log, but no IMU
+  std::vector<CameraSpan> gaps;    ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;          ///< there is a log, perhaps an empty one
   std::vector<RobotPiece> robot;
   robot::RobotSpeedSource speed_from = robot::RobotSpeedSource::actual_tcp_speed;  ///< of the log
   std::optional<robot::ArmModel> arm;                       ///< whose kinematics gave poses from joints, if the log has no poses

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/alignment/slow_bursts.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -62,7 +62,7 @@ std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, co
 /// The burst that a slow rise is the begin of: it follows at once, and a lift that it lies in began before the rise.
 alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts,
                              const alignment::EventRate& rate, const std::vector<ArmMove>& lifts) {
-  const auto soon = static_cast<std::size_t>(SlowBurstOptions{}.slot / rate.bin);
+  const auto soon = static_cast<std::size_t>(alignment::SlowBurstOptions{}.slot / rate.bin);
   const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
     return !burst.slow && burst.begin >= slow.end && burst.begin <= slow.end + soon;
   });
@@ -98,7 +98,7 @@ std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, 
   std::vector<alignment::Burst> large;
   std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
                [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, signals.rate, bursts); });
-  for (const alignment::Burst& slow : slow_bursts(recording, signals.event_stream, signals.rate, large))
+  for (const alignment::Burst& slow : alignment::slow_bursts(recording, signals.event_stream, signals.rate, large))
     add_slow(slow, bursts, signals, lifts);
   std::sort(bursts.begin(), bursts.end(), [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
   return bursts;
