@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <random>
 
 #include "support/events_in_file.hpp"
 #include "tactile/core/csv.hpp"
@@ -17,8 +16,6 @@ namespace tactile::test {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr microseconds rest = 400ms;  ///< every simulated run begins with at least 600 ms of rest
-
 std::vector<events::ImuSample> imu_in(events::RecordingReader& recording) {
   std::vector<events::ImuSample> all;
   for (const events::PacketRecord& packet : recording.packets()) {
@@ -29,30 +26,10 @@ std::vector<events::ImuSample> imu_in(events::RecordingReader& recording) {
   return all;
 }
 
-/// Elements of the first `rest` in slices of 10 ms, drawn at random until `quiet` is full, and then all elements. The first of
-/// all is at `begin`.
 template <class Element>
-std::vector<Element> after_quiet(const std::vector<Element>& elements, CameraTime origin, CameraTime begin, microseconds quiet) {
-  constexpr microseconds slice = 10ms;
-  const auto at = [&](microseconds since) {
-    return std::lower_bound(elements.begin(), elements.end(), after(origin, since),
-                            [](const Element& element, CameraTime t) { return element.t < t; });
-  };
-  std::vector<Element> joined;
-  std::mt19937 random(1);
-  for (microseconds filled{0}; filled < quiet; filled += slice) {
-    const microseconds from = slice * static_cast<int>(random() % static_cast<unsigned>(rest / slice));
-    const microseconds length = std::min(slice, quiet - filled);
-    for (auto element = at(from); element != at(from + length); ++element) {
-      joined.push_back(*element);
-      joined.back().t = after(begin, filled + between(after(origin, from), element->t));
-    }
-  }
-  for (Element element : elements) {
-    element.t = after(begin, quiet + between(origin, element.t));
-    joined.push_back(element);
-  }
-  return joined;
+std::vector<Element> moved(std::vector<Element> elements, microseconds shift) {
+  for (Element& element : elements) element.t = after(element.t, shift);
+  return elements;
 }
 
 /// Rows of the joined log, each at its time on the robot's clock.
@@ -89,7 +66,7 @@ class JoinedLog {
 
 }  // namespace
 
-LongRecording join_runs(const std::vector<RunFolder>& runs, const fs::path& folder, microseconds quiet) {
+LongRecording join_runs(const std::vector<RunFolder>& runs, const fs::path& folder) {
   LongRecording made{.folder = folder};
   fs::create_directories(folder);
   events::RecordingReader model(runs.front().events());
@@ -99,13 +76,11 @@ LongRecording join_runs(const std::vector<RunFolder>& runs, const fs::path& fold
   const std::int32_t event_stream = events::event_stream(model).id;
   for (const RunFolder& run : runs) {
     const auto events = events_in_file(run.events());
-    const CameraTime origin = events.front().t;
-    const microseconds shift = between(origin, after(begin, quiet));
-    writer.write_events(event_stream, after_quiet(events, origin, begin, quiet));
+    const microseconds shift = between(events.front().t, begin);
+    writer.write_events(event_stream, moved(events, shift));
     events::RecordingReader recording(run.events());
     for (const events::Stream& stream : model.streams()) {
-      if (stream.type == events::StreamType::imu)
-        writer.write_imu(stream.id, after_quiet(imu_in(recording), origin, begin, quiet));
+      if (stream.type == events::StreamType::imu) writer.write_imu(stream.id, moved(imu_in(recording), shift));
     }
     const Truth truth = read_truth(run.truth());
     log.add(run.robot(), *truth.robot_clock, shift);
@@ -115,9 +90,8 @@ LongRecording join_runs(const std::vector<RunFolder>& runs, const fs::path& fold
                               .start = after(interval.interval.start, shift),
                               .end = after(interval.interval.end, shift)});
     }
-    made.run_begins.push_back(after(begin, quiet));
-    made.run_ends.push_back(after(events.back().t, shift));
-    begin = after(made.run_ends.back(), 1ms);
+    made.run_begins.push_back(begin);
+    begin = after(after(events.back().t, shift), 1ms);
   }
   writer.close();
   return made;

@@ -18,8 +18,8 @@ struct LongRecording {
   std::vector<TouchInterval> touches{};  ///< the labelled presses and slips of all runs, by time
 };
 
-/// Joins simulated runs in one recording on one camera clock. Before each run, `quiet` is filled with the noise of its own rest.
-/// The robot's log is on one clock too, 5 s ahead of the camera's; between runs the arm rests where it is.
-LongRecording join_runs(const std::vector<RunFolder>& runs, const std::filesystem::path& folder, microseconds quiet);
+/// Joins simulated runs in one recording on one camera clock, without a pause. The robot's log is on one clock too, which is 5 s
+/// ahead of the camera's. Between two runs the arm rests where it is.
+LongRecording join_runs(const std::vector<RunFolder>& runs, const std::filesystem::path& folder);
 
 }  // namespace tactile::test
