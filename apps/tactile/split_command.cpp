@@ -41,10 +41,11 @@ struct SplitArguments {
   bool dry_run = false;
 };
 
-/// A recording of another format as AEDAT4, or a bag as a run, in a hidden folder of DATA; removed when this goes.
+/// A recording of another format as AEDAT4, or a bag as a run, in a hidden folder next to DATA; removed when this goes.
 class ConvertedSource {
  public:
-  ConvertedSource(const std::string& in, const fs::path& data, const CommonArguments& common) : folder_(data / "recording") {
+  ConvertedSource(const std::string& in, const fs::path& data, const CommonArguments& common)
+      : folder_(fs::absolute(data).parent_path() / "recording") {
     if (bags::is_bag(in)) {
       const auto summary = conversion::import_bag(in, folder_.path() / "bag" / "01", {}, progress_line(common));
       warn_about_import(in, summary);
@@ -94,8 +95,9 @@ std::string table_of(const splitting::SplitProposal& proposal, const std::vector
 /// What a person needs to choose --quiet-s.
 std::string quiet_text(const splitting::SplitProposal& proposal) {
   if (!proposal.looked_for_touches) return {};
-  std::string text = fmt::format("Cut in the middle of each quiet stretch of {:g} s or more; quiet: {}.",
-                                 1e-6 * static_cast<double>(proposal.quiet_needed.count()), rate_text(proposal.quiet_per_s));
+  std::string text = fmt::format("Cut in the middle of each quiet stretch of {:g} s or more.",
+                                 1e-6 * static_cast<double>(proposal.quiet_needed.count()));
+  if (proposal.quiet_per_s) text += fmt::format(" The skin gives {} while nothing moves.", rate_text(*proposal.quiet_per_s));
   if (const auto within = splitting::longest_quiet_within(proposal))
     text += fmt::format(" The longest quiet stretch inside a run has {} s.", seconds_text(*within));
   if (proposal.touches.empty()) text += " No touch was found.";
@@ -105,18 +107,19 @@ std::string quiet_text(const splitting::SplitProposal& proposal) {
 /// Runs with less than one would expect; a person should look at them.
 void warn_about(const splitting::SplitProposal& proposal, const std::string& recording) {
   if (!proposal.looked_for_touches) return;
-  std::string without;
+  std::string which;
   std::size_t number = 0, count = 0;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
     ++number;
     if (splitting::count_of(run, BurstKind::press) > 0 && splitting::count_of(run, BurstKind::slip) > 0) continue;
-    without += (without.empty() ? "" : ", ") + std::to_string(number);
+    which += (which.empty() ? "" : ", ") + std::to_string(number);
     ++count;
   }
-  if (count > 0) {
-    spdlog::warn("{}: {} without both a press and a slip: {}. Compare --quiet-s with 'quiet before', or give the cuts by --at",
-                 recording, counted(count, "run"), without);
-  }
+  if (count == 0) return;
+  spdlog::warn(
+      "{}: {} of {} without a press or without a slip: {}. If each should have both, compare --quiet-s with the column "
+      "'quiet before', or give the cuts by --at",
+      recording, count, counted(number, "run"), which);
 }
 
 splitting::SplitProposal proposal_of(const SplitArguments& args, const splitting::SplitSource& source,

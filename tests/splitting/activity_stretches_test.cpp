@@ -60,6 +60,9 @@ TEST_F(ActivityIn, TakesTheQuietRateOfEachStretchBetweenPauses) {
   ASSERT_EQ(found.bursts.size(), 3U);
   EXPECT_NEAR(static_cast<double>(found.bursts[1].begin), 36'000.0, 5.0);
   EXPECT_NEAR(found.quiet.mean, 80.0, 5.0);
+  ASSERT_EQ(found.pauses.size(), 2U);
+  EXPECT_NEAR(static_cast<double>(found.pauses[0].begin), 4'000.0, 5.0);
+  EXPECT_NEAR(static_cast<double>(found.pauses[0].end), 34'000.0, 5.0);
 }
 
 TEST_F(ActivityIn, TakesAStretchOfASilentSensorForABurst) {
@@ -78,7 +81,9 @@ TEST_F(ActivityIn, TakesAStretchOfASilentSensorForABurst) {
 TEST_F(ActivityIn, HasNoneInNoiseAlone) {
   add(130.0, 60.0);
   EXPECT_TRUE(activity_in(rate).bursts.empty());
-  EXPECT_TRUE(activity_in(alignment::EventRate{.bin = 1ms}).bursts.empty());
+  const LongActivity none = activity_in(alignment::EventRate{.bin = 1ms});
+  EXPECT_TRUE(none.bursts.empty());
+  EXPECT_FALSE(none.has_quiet);
 }
 
 }  // namespace

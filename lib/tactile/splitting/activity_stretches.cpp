@@ -91,12 +91,18 @@ LongActivity activity_in(const alignment::EventRate& rate, const LongActivityOpt
   LongActivity found;
   std::vector<alignment::QuietRate> quiet_rates;
   StretchSearch search(rate, options, found, quiet_rates);
-  for (const Bins& stretch : recorded_stretches(rate, bins_in(options.silence, rate))) search.search(stretch);
+  std::size_t recorded_until = 0;
+  for (const Bins& stretch : recorded_stretches(rate, bins_in(options.silence, rate))) {
+    search.search(stretch);
+    if (stretch.begin > recorded_until) found.pauses.push_back({.begin = recorded_until, .end = stretch.begin});
+    recorded_until = stretch.end;
+  }
   if (quiet_rates.empty()) return found;
   const auto middle = quiet_rates.begin() + static_cast<std::ptrdiff_t>(quiet_rates.size() / 2);
   std::nth_element(quiet_rates.begin(), middle, quiet_rates.end(),
                    [](const alignment::QuietRate& a, const alignment::QuietRate& b) { return a.mean < b.mean; });
   found.quiet = *middle;
+  found.has_quiet = true;
   return found;
 }
 

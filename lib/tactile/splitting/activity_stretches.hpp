@@ -10,7 +10,9 @@ namespace tactile::splitting {
 /// The bursts of a long recording, and what is quiet in it.
 struct LongActivity {
   std::vector<alignment::Burst> bursts;  ///< by time, apart from each other
+  std::vector<alignment::Burst> pauses;  ///< in which nothing was recorded, by time
   alignment::QuietRate quiet;            ///< the median over the parts
+  bool has_quiet = false;                ///< else the recording is too short for a quiet rate
 };
 
 struct LongActivityOptions {

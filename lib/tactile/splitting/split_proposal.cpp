@@ -10,7 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/cut_recording.hpp"
 #include "tactile/labels/lit_rate.hpp"
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/labels/run_bursts.hpp"
 
 namespace tactile::splitting {
 namespace {
@@ -37,8 +37,6 @@ Extent extent_of(const events::RecordingReader& recording, std::int32_t stream) 
     throw Error(recording.file().string() + ": holds no event; expected a recording of several runs");
   return extent;
 }
-
-bool begins_earlier(const Burst& a, const Burst& b) { return a.begin < b.begin; }
 
 /// The bursts of runs one after another.
 struct Groups {
@@ -158,23 +156,15 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   LongActivity activity = activity_in(rate, options.activity);
   proposal.first = rate.begin;
   proposal.last = rate.last;
-  proposal.quiet_per_s = activity.quiet.mean * 1e6 / static_cast<double>(rate.bin.count());
+  if (activity.has_quiet) proposal.quiet_per_s = activity.quiet.mean * 1e6 / static_cast<double>(rate.bin.count());
   proposal.looked_for_touches = true;
 
   tell(progress, 1, 4, name + ": clocks");
   find_clocks(proposal, source, recording, rate, activity.quiet);
   tell(progress, 2, 4, name + ": slow touches");
-  Bursts large;
-  std::copy_if(activity.bursts.begin(), activity.bursts.end(), std::back_inserter(large),
-               [&](const Burst& burst) { return !alignment::is_after_effect(burst, rate, activity.bursts); });
-  Bursts all = labels::slow_bursts(recording, proposal.event_stream, rate, large);
-  // A brief burst inside a slow one is a part of it.
-  for (const Burst& burst : activity.bursts) {
-    if (std::none_of(all.begin(), all.end(),
-                     [&](const Burst& b) { return b.slow && burst.begin < b.end && burst.end > b.begin; }))
-      all.push_back(burst);
-  }
-  std::sort(all.begin(), all.end(), begins_earlier);
+  const Bursts all =
+      labels::joined_and_slow_bursts(recording, proposal.event_stream, rate, activity.quiet, std::move(activity.bursts),
+                                     proposal.robot.lifts.value_or(std::vector<labels::ArmMove>()), activity.pauses);
 
   const auto quiet_bins = static_cast<std::size_t>(std::max<std::int64_t>(1, options.quiet / rate.bin));
   const Groups groups = grouped(rate, all, quiet_bins);
@@ -276,7 +266,7 @@ nlohmann::json json_of(const SplitProposal& proposal) {
           {"last_us", us_of(proposal.last)},
           {"quiet_s", proposal.looked_for_touches ? nlohmann::json(1e-6 * static_cast<double>(proposal.quiet_needed.count()))
                                                   : nlohmann::json()},
-          {"quiet_events_per_s", proposal.looked_for_touches ? nlohmann::json(proposal.quiet_per_s) : nlohmann::json()},
+          {"quiet_events_per_s", proposal.quiet_per_s ? nlohmann::json(*proposal.quiet_per_s) : nlohmann::json()},
           {"longest_quiet_within_s", within ? nlohmann::json(1e-6 * static_cast<double>(within->count())) : nlohmann::json()},
           {"cuts_us", cuts},
           {"runs", runs}};

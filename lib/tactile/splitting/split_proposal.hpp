@@ -27,7 +27,7 @@ struct SplitProposal {
   std::int32_t event_stream = 0;
   CameraTime first{}, last{};         ///< of the events
   microseconds quiet_needed{};        ///< between two runs
-  double quiet_per_s = 0;             ///< [events/s] while nothing moves; 0 if it was not looked for
+  std::optional<double> quiet_per_s;  ///< [events/s] while nothing moves; nothing if it was not looked for, or is not known
   std::vector<SeenTouch> touches;     ///< by time; empty if they were not looked for
   bool looked_for_touches = false;    ///< else the cuts were given
   std::vector<CameraTime> cuts;       ///< ascending; a piece begins at each
