@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -75,7 +76,7 @@ std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * s
 
 std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names) {
   std::vector<std::string> header{"run", "begin [s]", "end [s]", "length [s]", "events"};
-  if (proposal.looked_for_touches) header.insert(header.end(), {"quiet before [s]", "presses", "slips", "others"});
+  if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
   std::vector<std::vector<std::string>> rows;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
     std::vector<std::string>& row = rows.emplace_back();
@@ -98,6 +99,7 @@ std::string quiet_text(const splitting::SplitProposal& proposal) {
   std::string text = fmt::format("Cut in the middle of each quiet stretch of {:g} s or more.",
                                  1e-6 * static_cast<double>(proposal.quiet_needed.count()));
   if (proposal.quiet_per_s) text += fmt::format(" The skin gives {} while nothing moves.", rate_text(*proposal.quiet_per_s));
+  if (!proposal.cuts.empty()) text += " Column 'quiet': without a touch before the run's first one.";
   if (const auto within = splitting::longest_quiet_within(proposal))
     text += fmt::format(" The longest quiet stretch inside a run has {} s.", seconds_text(*within));
   if (proposal.touches.empty()) text += " No touch was found.";
@@ -118,7 +120,7 @@ void warn_about(const splitting::SplitProposal& proposal, const std::string& rec
   if (count == 0) return;
   spdlog::warn(
       "{}: {} of {} without a press or without a slip: {}. If each should have both, compare --quiet-s with the column "
-      "'quiet before', or give the cuts by --at",
+      "'quiet', or give the cuts by --at",
       recording, count, counted(number, "run"), which);
 }
 
@@ -154,8 +156,19 @@ std::string result_text(const SplitArguments& args, const splitting::SplitPropos
                               bytes_text(bytes))) +
           "\n";
   if (copied + encoded > 0) text += fmt::format("packets: {} copied as they are, {} encoded again\n", copied, encoded);
-  if (!result.robot.empty()) text += wrapped("robot log: " + result.robot, 2) + "\n";
-  if (!result.film.empty()) text += wrapped("film: " + result.film, 2) + "\n";
+  const auto add_device = [&](const char* name, const std::string& how,
+                              std::optional<std::uint64_t> splitting::SplitRun::*count) {
+    if (how.empty()) return;
+    const auto without = std::count_if(result.runs.begin(), result.runs.end(),
+                                       [&](const splitting::SplitRun& run) { return run.*count == std::uint64_t{0}; });
+    text +=
+        wrapped(fmt::format("{}: {}{}", name, how,
+                            without > 0 ? fmt::format("; {} without", counted(static_cast<std::uint64_t>(without), "run")) : ""),
+                2) +
+        "\n";
+  };
+  add_device("robot log", result.robot, &splitting::SplitRun::robot_rows);
+  add_device("film", result.film, &splitting::SplitRun::frames);
   return text;
 }
 

@@ -217,17 +217,20 @@ class Splitting {
   void write_robot() {
     if (!source_.robot) return;
     std::vector<fs::path> files;
-    for (Piece& piece : pieces_) {
-      files.push_back(piece.written.robot());
-      piece.files.push_back(files.back());
-    }
-    if (!is_cut(proposal_.robot)) {
+    for (const Piece& piece : pieces_) files.push_back(piece.written.robot());
+    if (is_cut(proposal_.robot)) {
+      const std::vector<DeviceSpan> spans = spans_of(*proposal_.robot.clock, proposal_.cuts, options_.margin);
+      const std::vector<std::uint64_t> rows = cut_robot_log(*source_.robot, *proposal_.robot.clock, spans, files);
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        result_.runs[i].robot_rows = rows[i];
+        if (rows[i] == 0) fs::remove(files[i]);
+      }
+    } else {
       for (const fs::path& file : files) copy_whole(*source_.robot, file);
-      return;
     }
-    const std::vector<DeviceSpan> spans = spans_of(*proposal_.robot.clock, proposal_.cuts, options_.margin);
-    const std::vector<std::uint64_t> rows = cut_robot_log(*source_.robot, *proposal_.robot.clock, spans, files);
-    for (std::size_t i = 0; i < pieces_.size(); ++i) result_.runs[i].robot_rows = rows[i];
+    for (Piece& piece : pieces_) {
+      if (is_file(piece.written.robot())) piece.files.push_back(piece.written.robot());
+    }
   }
 
   void write_film() {

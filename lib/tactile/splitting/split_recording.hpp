@@ -43,7 +43,9 @@ struct SplitResult {
 /// run.json with the hashes of all. The recording and its files are only read. Times stay those of the recording's clocks, and
 /// all runs have the same session, so that `tactile label` fits one clock to them.
 ///
-/// - Robot log and film are cut with a margin if their clock is known (`proposal.robot`, `proposal.film`); else each run gets
+/// - Robot log and film are cut with a margin if their clock is known (`proposal.robot`, `proposal.film`), and a run without rows
+/// or
+///   frames has no such file; else each run gets
 ///   the whole.
 /// - run.json is that of the recording, if it has one, with the pairs of host and camera time of the piece, and under `split` the
 ///   origin: the recording's name and SHA-256, and the piece's times.
