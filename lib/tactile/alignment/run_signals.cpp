@@ -108,18 +108,6 @@ void read_slow_bursts(RunSignals& signals) {
   for (Burst& slow : signals.slow_bursts) slow.events = events_above(signals.rate, signals.quiet, slow.begin, slow.end);
 }
 
-/// When the camera's data arrived at the host, by run.json.
-std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
-  const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
-  std::vector<CameraArrival> arrivals;
-  if (!pairs.is_array()) return arrivals;
-  for (const nlohmann::json& pair : pairs) {
-    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
-    arrivals.push_back({camera_time(pair[0].get<std::int64_t>()), HostTime{microseconds{pair[1].get<std::int64_t>()}}});
-  }
-  return arrivals;
-}
-
 /// How far the camera's clock is ahead of the host's, by the packet that arrived fastest.
 std::optional<std::int64_t> camera_ahead_of_host(const std::vector<CameraArrival>& arrivals) {
   std::optional<std::int64_t> ahead;
@@ -191,6 +179,17 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
 }
 
 }  // namespace
+
+std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
+  const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
+  std::vector<CameraArrival> arrivals;
+  if (!pairs.is_array()) return arrivals;
+  for (const nlohmann::json& pair : pairs) {
+    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
+    arrivals.push_back({camera_time(pair[0].get<std::int64_t>()), HostTime{microseconds{pair[1].get<std::int64_t>()}}});
+  }
+  return arrivals;
+}
 
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options) {
   RunSignals signals;

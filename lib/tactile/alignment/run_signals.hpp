@@ -64,6 +64,9 @@ struct RunSignals {
 /// @throws OutsideFilm  if the region is not inside the film
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
 
+/// When the camera's data arrived at the host, by `host_from_camera` of run.json; empty if it has none.
+std::vector<CameraArrival> arrivals_in(const RunInfo& run);
+
 /// SHA-256 of each file that `read_run_signals` reads, by its name.
 nlohmann::json hashes_of_inputs(const RunFolder& run);
 
