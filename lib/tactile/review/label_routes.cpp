@@ -8,7 +8,6 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/labels/edit_history.hpp"
-#include "tactile/review/labels_view.hpp"
 
 namespace tactile::review {
 namespace {
@@ -33,6 +32,14 @@ Touch touch_of(const json& edit) {
   return touch;
 }
 
+microseconds within_of(const json& edit) {
+  if (!edit.contains("within_us")) return labels::seen_within;
+  const auto within = member<std::int64_t>(edit, "within_us", where);
+  if (within < 1 || within > most_us)
+    throw Refusal(400, fmt::format("{}: 'within_us' is {}; expected microseconds from 1", where, within));
+  return microseconds{within};
+}
+
 labels::MoveEnd move_of(const json& edit, CameraTime first) {
   const auto end = member<std::string>(edit, "end", where);
   if (end != "start" && end != "end")
@@ -41,12 +48,7 @@ labels::MoveEnd move_of(const json& edit, CameraTime first) {
                        .which = end == "start" ? labels::IntervalEnd::start : labels::IntervalEnd::end,
                        .to = time_of(edit, "to_us", first),
                        .end_earlier = flag_of(edit, "end_earlier")};
-  if (edit.contains("within_us")) {
-    const auto within = member<std::int64_t>(edit, "within_us", where);
-    if (within < 1 || within > most_us)
-      throw Refusal(400, fmt::format("{}: 'within_us' is {}; expected microseconds from 1", where, within));
-    move.within = microseconds{within};
-  }
+  move.within = within_of(edit);
   return move;
 }
 
@@ -56,6 +58,7 @@ labels::LabelEdit edit_of_kind(const std::string& kind, const json& edit, Camera
     return labels::AddInterval{.touch = touch_of(edit),
                                .start = time_of(edit, "start_us", first),
                                .end = time_of(edit, "end_us", first),
+                               .within = within_of(edit),
                                .end_earlier = flag_of(edit, "end_earlier")};
   }
   if (kind == "reject") return labels::RejectInterval{member<std::string>(edit, "id", where)};
@@ -87,15 +90,6 @@ std::string version_in(const json& body) {
 
 labels::LabelEdit edit_in(const json& edit, CameraTime first) {
   return asked([&] { return edit_of_kind(member<std::string>(edit, "kind", where), edit, first); });
-}
-
-PageResponse saved_response(const labels::SaveOutcome& outcome, CameraTime first) {
-  if (const auto* conflict = std::get_if<labels::EditConflict>(&outcome)) {
-    return json_response({{"error", "the labels have changed in the meantime; nothing was saved"},
-                          {"current", labels_view(conflict->current, first)}},
-                         409);
-  }
-  return json_response(labels_view(std::get<labels::VersionedLabels>(outcome), first));
 }
 
 labels::SaveOutcome save_asked_edit(const RunFolder& run, const json& body, CameraTime first, const std::string& who) {

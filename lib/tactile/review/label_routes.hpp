@@ -9,13 +9,11 @@
 
 namespace tactile::review {
 
-/// An edit as the page sends it: {"kind": "move", "id", "end", "to_us", "within_us", "end_earlier"}, "add", "reject", "class",
+/// An edit as the page sends it: {"kind": "move", "id", "end", "to_us", "within_us", "end_earlier"}, "add" with
+/// {"touch", "start_us", "end_us", "within_us", "end_earlier"}, "reject", "class",
 /// "confirm", "confirm-run", "lift". Times are in microseconds after the first event.
 /// @throws Refusal  (400) if it is no such edit
 labels::LabelEdit edit_in(const nlohmann::json& edit, CameraTime first);
-
-/// The labels that an edit, or an undo or redo, has made, or the conflict: 409, {"error", "current"}.
-PageResponse saved_response(const labels::SaveOutcome& outcome, CameraTime first);
 
 /// Saves what the body asks for: {"version", "why", "edit"}. It is saved whole, and only if the labels are still of `version`.
 /// @param who  edits

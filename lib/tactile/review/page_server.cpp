@@ -49,7 +49,7 @@ class Connection final : public httplib::Stream {
   /// Waits for the first byte of a request; false if none comes.
   bool wait_for_request() {
     deadline_ = SteadyClock::now() + options_.idle;
-    left_ = most_head + options_.most_body;
+    left_ = most_head;
     if (begin_ < end_) return true;
     if (!wait(POLLIN)) return false;
     deadline_ = SteadyClock::now() + options_.request_within;
@@ -78,6 +78,8 @@ class Connection final : public httplib::Stream {
   void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
   void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
   socket_t socket() const override { return socket_; }
+
+  void take_body() { left_ = options_.most_body; }  ///< the request's head is read, and what follows is wanted
 
   /// The request was not read to its end, so that what follows it is no request.
   void close_after_this() { closes_ = true; }
@@ -297,7 +299,10 @@ struct PageServer::State {
       send(*refused, response);
       return httplib::Server::HandlerResponse::Handled;
     }
-    if (request.method == "POST") return httplib::Server::HandlerResponse::Unhandled;
+    if (request.method == "POST") {
+      current->take_body();
+      return httplib::Server::HandlerResponse::Unhandled;
+    }
     send(answer_to(request), response);
     return httplib::Server::HandlerResponse::Handled;
   }
@@ -310,7 +315,7 @@ struct PageServer::State {
 
   static void send(const PageResponse& answer, httplib::Response& response) {
     response.status = answer.status;
-    response.set_content(answer.body, answer.type);
+    if (answer.status != 204) response.set_content(answer.body, answer.type);
     bool is_cached = false;
     for (const auto& [name, value] : answer.headers) {
       response.set_header(name, value);

@@ -43,6 +43,9 @@ PageResponse bytes_response(std::string bytes, const char* type = "application/o
 
 PageResponse reading_response(double share) { return json_response({{"state", "reading"}, {"share", share}}, 202); }
 
+/// There is nothing to show, and nothing is wrong.
+PageResponse no_content() { return {.status = 204, .type = "", .body = ""}; }
+
 WindowRequest window_in(const PageRequest& request) {
   const WindowRequest window{.from_us = whole_number_of(request, "from_us", -longest_us, longest_us),
                              .to_us = whole_number_of(request, "to_us", -longest_us, longest_us),
@@ -76,6 +79,15 @@ struct Review::State {
   json run_json(const RunView& view);
   json film_json(const RunView& view);
   std::filesystem::path bundle_in(const PageRequest& request) const;
+
+  /// From the first event to the first tick: ticks are whole multiples of camera time.
+  std::int64_t tick_origin_us(CameraTime first) const { return between(first, first_tick_from(first, options.tick)).count(); }
+
+  json labels_json(const labels::VersionedLabels& versioned, CameraTime first) const {
+    json view = labels_view(versioned, first);
+    view["tick_origin_us"] = tick_origin_us(first);
+    return view;
+  }
 
   LabelCache::Shared labels_if_read(const RunFolder& run) {
     try {
@@ -115,7 +127,7 @@ json Review::State::run_json(const RunView& view) {
   const auto default_model = help.default_model ? help.default_model() : std::nullopt;
   object["history_us"] = options.history.count();
   object["tick_us"] = options.tick.count();
-  object["first_tick_us"] = between(facts.first, first_tick_from(facts.first, options.tick)).count();
+  object["tick_origin_us"] = tick_origin_us(facts.first);
   object["last_event_us"] = between(facts.first, facts.last).count();
   object["default_model"] = default_model ? json(*default_model) : json();
   object["models"] = model::bundle_names(options.models);
@@ -171,7 +183,7 @@ PageResponse Review::State::of_view(const PageRequest& request, const std::strin
   if (what == "frames") return json_response({{"t_us", times}});
   if (what != "film") refuse_path();
   const auto next = std::upper_bound(times.begin(), times.end(), whole_number_of(request, "at_us", -longest_us, longest_us));
-  if (next == times.begin()) throw Refusal(404, "the film begins later; expected a time from its first frame on");
+  if (next == times.begin()) return no_content();
   PageResponse response = bytes_response(film->jpeg(static_cast<std::size_t>(next - times.begin() - 1)), "image/jpeg");
   response.headers.emplace_back("X-Frame-Us", std::to_string(*(next - 1)));
   return response;
@@ -182,8 +194,14 @@ PageResponse Review::State::edit(const PageRequest& request, const RunFolder& ru
   const CameraTime first = runs.facts(run).first;
   const labels::SaveOutcome outcome =
       what == "edits" ? save_asked_edit(run, body, first, options.who) : save_asked_step(run, body, what == "undo");
-  if (const auto* saved = std::get_if<labels::VersionedLabels>(&outcome)) pictures.draw(run, saved->labels);
-  return saved_response(outcome, first);
+  if (const auto* conflict = std::get_if<labels::EditConflict>(&outcome)) {
+    return json_response({{"error", "the labels have changed in the meantime; nothing was saved"},
+                          {"current", labels_json(conflict->current, first)}},
+                         409);
+  }
+  const auto& saved = std::get<labels::VersionedLabels>(outcome);
+  pictures.draw(run, saved.labels);
+  return json_response(labels_json(saved, first));
 }
 
 PageResponse Review::State::of_run(const PageRequest& request, const std::vector<std::string>& parts) {
@@ -194,11 +212,15 @@ PageResponse Review::State::of_run(const PageRequest& request, const std::vector
   if (is_edit != (request.method == "POST"))
     throw Refusal(405, is_edit ? "an edit is sent by POST" : "this path is asked for by GET");
   if (is_edit) return edit(request, run, what);
-  if (what == "thumbnail") return bytes_response(runs.thumbnail(run), "image/png");
+  if (what == "thumbnail") {
+    const std::optional<std::string> picture = runs.thumbnail(run);
+    if (!picture) return reading_response(0);
+    return picture->empty() ? no_content() : bytes_response(*picture, "image/png");
+  }
   if (what == "labels") {
     const LabelCache::Shared known = labels->labels_of(run);
     if (!known) throw Refusal(404, run.name() + ": has no labels; 'tactile label' makes them");
-    return json_response(labels_view(*known, runs.facts(run).first));
+    return json_response(labels_json(*known, runs.facts(run).first));
   }
   const std::shared_ptr<RunView> view = store.open(run);
   const RunView::State state = view->state();

@@ -112,8 +112,9 @@ RunFacts RunList::facts(const RunFolder& run) {
   return facts;
 }
 
-std::string RunList::thumbnail(const RunFolder& run) {
+std::optional<std::string> RunList::thumbnail(const RunFolder& run) {
   const Row row = row_of(run);
+  if (!row.known.error.empty()) return std::string();
   std::optional<CameraTime> end;
   if (const LabelCache::Shared labels = labels_->labels_of(run)) {
     for (const labels::LabelledInterval& interval : labels->labels.intervals) {
@@ -121,7 +122,8 @@ std::string RunList::thumbnail(const RunFolder& run) {
     }
   }
   if (!end && row.known.survey) end = row.known.survey->busiest_end;
-  if (!end) throw Refusal(404, "the run's events are not surveyed yet; expected a picture soon");
+  if (!end || !row.known.facts) return std::nullopt;
+  if (row.known.facts->sensor == events::SensorSize{}) return std::string();
   const std::string shown = std::to_string(us_of(*end));
   if (row.known.thumbnail_of == shown) return row.known.thumbnail;
   std::string picture = RunEvents(run).picture_before(*end, history_shown, widest_thumbnail);

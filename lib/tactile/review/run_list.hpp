@@ -46,9 +46,9 @@ class RunList {
   /// @throws Error  if its recording cannot be read
   RunFacts facts(const RunFolder& run);
 
-  /// Its events in false colours, 160 px wide at the most, as PNG: after the first press's onset, else the busiest 40 ms.
-  /// @throws Refusal  (404) where no press is labelled and the events are not surveyed yet
-  std::string thumbnail(const RunFolder& run);
+  /// Its events in false colours, 160 px wide at the most, as PNG: after the first press's onset, else the busiest 40 ms. Nothing
+  /// while its events are not surveyed; empty if they cannot be shown.
+  std::optional<std::string> thumbnail(const RunFolder& run);
 
  private:
   struct Known {
