@@ -8,6 +8,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/model/bundle/bundle_names.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/results/evaluation.hpp"
 
 namespace tactile::review {

@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/labels/recording_span.hpp"
 #include "tactile/pictures/drawing.hpp"
 #include "tactile/pictures/moments.hpp"

@@ -8,6 +8,7 @@
 #include "tactile/labels/label_options.hpp"
 #include "tactile/review/label_cache.hpp"
 #include "tactile/review/run_series.hpp"
+#include "tactile/robot/robot_log.hpp"
 #include "tactile/video/video_times.hpp"
 
 namespace tactile::review {
