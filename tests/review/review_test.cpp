@@ -207,6 +207,10 @@ TEST_F(ReviewingARun, TheTimesOfEventsAreThoseOfTheRecording) {
   }
   EXPECT_EQ(times.get<std::vector<std::int64_t>>(), expected);
   EXPECT_EQ(ask(request("/api/runs/fan/01/event_times", {{"from_us", "0"}, {"to_us", "200000"}})).status, 400);
+  const json dense = json_of(request("/api/runs/fan/01/event_times", {{"from_us", "1503000"}, {"to_us", "1603000"}}));
+  ASSERT_GT(count_in(1'503'000, 1'603'000), 20'000U);
+  EXPECT_EQ(dense.at("too_many"), true);
+  EXPECT_TRUE(dense.at("t_us").empty());
 }
 
 TEST_F(ReviewingARun, AThumbnailIsASmallPicture) {

@@ -170,11 +170,12 @@ PageResponse Review::State::of_view(const PageRequest& request, const std::strin
   if (what == "event_times") {
     const WindowRequest window = window_in(request);
     if (window.to_us - window.from_us > longest_snap_us) throw Refusal(400, "the window is too long; expected at most 100 ms");
+    const auto found = events.times_in(at("from_us"), at("to_us"), most_snap_events);
+    if (!found) return json_response({{"t_us", json::array()}, {"too_many", true}});
     std::vector<std::int64_t> times;
-    for (const CameraTime t : events.times_in(at("from_us"), at("to_us"), most_snap_events))
-      times.push_back(between(events.facts().first, t).count());
+    for (const CameraTime t : *found) times.push_back(between(events.facts().first, t).count());
     std::sort(times.begin(), times.end());
-    return json_response({{"t_us", times}});
+    return json_response({{"t_us", times}, {"too_many", false}});
   }
   const std::shared_ptr<const FilmFrames> film = view.film();
   if (!film && view.film_is_pending()) return reading_response(0);

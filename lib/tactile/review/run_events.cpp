@@ -1,7 +1,5 @@
 #include "tactile/review/run_events.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <bit>
 #include <opencv2/imgcodecs.hpp>
@@ -84,14 +82,18 @@ std::vector<events::ImuSample> RunEvents::imu() const {
   return all;
 }
 
-std::vector<CameraTime> RunEvents::times_in(CameraTime begin, CameraTime end, std::size_t most) const {
+std::optional<std::vector<CameraTime>> RunEvents::times_in(CameraTime begin, CameraTime end, std::size_t most) const {
+  struct TooMany {};
   const std::scoped_lock lock(guard_);
   std::vector<CameraTime> times;
-  events::for_events_between(recording_, facts_.stream_id, begin, end, [&](std::span<const events::Event> events) {
-    if (times.size() + events.size() > most)
-      throw Error(fmt::format("{}: the window has more than {} events; expected a shorter one", run_.name(), most));
-    for (const events::Event& event : events) times.push_back(event.t);
-  });
+  try {
+    events::for_events_between(recording_, facts_.stream_id, begin, end, [&](std::span<const events::Event> events) {
+      if (times.size() + events.size() > most) throw TooMany{};
+      for (const events::Event& event : events) times.push_back(event.t);
+    });
+  } catch (const TooMany&) {
+    return std::nullopt;
+  }
   return times;
 }
 

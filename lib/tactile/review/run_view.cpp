@@ -200,9 +200,9 @@ SignalWindow RunView::rate_window(const WindowRequest& request) const {
   if (length > longest_exact || request.bucket_us(1) >= rate_->bin().count()) return rate_->window(request);
   // Buckets begin at whole multiples of their length, up to one of them before the window, and end after it.
   const microseconds margin{request.bucket_us(1)};
-  const std::vector<CameraTime> times = events_->times_in(before(after(first, microseconds{request.from_us}), margin),
-                                                          after(first, microseconds{request.to_us} + margin), most_exact_events);
-  return exact_rate(times, first, request);
+  const auto times = events_->times_in(before(after(first, microseconds{request.from_us}), margin),
+                                       after(first, microseconds{request.to_us} + margin), most_exact_events);
+  return times ? exact_rate(*times, first, request) : rate_->window(request);
 }
 
 nlohmann::json RunView::windows(const std::vector<std::string>& names, const WindowRequest& request, const labels::Labels* labels,
