@@ -86,12 +86,16 @@ void RunList::refresh() {
 }
 
 RunFolder RunList::find(const std::string& object, const std::string& run) {
+  const auto known = [&]() -> std::optional<RunFolder> {
+    const std::scoped_lock lock(guard_);
+    const auto found = std::find_if(found_.runs.begin(), found_.runs.end(),
+                                    [&](const RunFolder& one) { return one.object == object && one.run == run; });
+    return found == found_.runs.end() ? std::nullopt : std::optional(*found);
+  };
+  if (const auto found = known()) return *found;  // without a look at all folders, which takes long
   refresh();
-  const std::scoped_lock lock(guard_);
-  const auto found = std::find_if(found_.runs.begin(), found_.runs.end(),
-                                  [&](const RunFolder& one) { return one.object == object && one.run == run; });
-  if (found == found_.runs.end()) throw Refusal(404, "there is no such run; expected one of the list");
-  return *found;
+  if (const auto found = known()) return *found;
+  throw Refusal(404, "there is no such run; expected one of the list");
 }
 
 RunList::Row RunList::row_of(const RunFolder& run) {
@@ -125,12 +129,12 @@ std::optional<std::string> RunList::thumbnail(const RunFolder& run) {
   if (!end || !row.known.facts) return std::nullopt;
   if (row.known.facts->sensor == events::SensorSize{}) return std::string();
   const std::string shown = std::to_string(us_of(*end));
-  if (row.known.thumbnail_of == shown) return row.known.thumbnail;
+  if (row.known.thumbnail_of == shown) return *row.known.thumbnail;
   std::string picture = RunEvents(run).picture_before(*end, history_shown, widest_thumbnail);
   const std::scoped_lock lock(guard_);
   Known& known = known_[run.name()];
   if (known.stamp == row.known.stamp) {
-    known.thumbnail = picture;
+    known.thumbnail = std::make_shared<const std::string>(picture);
     known.thumbnail_of = shown;
   }
   return picture;

@@ -56,7 +56,8 @@ class RunList {
     std::optional<RunFacts> facts{};
     std::optional<RunSurvey> survey{};
     std::string error{};  ///< why the recording cannot be read
-    std::string thumbnail{}, thumbnail_of{};
+    std::shared_ptr<const std::string> thumbnail{};
+    std::string thumbnail_of{};
   };
   struct Row {
     RunFolder run;
