@@ -53,5 +53,13 @@ find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
 find_package(Torch REQUIRED)
 set(TACTILE_TORCH_VERSION "${Torch_VERSION}")
 
+# The local page: HTTP, as Debian compiles it, and its charts, which are built into the program.
+pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
+set(TACTILE_DYGRAPHS)
+foreach(name IN ITEMS dygraph.min.js dygraph.min.css)
+  find_file(DYGRAPHS_${name} ${name} PATHS /usr/share/javascript/dygraphs /usr/share/nodejs/dygraphs/dist NO_DEFAULT_PATH REQUIRED)
+  list(APPEND TACTILE_DYGRAPHS ${DYGRAPHS_${name}})
+endforeach()
+
 # The camera driver is not in Debian. It is used if it is installed. Earlier versions do not know the DVXplorer Mini.
 find_package(libcaer 3.3.14 QUIET)

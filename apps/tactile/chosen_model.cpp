@@ -1,10 +1,8 @@
 #include "chosen_model.hpp"
 
 #include <filesystem>
-#include <system_error>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/folders_in.hpp"
 
 namespace tactile::cli {
 
@@ -24,15 +22,6 @@ model::ModelBundle chosen_model(const std::string& model, const std::string& mod
   if (const auto newest = model::newest_bundle(models, is_single_run)) return *newest;
   if (const auto newest = model::newest_bundle(models, [](const model::ModelDescription&) { return true; })) return *newest;
   throw Error(models + ": no model; expected one, run 'tactile train' first, or name it by --model");
-}
-
-std::vector<std::string> model_names(const std::string& models) {
-  std::vector<std::string> names;
-  for (const fs::path& folder : folders_in(models)) {
-    std::error_code unknown;
-    if (fs::exists(model::ModelBundle{folder}.description(), unknown)) names.push_back(folder.filename().string());
-  }
-  return names;
 }
 
 }  // namespace tactile::cli

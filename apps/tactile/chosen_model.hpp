@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tactile/model/bundle/model_bundle.hpp"
 
@@ -14,8 +13,5 @@ model::ModelBundle named_model(const std::string& model, const std::string& mode
 /// with held-out objects last.
 /// @throws Error  if there is none
 model::ModelBundle chosen_model(const std::string& model, const std::string& models);
-
-/// The names of the models in the folder `models`, in order.
-std::vector<std::string> model_names(const std::string& models);
 
 }  // namespace tactile::cli

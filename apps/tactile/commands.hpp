@@ -22,6 +22,7 @@ void add_characterise_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_split_command(CLI::App& app);
 void add_label_command(CLI::App& app);
+void add_review_command(CLI::App& app);
 void add_windows_command(CLI::App& app);
 void add_heatmaps_command(CLI::App& app);
 void add_view_command(CLI::App& app);
@@ -63,6 +64,7 @@ consteval auto command_table() {
       CommandEntry{"convert", Program::runs, add_convert_command},
       CommandEntry{"split", Program::runs, add_split_command},
       CommandEntry{"label", Program::runs, add_label_command},
+      CommandEntry{"review", Program::model, add_review_command},
       CommandEntry{"windows", Program::runs, add_windows_command},
       CommandEntry{"heatmaps", Program::runs, add_heatmaps_command},
       CommandEntry{"view", Program::runs, add_view_command},

@@ -12,6 +12,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/run_division.hpp"
+#include "tactile/model/bundle/bundle_names.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::cli {
@@ -75,7 +76,7 @@ model::ModelBundle bundle_named(const EvalArguments& args) {
                     "--resume resumes it",
                     bundle.folder.string()));
   }
-  const std::vector<std::string> names = model_names(args.models);
+  const std::vector<std::string> names = model::bundle_names(args.models);
   throw Error(
       fmt::format("{}: no model; expected a folder with model.json{}", bundle.folder.string(),
                   names.empty() ? ", as 'tactile train' creates it" : fmt::format(", such as {}", fmt::join(names, ", "))));

@@ -70,6 +70,7 @@ class RunningCommand {
     return false;
   }
   void signal(int number) const { ::kill(pid_, number); }
+  std::string out() const { return text_in_file(out_file()); }
   std::string err() const { return text_in_file(err_file()); }
 
   /// The text after `words` in the first complete line of the log that contains them. Waits for that line.

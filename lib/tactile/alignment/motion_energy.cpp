@@ -10,6 +10,7 @@
 #include "tactile/alignment/frame_differences.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/video/film_reader.hpp"
+#include "tactile/video/shown_times.hpp"
 
 namespace tactile::alignment {
 namespace {
@@ -50,11 +51,18 @@ struct ReadFrames {
   double region_pixels = 1;
 };
 
-ReadFrames read_frames(video::FilmReader& film, const MotionEnergyOptions& options) {
+std::vector<std::optional<std::int64_t>> times_by_container(const std::vector<FilmFrame>& frames) {
+  std::vector<std::optional<std::int64_t>> times;
+  for (const FilmFrame& frame : frames) times.push_back(frame.us);
+  return times;
+}
+
+ReadFrames read_frames(video::FilmReader& film, const MotionEnergyOptions& options, const std::function<void()>& advance) {
   ReadFrames read;
   FrameComparison comparison;
   cv::Mat1f before;
   while (const std::optional<video::FilmReader::Frame> frame = film.next()) {
+    if (advance) advance();
     cv::Mat grey;
     if (!film.grey(options.width, grey)) continue;
     const cv::Mat1f now = smoothed(grey);
@@ -70,12 +78,8 @@ ReadFrames read_frames(video::FilmReader& film, const MotionEnergyOptions& optio
   }
   read.in_file = film.frames();
   read.container_times = film.frame_times();
-  if (read.container_times.empty()) return read;
-  for (FilmFrame& frame : read.frames) {
-    if (!frame.us) continue;
-    const auto place = std::lower_bound(read.container_times.begin(), read.container_times.end(), *frame.us);
-    frame.index = static_cast<std::size_t>(place - read.container_times.begin());
-  }
+  const std::vector<std::size_t> indices = video::frame_indices(times_by_container(read.frames), read.container_times);
+  for (std::size_t i = 0; i < indices.size(); ++i) read.frames[i].index = indices[i];
   return read;
 }
 
@@ -180,24 +184,6 @@ std::vector<bool> duplicates_among(const std::vector<FilmFrame>& frames, std::si
   return duplicates;
 }
 
-/// Each frame's time on the video's clock, by its row where there is one.
-std::vector<std::optional<VideoTime>> times_of(const ReadFrames& read, std::span<const VideoTime> rows) {
-  std::vector<std::optional<VideoTime>> times;
-  for (const FilmFrame& frame : read.frames) {
-    std::optional<VideoTime> t;
-    if (rows.empty()) {
-      if (frame.us && read.frames.front().us) t = VideoTime{microseconds{*frame.us - *read.frames.front().us}};
-    } else if (frame.index < rows.size()) {
-      t = rows[frame.index];
-    } else if (frame.us && !read.container_times.empty()) {
-      const std::int64_t after_last_row = *frame.us - read.container_times[rows.size() - 1];
-      t = VideoTime{microseconds{saturating_add(us_of(rows.back()), after_last_row)}};
-    }
-    times.push_back(t);
-  }
-  return times;
-}
-
 /// Counts what film and rows lack of each other.
 void count_frames(MotionEnergy& energy, const ReadFrames& read, std::size_t rows) {
   energy.frames = read.frames.size();
@@ -214,7 +200,8 @@ void add_steps(MotionEnergy& energy, const ReadFrames& read, std::span<const Vid
                const NoiseFloor& floor, const video::FilmReader& film) {
   constexpr double beyond_noise = 10;
   const std::vector<bool> duplicates = duplicates_among(read.frames, level, floor.of_step + beyond_noise * energy.noise);
-  const std::vector<std::optional<VideoTime>> times = times_of(read, rows);
+  const std::vector<std::optional<VideoTime>> times =
+      video::shown_times(times_by_container(read.frames), read.container_times, rows);
   std::optional<VideoTime> last;
   double change = 0, strongest = 0;
   bool joined = true, doubtful = false;
@@ -254,13 +241,13 @@ void add_steps(MotionEnergy& energy, const ReadFrames& read, std::span<const Vid
 
 }  // namespace
 
-MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const VideoTime> rows,
-                           const MotionEnergyOptions& options) {
+MotionEnergy motion_energy(const std::filesystem::path& path, std::span<const VideoTime> rows, const MotionEnergyOptions& options,
+                           const std::function<void()>& advance) {
   if (options.width < 1) throw Error(fmt::format("{}: a width of {} px; expected more than 0", path.string(), options.width));
   video::FilmReader film(path);
   if (!rows.empty() && saturating_subtract(us_of(rows.back()), us_of(rows.front())) > video::FilmReader::longest.count())
     film.refuse_length();
-  const ReadFrames read = read_frames(film, options);
+  const ReadFrames read = read_frames(film, options, advance);
   MotionEnergy energy;
   count_frames(energy, read, rows.size());
   const std::size_t level = threshold_level(read.frames);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <opencv2/core/types.hpp>
 #include <optional>
 #include <span>
@@ -69,12 +70,13 @@ struct MotionEnergy {
 /// @param times  of the film's frames, by `video.csv`: they are the video's clock, and the frame of row i is the file's i-th,
 ///               whether or not it can be decoded. If there are fewer rows than frames the last frames follow the container's own
 ///               times, shifted. Empty: the container's own times, the first decoded frame being at 0
+/// @param advance  called before each frame; may throw to end the reading
 /// @return       no steps if fewer than two frames can be decoded
 /// @throws Error if the file holds no video, its frames are larger than 8192 x 4320 px, there are more than a million of them,
 ///               they lie more than an hour apart
 /// @throws OutsideFilm if the region is not inside the picture
 /// Source: frame differencing; times as FFmpeg's demuxers give them.
 MotionEnergy motion_energy(const std::filesystem::path& film, std::span<const VideoTime> times = {},
-                           const MotionEnergyOptions& options = {});
+                           const MotionEnergyOptions& options = {}, const std::function<void()>& advance = {});
 
 }  // namespace tactile::alignment

@@ -1,0 +1,84 @@
+#include "run_places.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/folders_in.hpp"
+
+namespace tactile::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
+
+/// The runs of an object, where its own folder is given.
+std::vector<RunFolder> runs_of_object(const fs::path& place) {
+  std::vector<RunFolder> runs;
+  for (const fs::path& folder : folders_in(place)) {
+    if (is_named_as_run(folder) && is_there(folder / "events.aedat4")) runs.push_back(named_run_at(folder));
+  }
+  return runs;
+}
+
+/// Folders that are named as runs and have no recording: of an object, or of all objects of a data folder.
+std::vector<std::string> without_recording(const fs::path& place) {
+  std::vector<std::string> names;
+  const auto look = [&](const fs::path& folder) {
+    if (is_named_as_run(folder) && !is_there(folder / "events.aedat4")) names.push_back(folder.string());
+  };
+  for (const fs::path& folder : folders_in(place)) {
+    look(folder);
+    if (!is_object_name(folder.filename().string())) continue;
+    for (const fs::path& run : folders_in(folder)) look(run);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace
+
+RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_out) {
+  const bool warns = left_out == LeftOutFolders::warn;
+  RunsBelow all;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const std::string& place : places) {
+    std::error_code unknown;
+    if (fs::is_regular_file(place, unknown)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs");
+    if (fs::is_directory(place, unknown) && is_there(fs::path(place) / "events.aedat4")) {
+      all.runs.push_back(named_run_at(place));
+      continue;
+    }
+    RunsBelow found = look_for_runs(place);
+    for (const std::string& misnamed : found.misnamed)
+      if (warns) spdlog::warn("{}", misnamed);
+    if (const auto names = without_recording(place); warns && !names.empty())
+      spdlog::warn("left out, because events.aedat4 is missing: {}", fmt::join(names, ", "));
+    if (found.runs.empty()) found.runs = runs_of_object(place);
+    if (found.runs.empty()) {
+      for (const std::string& unreadable : found.unreadable)
+        if (warns) spdlog::error("{}", unreadable);
+      throw Error(place +
+                  (found.misnamed.empty() && found.unreadable.empty()
+                       ? ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them"
+                       : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
+    }
+    append(all.runs, found.runs);
+    append(all.misnamed, found.misnamed);
+    append(all.unreadable, found.unreadable);
+  }
+  std::set<fs::path> seen;
+  std::erase_if(all.runs, [&](const RunFolder& run) {
+    std::error_code unknown;
+    const fs::path place = fs::weakly_canonical(run.folder, unknown);
+    return !seen.insert(unknown ? run.folder : place).second;
+  });
+  return all;
+}
+
+}  // namespace tactile::cli

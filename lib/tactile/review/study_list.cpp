@@ -1,0 +1,127 @@
+#include "tactile/review/study_list.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/error_text.hpp"
+#include "tactile/core/folders_in.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
+#include "tactile/results/claim.hpp"
+#include "tactile/results/stress.hpp"
+#include "tactile/review/model_list.hpp"
+
+namespace tactile::review {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double percent = 100;
+
+void add_figure(json& list, const std::string& label, const results::Figure& figure, const char* unit, double factor = 1) {
+  const results::Figure shown = results::scaled(figure, factor);
+  json entry = figure_json(shown.value, shown.low, shown.high);
+  entry["label"] = label;
+  entry["unit"] = unit;
+  list.push_back(std::move(entry));
+}
+
+/// When the last step ended; null where no step is named.
+json when_of(const results::JsonView& steps) {
+  std::string last;
+  for (const results::JsonView& step : steps.items()) last = std::max(last, step["finished_at"].text());
+  return last.empty() ? json() : json(last);
+}
+
+void read_study(json& entry, const results::JsonView& study) {
+  entry["claims"] = json::array();
+  for (const auto& claim : study["claims"].list_of<results::Claim>()) {
+    entry["claims"].push_back({{"id", claim.id},
+                               {"claim", claim.claim},
+                               {"outcome", results::name_of(claim.verdict)},
+                               {"in_words", claim.in_words},
+                               {"unit", claim.unit},
+                               {"measured", figure_json(claim.measured.value, claim.measured.low, claim.measured.high)}});
+  }
+  for (const results::JsonView& history : study["histories"].items()) {
+    add_figure(entry["figures"], fmt::format("Accuracy, t_h {:g} ms", history["th_ms"].number()),
+               history["accuracy"]["reported"]["mean"].get<results::Figure>(), "%", percent);
+  }
+}
+
+void read_trade(json& entry, const results::JsonView& trade) {
+  for (const results::JsonView& point : trade["points"].items()) {
+    const std::string setting = point["text"].text();
+    const results::JsonView reported = point["reported"];
+    add_figure(entry["figures"], setting + ": accuracy", reported["accuracy"].get<results::Figure>(), "%", percent);
+    add_figure(entry["figures"], setting + ": time of a tick, p99", reported["us"]["p99"].get<results::Figure>(), "us");
+  }
+  if (const std::string sentence = trade["recommendation"]["sentence"].text(); !sentence.empty())
+    entry["remarks"].push_back(sentence);
+}
+
+void read_stress(json& entry, const results::JsonView& stress) {
+  for (const auto& model : stress.get<results::Stress>().models) {
+    for (const results::StressCurve& curve : model.curves) {
+      const std::string label = model.name + ", " + curve.name;
+      if (curve.holds) add_figure(entry["figures"], label + ": holds up to", curve.holds->severity, "");
+      if (curve.holds && curve.holds->is_beyond) entry["figures"].back()["is_beyond"] = true;
+      if (curve.holds) entry["figures"].back()["unit"] = curve.unit;
+    }
+  }
+}
+
+struct Kind {
+  const char* name;
+  void (*read)(json& entry, const results::JsonView& document);
+};
+
+constexpr std::array<Kind, 3> kinds{{{"study", read_study}, {"trade", read_trade}, {"stress", read_stress}}};
+
+json study_json(const fs::path& folder, const Kind& kind) {
+  const fs::path file = folder / (std::string(kind.name) + ".json");
+  const std::string name = fs::absolute(folder).lexically_normal().filename().string();
+  json entry = {{"name", name.empty() ? kind.name : name},
+                {"kind", kind.name},
+                {"title", ""},
+                {"when", nullptr},
+                {"figures", json::array()},
+                {"claims", json::array()},
+                {"remarks", json::array()},
+                {"error", nullptr}};
+  try {
+    const json document = read_json(file);
+    const results::JsonView view(document, file.string());
+    if (view["format"].text() != fmt::format("tactile-{}-1", kind.name))
+      throw Error(file.string() + ": another format; expected tactile-" + kind.name + "-1");
+    entry["title"] = view["title"].text();
+    entry["simulated"] = view["simulated"].truth();
+    entry["when"] = when_of(view["steps"]);
+    kind.read(entry, view);
+  } catch (const std::exception& e) {
+    entry["error"] = sentence_of(e, file.string());
+  }
+  return entry;
+}
+
+}  // namespace
+
+json studies_json(const fs::path& folder) {
+  std::vector<fs::path> places{folder};
+  for (const fs::path& below : folders_in(folder)) places.push_back(below);
+  json list = json::array();
+  for (const fs::path& place : places) {
+    for (const Kind& kind : kinds) {
+      if (is_file(place / (std::string(kind.name) + ".json"))) list.push_back(study_json(place, kind));
+    }
+  }
+  return list;
+}
+
+}  // namespace tactile::review
