@@ -40,17 +40,6 @@ DeviceClock by_label(const alignment::FittedClock& fitted) {
   return {.relation = fitted.relation, .within = fitted.uncertainty(), .how = "labels.json of the whole recording"};
 }
 
-std::vector<events::ImuSample> imu_of(events::RecordingReader& recording) {
-  std::vector<events::ImuSample> all;
-  for (const events::PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
-    const std::vector<events::ImuSample> samples = recording.read_imu(packet);
-    all.insert(all.end(), samples.begin(), samples.end());
-  }
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
-  return all;
-}
-
 /// By the motions in log and recording.
 DeviceClockSearch by_motion(const robot::RobotLog& log, const std::vector<alignment::MotionPhase>& motions,
                             events::RecordingReader& recording, const alignment::EventRate& rate,
@@ -94,6 +83,17 @@ void add_moves(const robot::RobotLog& log, const std::vector<alignment::MotionPh
 }
 
 }  // namespace
+
+std::vector<events::ImuSample> imu_of(events::RecordingReader& recording) {
+  std::vector<events::ImuSample> all;
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
+    const std::vector<events::ImuSample> samples = recording.read_imu(packet);
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  return all;
+}
 
 std::int64_t DeviceClock::device_us_at(CameraTime t) const {
   if (!is_by_host()) return relation.clock_us_from(t);
