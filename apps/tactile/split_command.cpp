@@ -36,7 +36,7 @@ struct SplitArguments {
   std::string data = "data";
   std::vector<std::string> objects;
   std::string first_run;
-  std::string robot, video, stream;
+  std::string robot, video, stream, session;
   std::vector<double> at;
   double quiet_s = 2.0;
   bool dry_run = false;
@@ -206,7 +206,7 @@ void split(const SplitArguments& args, const CommonArguments& common) {
     print_result(common, json, table_of(proposal, {}) + "\n" + quiet_text(proposal));
     return;
   }
-  splitting::SplitOptions options{.data = args.data, .objects = args.objects};
+  splitting::SplitOptions options{.data = args.data, .objects = args.objects, .session = args.session};
   if (options.objects.empty())
     options.objects = {source.info && is_object_name(source.info->object) ? source.info->object : "unnamed"};
   if (!args.first_run.empty()) options.first_run = std::stoi(args.first_run);
@@ -245,6 +245,12 @@ void add_split_command(CLI::App& app) {
                   "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
       .type_name("FILE")
       .check(is_existing_file());
+  command
+      .add_option(
+          "--session", args->session,
+          "Session of all runs, if several recordings share one start of camera and controller; default: that of run.json, or "
+          "one of this recording")
+      .type_name("NAME");
   command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
       .type_name("S,...")
       .delimiter(',')

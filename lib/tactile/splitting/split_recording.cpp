@@ -56,6 +56,7 @@ nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, c
   return {{"from", source.origin},
           {"sha256", sha256},
           {"bytes", bytes},
+          {"session", result.session},
           {"robot", result.robot},
           {"robot_sha256", hash_or_null(source.robot)},
           {"film", result.film},
@@ -149,7 +150,7 @@ class Splitting {
     const std::string sha256 = sha256_of_file(source_.recording, [&](std::uint64_t bytes) {
       tell(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
     });
-    result_.session = session_of(source_, recording_, sha256);
+    result_.session = options_.session.empty() ? session_of(source_, recording_, sha256) : options_.session;
     place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size()), earlier_pieces(options_.data, sha256));
     if (std::any_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.whole != nullptr; })) {
       write_events(progress);
