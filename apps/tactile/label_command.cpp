@@ -15,6 +15,7 @@
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
 #include "rendering_arguments.hpp"
+#include "robot_columns.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/folders_in.hpp"
@@ -70,15 +71,6 @@ Check is_region() {
                "x,y,width,height [px]"};
 }
 
-std::string check_columns(const std::string& text) {
-  try {
-    robot::column_names(text);
-    return {};
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
 bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
 
 /// The runs of an object, where its own folder is given.
@@ -111,7 +103,8 @@ RunsBelow runs_in(const std::vector<std::string>& places) {
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   for (const std::string& place : places) {
     std::error_code unknown;
-    if (fs::is_regular_file(place, unknown)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs: 'tactile split' makes them of a recording");
+    if (fs::is_regular_file(place, unknown))
+      throw Error(place + ": is a file; expected a run's folder, or a folder of runs: 'tactile split' makes them of a recording");
     if (fs::is_directory(place, unknown) && is_there(fs::path(place) / "events.aedat4")) {
       all.runs.push_back(named_run_at(place));
       continue;
@@ -123,10 +116,11 @@ RunsBelow runs_in(const std::vector<std::string>& places) {
     if (found.runs.empty()) found.runs = runs_of_object(place);
     if (found.runs.empty()) {
       for (const std::string& unreadable : found.unreadable) spdlog::error("{}", unreadable);
-      throw Error(place +
-                  (found.misnamed.empty() && found.unreadable.empty()
-                       ? ": holds no run; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording"
-                       : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
+      throw Error(
+          place +
+          (found.misnamed.empty() && found.unreadable.empty()
+               ? ": holds no run; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording"
+               : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
     }
     append(all.runs, found.runs);
     append(all.misnamed, found.misnamed);
@@ -294,12 +288,7 @@ void add_label_command(CLI::App& app) {
       .type_name("X,Y,W,H")
       .check(is_region())
       .excludes(summary);
-  command
-      .add_option("--robot-columns", arguments->robot_columns,
-                  "Columns of robot logs without header row, in their order: timestamp, actual_q*6 for six, - to skip one")
-      .type_name("NAMES")
-      .check(Check{check_columns, ""})
-      .excludes(summary);
+  add_robot_columns_option(command, arguments->robot_columns).excludes(summary);
   add_mask_option(command, arguments->mask).excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")

@@ -117,13 +117,13 @@ CameraTime DeviceClock::camera_at(std::int64_t us) const {
 
 DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording,
                                    const alignment::EventRate& rate, const alignment::QuietRate& quiet) {
-  const robot::RobotLogFile log = robot::read_robot_log(*source.robot);
+  const robot::RobotLogFile log = robot::read_robot_log(*source.robot, {.arm = {}, .columns = source.robot_columns});
   if (log.pieces.empty()) return {.clock = {}, .why_not = "the log has no row"};
   std::vector<std::vector<alignment::MotionPhase>> motions;
   for (const robot::RobotLog& piece : log.pieces) motions.push_back(alignment::motion_phases(piece));
   DeviceClockSearch found;
   const auto labels = labels_of(source);
-  if (auto arrivals = arrivals_of(source); !arrivals.empty() && has_host_times(*source.robot)) {
+  if (auto arrivals = arrivals_of(source); !arrivals.empty() && source.robot_columns.empty() && has_host_times(*source.robot)) {
     found.clock = DeviceClock{.arrivals = std::move(arrivals), .within = 100ms, .how = "host times"};
   } else if (log.pieces.size() > 1) {
     found.why_not = "the robot's clock restarts within the log, and there are no host times";

@@ -59,6 +59,7 @@ nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, c
           {"session", result.session},
           {"robot", result.robot},
           {"robot_sha256", hash_or_null(source.robot)},
+          {"robot_columns", source.robot_columns},
           {"film", result.film},
           {"film_sha256", hash_or_null(source.video)},
           {"film_times_sha256", hash_or_null(source.video_times)}};
@@ -221,13 +222,15 @@ class Splitting {
     for (const Piece& piece : pieces_) files.push_back(piece.written.robot());
     if (is_cut(proposal_.robot)) {
       const std::vector<DeviceSpan> spans = spans_of(*proposal_.robot.clock, proposal_.cuts, options_.margin);
-      const std::vector<std::uint64_t> rows = cut_robot_log(*source_.robot, *proposal_.robot.clock, spans, files);
+      const std::vector<std::uint64_t> rows = cut_robot_log(source_, proposal_.robot.clock, spans, files);
       for (std::size_t i = 0; i < pieces_.size(); ++i) {
         result_.runs[i].robot_rows = rows[i];
         if (rows[i] == 0) fs::remove(files[i]);
       }
-    } else {
+    } else if (source_.robot_columns.empty()) {
       for (const fs::path& file : files) copy_whole(*source_.robot, file);
+    } else {
+      cut_robot_log(source_, {}, std::vector<DeviceSpan>(pieces_.size()), files);
     }
     for (Piece& piece : pieces_) {
       if (is_file(piece.written.robot())) piece.files.push_back(piece.written.robot());
