@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "eval_models.hpp"
 #include "eval_run.hpp"
+#include "eval_summary.hpp"
 #include "eval_tables.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
@@ -108,7 +109,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
-  print_result(common, json, text_of(evaluation) + written);
+  print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + written);
 }
 
 /// Trainings with and without objects, and the runs to compare them on.
@@ -192,9 +193,9 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   json["unseen"] = comparison;
   json["warnings"] = trainings.warnings;
   const std::string written = write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation);
-  print_result(
-      common, json,
-      text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" + text_of(evaluation) + written);
+  print_result(common, json,
+               text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" +
+                   (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + written);
   if (made) end_with(made->errors);
 }
 
@@ -227,6 +228,7 @@ void add_eval_command(CLI::App& app) {
       .check(in_range(1U, 1000U))
       .type_name("N")
       .needs(unseen);
+  command.add_flag("--verbose", args->verbose, "Print all tables");
   command.add_flag("--no-train", args->no_train, "With --unseen: do not train; a missing model is an error");
   add_strict_option(command, args->strict);
   command

@@ -15,7 +15,7 @@ namespace tactile::cli {
 struct EvalArguments {
   std::string data = "data";
   std::string models = "models", model;
-  bool unseen = false, no_train = false, strict = false;
+  bool unseen = false, no_train = false, strict = false, verbose = false;
   double guard_ms = -1;
   DecisionArguments decision;
   GateArguments gate;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval_detection_tables.hpp"
+#include "eval_summary.hpp"
 #include "figure_text.hpp"
 #include "text_table.hpp"
 
@@ -15,14 +16,6 @@ namespace tactile::cli {
 namespace {
 
 using Row = std::vector<std::string>;
-
-std::string baselines_not_below(const results::Evaluation& evaluation) {
-  std::string names;
-  for (const results::BaselineScore& baseline : evaluation.baselines) {
-    if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
-  }
-  return names;
-}
 
 std::string accuracy_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
@@ -41,14 +34,7 @@ std::string accuracy_text(const results::Evaluation& evaluation) {
   for (const results::BaselineScore& baseline : evaluation.baselines)
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
   text += text_table({"compared with baselines, mean over objects [%]", "", "95 %"}, rows);
-  const auto above = evaluation.above_baselines();
-  text +=
-      evaluation.baselines.empty() ? "No baselines: the dataset has none of the runs that the model was trained on.\n\n"
-      : !above                     ? "No comparison with the baselines: too few objects for an interval.\n\n"
-      : *above
-          ? "The model's accuracy interval lies above every baseline's.\n\n"
-          : wrapped("The model's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") + "\n\n";
-
+  text += wrapped(comparison_with_baselines(evaluation)) + "\n\n";
   return text;
 }
 
@@ -174,13 +160,9 @@ std::string engine_text(const results::Evaluation& evaluation) {
 }  // namespace
 
 std::string text_of(const results::Evaluation& evaluation) {
-  std::string title = results::title_of(evaluation);
-  if (evaluation.confirm != "1/1") title += ", confirmed in " + evaluation.confirm + " ticks";
-  if (evaluation.alarm_cost) title += fmt::format(", filtered with an alarm cost of {:g}", *evaluation.alarm_cost);
-  if (evaluation.gate_off) title += ", gated";
-  return wrapped(title) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) + guards_text(evaluation) +
-         delays_text(evaluation) + false_alarms_text(evaluation) + labels_text(evaluation) + gate_text(evaluation) +
-         over_time_text(evaluation) + operating_text(evaluation) + engine_text(evaluation);
+  return wrapped(heading_of(evaluation)) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) +
+         guards_text(evaluation) + delays_text(evaluation) + false_alarms_text(evaluation) + labels_text(evaluation) +
+         gate_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation) + engine_text(evaluation);
 }
 
 std::string text_of(const results::UnseenComparison& comparison, bool simulated) {

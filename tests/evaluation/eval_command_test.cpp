@@ -63,7 +63,13 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   }
   EXPECT_EQ(json.at("confusion").size(), 3U);
   EXPECT_TRUE(json.at("simulated").get<bool>());
-  const auto text = run_tactile("eval", trained.folder.path());
+  const auto brief = run_tactile("eval", trained.folder.path());
+  EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 15) << brief.out;
+  for (const char* line :
+       {"\naccuracy ", "\nbest baseline ", "\npress ", "\nslip ", "\nfalse alarms ", "\nwrong class ", "accuracy interval"})
+    EXPECT_NE(brief.out.find(line), std::string::npos) << line << " in\n" << brief.out;
+  EXPECT_EQ(brief.out.find("always_press"), std::string::npos);
+  const auto text = run_tactile("eval --verbose", trained.folder.path());
   EXPECT_NE(text.out.find("on simulated runs"), std::string::npos);
   EXPECT_NE(text.out.find("The model's accuracy interval"), std::string::npos);
   EXPECT_NE(text.out.find("always_press"), std::string::npos);

@@ -1,0 +1,89 @@
+#include "eval_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "text_table.hpp"
+
+namespace tactile::cli {
+namespace {
+
+std::string interval_of(const results::Figure& figure, double scale) {
+  return figure.low ? fmt::format(" [{:.1f}, {:.1f}]", scale * *figure.low, scale * *figure.high) : std::string();
+}
+
+std::string value_of(const results::Figure& figure, double scale) {
+  return std::isfinite(figure.value) ? fmt::format("{:.1f}", scale * figure.value) : "-";
+}
+
+std::string quantile_of(const results::CensoredQuantile& quantile) {
+  return (quantile.is_lower_bound ? "more than " : "") + value_of(quantile.ms, 1) + " ms";
+}
+
+std::string delay_of(const results::DelaySummary& delay) {
+  if (delay.intervals == 0) return "no interval";
+  return fmt::format("median {}{}, 90 % within {}; {} of {} missed{}", quantile_of(delay.median_of_all_ms),
+                     interval_of(delay.median_of_all_ms.ms, 1), quantile_of(delay.quantile_of_all_ms), delay.misses,
+                     delay.intervals, delay.early == 0 ? "" : fmt::format(", {} early", delay.early));
+}
+
+std::string rate_of(const results::Figure& per_min, const results::Figure& share, const char* where) {
+  return fmt::format("{} per minute {}{}, {} % of that time", value_of(per_min, 1), where, interval_of(per_min, 1),
+                     value_of(share, 100));
+}
+
+std::string baselines_not_below(const results::Evaluation& evaluation) {
+  std::string names;
+  for (const results::BaselineScore& baseline : evaluation.baselines) {
+    if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string heading_of(const results::Evaluation& evaluation) {
+  std::string heading = results::title_of(evaluation);
+  if (evaluation.confirm != "1/1") heading += ", confirmed in " + evaluation.confirm + " ticks";
+  if (evaluation.alarm_cost) heading += fmt::format(", filtered with an alarm cost of {:g}", *evaluation.alarm_cost);
+  if (evaluation.gate_off) heading += ", gated";
+  return heading;
+}
+
+std::string comparison_with_baselines(const results::Evaluation& evaluation) {
+  const auto above = evaluation.above_baselines();
+  if (evaluation.baselines.empty()) return "No baselines: the dataset has none of the runs that the model was trained on.";
+  if (!above) return "No comparison with the baselines: too few objects for an interval.";
+  if (*above) return "The model's accuracy interval lies above every baseline's.";
+  return "The model's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".";
+}
+
+std::string summary_of(const results::Evaluation& evaluation) {
+  const results::Figure& accuracy = evaluation.accuracy.mean;
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"accuracy", fmt::format("{} %{}, mean over {} objects, {} runs", value_of(accuracy, 100), interval_of(accuracy, 100),
+                               evaluation.accuracy.objects.size(), evaluation.test_runs().size())}};
+  const auto best = std::max_element(evaluation.baselines.begin(), evaluation.baselines.end(),
+                                     [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
+  if (best != evaluation.baselines.end()) {
+    lines.emplace_back("best baseline", fmt::format("{} %{}, {}", value_of(best->accuracy.mean, 100),
+                                                    interval_of(best->accuracy.mean, 100), best->name));
+  }
+  const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
+  lines.emplace_back("press", delay_of(evaluation.network.press.all));
+  lines.emplace_back("slip", delay_of(evaluation.network.slip.all));
+  lines.emplace_back("false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels"));
+  lines.emplace_back("wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels"));
+  if (const auto& off = evaluation.gate_off; off && off->ticks > 0) {
+    const double share = static_cast<double>(off->gated) / static_cast<double>(off->ticks);
+    lines.emplace_back("gate", fmt::format("skips the model at {:.1f} % of {} ticks", 100 * share, off->ticks));
+  }
+  return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + wrapped(comparison_with_baselines(evaluation)) + "\n" +
+         "In brackets: 95 % intervals. --verbose prints all tables.\n";
+}
+
+}  // namespace tactile::cli

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "tactile/results/evaluation.hpp"
+
+namespace tactile::cli {
+
+/// The results of an evaluation in a few lines: accuracy, best baseline, delays with misses, false alarms, wrong class. The
+/// tables of `text_of` have the rest.
+std::string summary_of(const results::Evaluation& evaluation);
+
+/// "Evaluation of th040-single-run-01-s1 on simulated runs, confirmed in 2/3 ticks, gated"
+std::string heading_of(const results::Evaluation& evaluation);
+
+/// Whether the model's accuracy interval lies above every baseline's, in a sentence.
+std::string comparison_with_baselines(const results::Evaluation& evaluation);
+
+}  // namespace tactile::cli
