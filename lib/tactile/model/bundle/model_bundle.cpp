@@ -208,7 +208,7 @@ GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& descriptio
     throw Error(bundle.folder.string() + ": has no ratios of its training intervals; expected a model that has them for " +
                 "--gate-miss: run 'tactile train --force' again");
   }
-  if (description.gate) return rule_of(*description.gate, miss);
+  if (description.gate) return rule_of(*description.gate, description.settings.rendering.history, miss);
   throw Error(bundle.folder.string() +
               ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
 }
