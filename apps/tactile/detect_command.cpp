@@ -109,6 +109,7 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   options.source_options = args.source;
   options.robot = robot_options(args.robot);
   if (!args.udp.empty()) options.udp = udp_address(args.udp);
+  options.scene = model.scene;
   heatmaps::HeatmapOptions& rendering = options.detector.rendering;
   rendering = model.settings.rendering;
   if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
@@ -150,6 +151,9 @@ void detect(DetectArguments args, const CommonArguments& common) {
   options.inform = [&line](const std::string& text) { line.inform(text); };
   options.warn = [&line](const std::string& text) { line.warn(text); };
   line.inform("detecting with " + bundle.folder.string());
+  if (!model.scene)
+    line.inform(bundle.name() +
+                " does not know the scenes of its training runs, so the scene is not watched; 'tactile train --force' adds them");
   if (args.from.empty()) args.from = default_source("detect");
   check_tick_count(args, options.detector.rendering);
   options.source = args.from;

@@ -98,6 +98,26 @@ void add_events(const detect::DetectionSummary& summary, Lines& lines) {
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
 }
 
+void add_scene(const detect::DetectionSummary& summary, Lines& lines) {
+  if (!summary.scene || summary.scene->windows == 0) return;
+  const detect::SceneSummary& scene = *summary.scene;
+  const std::string seen = "in " + counted(scene.windows, "look");
+  lines.emplace_back("scene", scene.left == 0
+                                  ? "as in the training runs " + seen
+                                  : fmt::format("left the training runs {} {}, {} at the end", counted(scene.left, "time"), seen,
+                                                scene.is_outside ? "outside" : "inside"));
+}
+
+nlohmann::json scene_json(const std::optional<detect::SceneSummary>& scene) {
+  if (!scene) return nullptr;
+  return {{"training", scene->training},
+          {"windows", scene->windows},
+          {"left", scene->left},
+          {"returned", scene->returned},
+          {"is_outside", scene->is_outside},
+          {"last", scene->last ? characterise::json_of(*scene->last) : nlohmann::json()}};
+}
+
 void add_outputs(const detect::DetectionSummary& summary, Lines& lines) {
   if (summary.robot) {
     lines.emplace_back(
@@ -178,6 +198,7 @@ std::string text_of(const detect::DetectionSummary& summary, const DetectModel& 
   Lines lines;
   add_ticks(summary, lines);
   add_events(summary, lines);
+  add_scene(summary, lines);
   add_outputs(summary, lines);
   add_machine(summary, lines);
   lines.emplace_back("engine", model.engine + ", " + model.precision);
@@ -219,6 +240,7 @@ nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectMode
       {"robot", nullptr},
       {"udp", nullptr},
       {"recorded", nullptr},
+      {"scene", scene_json(summary.scene)},
       {"ticks_left_out", summary.ticks_left_out}};
   add_verdicts(summary.verdicts, json);
   add_faults(summary, json);

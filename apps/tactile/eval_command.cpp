@@ -24,6 +24,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
@@ -73,6 +74,19 @@ void check_writable(const fs::path& folder) {
     throw Error(folder.string() + ": results cannot be written there (" + std::strerror(errno) + "); expected a writable folder");
 }
 
+/// Adds and prints a remark if the scene of judged runs leaves that of the training runs. The runs are unchanged, as `evaluate`
+/// has checked.
+void warn_of_scenes(const windows::Dataset& dataset, const model::ModelDescription& model, std::span<const std::uint32_t> runs,
+                    unsigned threads, std::vector<std::string>& warnings) {
+  std::vector<evaluation::WatchedRun> watched;
+  for (const std::uint32_t run : runs)
+    watched.push_back({name_of(dataset.runs()[run]), dataset.run_folder(run) / "events.aedat4"});
+  const std::string remark = evaluation::scene_remark(model, watched, threads);
+  if (remark.empty()) return;
+  spdlog::warn("{}", remark);
+  warnings.push_back(remark);
+}
+
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
@@ -104,8 +118,9 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
                  bundle->name(), file.string(), runs.size());
   }
   const std::vector<windows::SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
-  const std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
+  std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
   const results::Evaluation evaluation = evaluation::evaluate(dataset, classifier, runs, options, progress_line(common));
+  warn_of_scenes(dataset, classifier.model(), runs, common.threads, warnings);
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);

@@ -17,6 +17,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/pictures/prediction_picture.hpp"
@@ -180,6 +181,9 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
     throw Error(fmt::format("{}: shorter than the history of {} ms; expected at least one full tick", run.folder.name(),
                             in_ms(classifier.rendering().history)));
   }
+  const evaluation::WatchedRun watched{run.folder.name(), run.folder.events()};
+  const std::string remark = evaluation::scene_remark(classifier.model(), {&watched, 1}, 1);
+  if (!remark.empty()) spdlog::warn("{}", remark);
   const fs::path stem = stem_of(args, bundle, run.folder);
   evaluation::write_prediction(stem.string() + ".csv", prediction,
                                index ? samples_of(*dataset, *index) : std::map<CameraTime, Touch>());
@@ -187,6 +191,7 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
   const pictures::PredictionPicture picture = picture_of(prediction, classifier, options.decision, learned_from);
   for (const char* extension : {".png", ".svg"}) pictures::draw_prediction(picture, stem.string() + extension);
   json.push_back(json_of(prediction, bundle, learned_from, stem));
+  json.back()["warnings"] = remark.empty() ? nlohmann::json::array() : nlohmann::json{remark};
   rows.push_back(row_of(prediction, learned_from));
   spdlog::info("{}: {}", run.folder.name(), stem.string() + ".csv, .png, .svg");
 }

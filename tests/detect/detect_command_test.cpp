@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
@@ -200,6 +201,86 @@ TEST(DetectCommand, SetsTheRobotsBitsAndClearsThemInTheEnd) {
   EXPECT_TRUE(comes_true([&] { return controller.writes() >= 4; }));
   for (const char* bit : {"64", "65", "66"})
     EXPECT_TRUE(comes_true([&] { return controller.input(std::string("input_bit_register_") + bit) == false; })) << bit;
+}
+
+TEST(DetectCommand, WritesBitsThatFollowTheFilter) {
+  const fs::path folder = trained().folder.path();
+  const FakeController controller;
+  const auto result = run_tactile(
+      "detect --json --quiet --model small --filter --from file:data/fan/02 --speed 1 --ticks filtered.csv --press-bit 65 "
+      "--slip-bit 66 --robot 127.0.0.1:" +
+          std::to_string(controller.port()),
+      folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::vector<Row> told = rows_of(folder / "filtered.csv");
+  const auto rises = [&](const char* column) {
+    int count = 0;
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const std::string& now = told[i].at(column);
+      count += now != "none" && (i == 0 || told[i - 1].at(column) != now);
+    }
+    return count;
+  };
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_GE(rises("verdict"), 2);
+  EXPECT_EQ(json.at("robot").at("raised"), rises("verdict"));
+  const bool differs = std::any_of(told.begin(), told.end(), [](const Row& row) { return row.at("verdict") != row.at("said"); });
+  EXPECT_TRUE(differs) << "the filter changes no tick";
+}
+
+/// Noise of 3 s with 20 times the rate of the training runs. @return  its folder
+fs::path write_loud_run(const fs::path& folder) {
+  if (fs::exists(folder)) return folder;
+  fs::create_directories(folder);
+  std::vector<events::Event> events;
+  for (std::int64_t us = 0; us < 3'000'000; us += 25) {
+    events.push_back({camera_time(us), static_cast<std::int16_t>(us / 25 * 37 % test::small_sensor.width),
+                      static_cast<std::int16_t>(us / 25 * 53 % test::small_sensor.height), 1});
+  }
+  events::RecordingWriter writer(folder / "events.aedat4", {events::event_stream_declaration(test::small_sensor, "test")});
+  writer.write_events(0, events);
+  writer.close();
+  return folder;
+}
+
+TEST(DetectCommand, PrintsOneLineWhenTheSceneLeavesTheTrainingRuns) {
+  const fs::path folder = trained().folder.path();
+  write_loud_run(folder / "loud");
+  const auto loud = run_tactile("detect --json --model small --speed 0 --from file:loud", folder);
+  ASSERT_EQ(loud.exit_code, 0) << loud.err;
+  const std::string line = "scene: background 42 kev/s, training 2.4 to 2.4; ";
+  const std::size_t at = loud.err.find(line);
+  ASSERT_NE(at, std::string::npos) << loud.err;
+  EXPECT_EQ(loud.err.find("scene:", at + 1), std::string::npos) << "once";
+  const auto json = nlohmann::json::parse(loud.out);
+  EXPECT_EQ(json.at("faults").at("kinds").at("scene"), 1);
+  EXPECT_EQ(json.at("scene").at("left"), 1);
+  EXPECT_EQ(json.at("scene").at("returned"), 0);
+  EXPECT_TRUE(json.at("scene").at("is_outside").get<bool>());
+  EXPECT_NEAR(json.at("scene").at("last").at("background_hz").get<double>(), 42'000, 1'000)
+      << "6 % more than 40 kev/s, since it is regular";
+  EXPECT_EQ(json.at("scene").at("training"), read_json(folder / "models/small/model.json").at("scene"));
+  const auto text = run_tactile("detect --quiet --model small --speed 0 --from file:loud", folder);
+  EXPECT_NE(text.out.find("left the training runs 1 time"), std::string::npos) << text.out;
+
+  const auto usual = run_tactile("detect --json --model small --speed 0 --from file:data/fan/02", folder);
+  ASSERT_EQ(usual.exit_code, 0) << usual.err;
+  EXPECT_EQ(usual.err.find("scene:"), std::string::npos) << usual.err;
+  EXPECT_EQ(nlohmann::json::parse(usual.out).at("scene").at("left"), 0);
+}
+
+TEST(DetectCommand, DoesNotWatchTheSceneWithAnOlderModel) {
+  const fs::path folder = trained().folder.path();
+  fs::copy(folder / "models/small", folder / "models/older", fs::copy_options::recursive);
+  nlohmann::json description = read_json(folder / "models/older/model.json");
+  description.erase("scene");
+  write_json(folder / "models/older/model.json", description);
+  write_loud_run(folder / "loud");
+  const auto older = run_tactile("detect --json --model older --speed 0 --from file:loud", folder);
+  ASSERT_EQ(older.exit_code, 0) << older.err;
+  EXPECT_NE(older.err.find("older does not know the scenes of its training runs"), std::string::npos) << older.err;
+  EXPECT_TRUE(nlohmann::json::parse(older.out).at("scene").is_null());
+  fs::remove_all(folder / "models/older");
 }
 
 TEST(DetectCommand, SendsARecordEachTick) {

@@ -364,5 +364,41 @@ TEST(EvalCommand, UnseenTrainsWhatIsMissingWithTheSettingsOfTheOther) {
   EXPECT_EQ(nlohmann::json::parse(again.out).at("unseen"), json.at("unseen"));
 }
 
+TEST(EvalCommand, RemarksThatARunLeavesTheSceneOfTheTrainingRuns) {
+  const Trained trained;
+  const fs::path folder = trained.folder.path();
+  const auto usual = run_tactile("eval --json --run fan/02 --out shown", folder);
+  ASSERT_EQ(usual.exit_code, 0) << usual.err;
+  EXPECT_EQ(usual.err.find("scene:"), std::string::npos) << usual.err;
+  EXPECT_TRUE(nlohmann::json::parse(usual.out).at("runs").at(0).at("warnings").empty());
+
+  fs::create_directories(folder / "loud/01");
+  ASSERT_EQ(run_tactile("convert --quiet data/fan/02 loud/01/events.aedat4 --stress noise:100", folder).exit_code, 0);
+  const auto loud = run_tactile("eval --json --run loud/01 --out shown", folder);
+  ASSERT_EQ(loud.exit_code, 0) << loud.err;
+  const std::string remark = nlohmann::json::parse(loud.out).at("runs").at(0).at("warnings").at(0);
+  EXPECT_NE(loud.err.find(remark), std::string::npos);
+  EXPECT_TRUE(remark.starts_with("scene: 1 of 1 judged run leaves the training runs: ")) << remark;
+  EXPECT_NE(remark.find("background "), std::string::npos) << remark;
+}
+
+TEST(EvalCommand, RemarksWhichJudgedRunsLeaveTheScene) {
+  // The model learned from quiet runs; all others are loud.
+  const Trained trained({"fan", "usb-hub"}, 2, 1, [](const fs::path& data) {
+    for (const char* object : {"fan", "usb-hub"}) {
+      const fs::path file = data / object / "02/events.aedat4";
+      const fs::path loud = file.parent_path() / "loud.aedat4";
+      const auto made = run_tactile("convert --quiet " + file.string() + " " + loud.string() + " --stress noise:100");
+      ASSERT_EQ(made.exit_code, 0) << made.err;
+      fs::rename(loud, file);
+    }
+  });
+  const auto result = run_tactile("eval --json", trained.folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string remark = nlohmann::json::parse(result.out).at("warnings").back();
+  EXPECT_TRUE(remark.starts_with("scene: 2 of 2 judged runs leave the training runs: fan/02 (background ")) << remark;
+  EXPECT_NE(result.err.find(remark), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tactile::evaluation

@@ -1,4 +1,4 @@
-// The table of docs/numerics.md: the plain equations 2 to 5 in float32, compared with the rendered values, for inputs that break
+// The table of docs/numerics/heatmaps.md: the plain equations 2 to 5 in float32, compared with the rendered values, for inputs that break
 // the former. Each of its rows is worked out here, so that the page stays true.
 
 #include <gtest/gtest.h>
@@ -132,13 +132,13 @@ std::vector<Row> rows() {
 }
 
 TEST(NumericsPage, ShowsWhatIsWorkedOutHere) {
-  std::ifstream file(std::string(test::data_folder) + "/../../docs/numerics.md");
+  std::ifstream file(std::string(test::data_folder) + "/../../docs/numerics/heatmaps.md");
   std::stringstream page;
   page << file.rdbuf();
   ASSERT_FALSE(page.str().empty());
   for (const Row& each : rows()) {
     const std::string line = "| " + each.input + " | " + each.naively + " | " + each.naive_result + " | " + each.result + " |\n";
-    EXPECT_NE(page.str().find(line), std::string::npos) << "docs/numerics.md lacks the row\n" << line;
+    EXPECT_NE(page.str().find(line), std::string::npos) << "docs/numerics/heatmaps.md lacks the row\n" << line;
     EXPECT_NE(each.naive_result, each.result);
   }
 }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tactile/characterise/readout_bins.hpp"
+
 namespace tactile::characterise {
 namespace {
 
@@ -97,27 +99,6 @@ microseconds shortest_of(const FirstReading& first) {
   return shortest;
 }
 
-/// Places events in the bins of the spectrum: read-outs of a steady sensor, else of 125 us.
-struct Bins {
-  static constexpr double unsteady_us = 125;
-  double length_us = unsteady_us, per_us = 1 / unsteady_us, begin_us = 0, step_us = 0;
-  bool by_row = false;
-
-  explicit Bins(const events::Readout& readout) {
-    if (readout.kind != events::Readout::Kind::steady) return;
-    length_us = readout.period_us.value;
-    per_us = 1 / length_us;
-    step_us = readout.scan == events::Scan::none ? 0 : readout.step_us.value;
-    by_row = readout.scan == events::Scan::rows;
-    begin_us = readout.begin_us -
-               (std::floor((readout.begin_us + std::max(0.0, step_us * static_cast<double>(readout.lines))) / length_us) + 1.5) *
-                   length_us;
-  }
-  std::int64_t index_of(std::int64_t t_us, const events::Event& event) const {
-    return static_cast<std::int64_t>((static_cast<double>(t_us) - begin_us - step_us * (by_row ? event.y : event.x)) * per_us);
-  }
-};
-
 }  // namespace
 
 struct SecondReading::State {
@@ -129,7 +110,7 @@ struct SecondReading::State {
         intervals(unusual_ones.pixels.size()),
         fired_when_touched(ordinary.size()),
         windows(ordinary, window_us(reading, ordinary)),
-        bin_us(Bins(reading.readout).length_us),
+        bin_us(ReadoutBins(reading.readout).length_us),
         flicker(bin_us, reading.readout.kind == events::Readout::Kind::none ? 0 : reading.readout.period_us.value,
                 shortest_of(reading)),
         neighbours(reading.counts.size, ordinary),
@@ -143,7 +124,7 @@ struct SecondReading::State {
       unusual_index[static_cast<std::size_t>(unusual.pixels[i].y) * width + static_cast<std::size_t>(unusual.pixels[i].x)] =
           static_cast<std::uint32_t>(i);
   }
-  void add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const Bins& bins);
+  void add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const ReadoutBins& bins);
   void begin_part(double seconds);
   void prefetch(const events::Event& event) const;
   Measured regularity_of_unusual() const;
@@ -184,7 +165,7 @@ void SecondReading::State::begin_part(double seconds) {
   quiet.begin_part();
 }
 
-void SecondReading::State::add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const Bins& bins) {
+void SecondReading::State::add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const ReadoutBins& bins) {
   const std::size_t pixel =
       static_cast<std::size_t>(event.y) * static_cast<std::size_t>(first.counts.size.width) + static_cast<std::size_t>(event.x);
   const std::uint32_t index = unusual_index[pixel];
@@ -216,7 +197,7 @@ SecondReading::~SecondReading() = default;
 void SecondReading::read_quiet(OpenRecording& open, const ReadRecording& recording, const ProgressCallback& progress) {
   State& s = *state_;
   const bool is_alike = recording.readout.kind == s.first.readout.kind && recording.readout.scan == s.first.readout.scan;
-  const Bins bins(is_alike ? recording.readout : s.first.readout);
+  const ReadoutBins bins(is_alike ? recording.readout : s.first.readout);
   const double length_us = static_cast<double>(between(recording.first, recording.last).count());
   const double part_us = length_us / parts_per_recording;
   const std::int64_t first_tick = tick_of(recording.first);

@@ -41,7 +41,7 @@ std::unique_ptr<model::EventClassifier> opened(const OpenModel& open, events::Se
   return model;
 }
 
-LiveDetectorOptions detector_options(const DetectionOptions& options, bool plays) {
+LiveDetectorOptions detector_options(const DetectionOptions& options, bool plays, std::optional<SceneWatch>& scene) {
   LiveDetectorOptions live;
   live.clock = {.tick = options.detector.rendering.tick,
                 .history = options.detector.rendering.history,
@@ -49,6 +49,7 @@ LiveDetectorOptions detector_options(const DetectionOptions& options, bool plays
                 .by_events_alone = plays};
   if (plays && options.duration) live.play_for = *options.duration;
   live.rehearses = options.rehearses;
+  live.scene = scene ? &*scene : nullptr;
   return live;
 }
 
@@ -82,6 +83,7 @@ struct DetectionSession::State {
   std::vector<ReportedTick> read;
   std::optional<SessionRecording> recording;
   capture::PacketQueue queue{waiting_bytes};
+  std::optional<SceneWatch> scene;
   LiveDetector detector;
   std::atomic<bool> is_over{false}, stops{false};
 
@@ -90,6 +92,7 @@ struct DetectionSession::State {
   void report(const DetectionFault& fault);
   void raise_priority(int priority) { refusals.add(use_real_time_priority(priority)); }
   void record();
+  std::optional<SceneWatch>& watch_scene();
   EventFeedOptions feed_options();
   void pass_ticks_to(const TickOutput& output);
   bool wait(const TickOutput& output, HostTime begun);
@@ -104,8 +107,9 @@ DetectionSession::State::State(DetectionOptions given, const OpenModel& open)
       real_time(!plays && options.real_time),
       ticks(waiting_ticks, plays),
       detector(
-          {*events_of(*source).size, opened(open, *events_of(*source).size), options.detector}, detector_options(options, plays),
-          [this](const ReportedTick& tick) { report(tick); }, [this](const DetectionFault& fault) { report(fault); },
+          {*events_of(*source).size, opened(open, *events_of(*source).size), options.detector},
+          detector_options(options, plays, watch_scene()), [this](const ReportedTick& tick) { report(tick); },
+          [this](const DetectionFault& fault) { report(fault); },
           [this] {
             if (robot) robot->forget();
           }) {
@@ -138,6 +142,20 @@ void DetectionSession::State::report(const ReportedTick& tick) {
   }
   if (robot) robot->report(tick);
   ticks.add(tick);
+}
+
+/// Called before there is a detector.
+std::optional<SceneWatch>& DetectionSession::State::watch_scene() {
+  if (!options.scene) return scene;
+  scene.emplace(SceneWatchOptions{.sensor = *events_of(*source).size,
+                                  .mask = options.detector.rendering.mask,
+                                  .training = *options.scene,
+                                  .at_once = plays,
+                                  .pause = plays ? microseconds{0} : SceneWatchOptions{}.pause},
+                [this](const characterise::SceneChange& change) {
+                  report({change.leaves ? "scene" : "scene again", "scene: " + change.text, host_now()});
+                });
+  return scene;
 }
 
 void DetectionSession::State::record() {
@@ -178,6 +196,7 @@ void DetectionSession::State::pass_ticks_to(const TickOutput& output) {
 bool DetectionSession::State::wait(const TickOutput& output, HostTime begun) {
   while (!is_over) {
     pass_ticks_to(output);
+    if (scene && !plays) scene->look();
     if (output.interrupted()) return true;
     if (!plays && options.duration && host_now() - begun >= *options.duration) {
       summary.ended = "duration";
@@ -207,6 +226,10 @@ void DetectionSession::State::sum_up(const EventFeed& feed) {
   if (recording) {
     summary.recorded = recording->end(summary.ended);
     for (const std::string& error : summary.recorded->errors) options.warn(error);
+  }
+  if (scene) {
+    scene->finish();
+    summary.scene = scene->summary();
   }
   summary.counts = detector.counts();
   summary.deadlines = detector.deadlines();

@@ -15,6 +15,7 @@
 #include "tactile/capture/camera_source.hpp"
 #include "tactile/detect/live_detector.hpp"
 #include "tactile/detect/robot_reporter.hpp"
+#include "tactile/detect/scene_watch.hpp"
 #include "tactile/detect/session_recording.hpp"
 #include "tactile/detect/verdict_counts.hpp"
 
@@ -23,16 +24,17 @@ namespace tactile::detect {
 struct DetectionOptions {
   std::string source;  ///< as `open_camera_source` takes it
   capture::CameraSourceOptions source_options;
-  TickDetectorOptions detector;                        ///< rendering, confirmation and gate
-  microseconds slack{2'000};                           ///< a tick waits this long for late events, >= 0
-  bool rehearses = true;                               ///< run the model once before each tick
-  std::chrono::milliseconds reconnect{10'000};         ///< a source that broke is opened again for this long, >= 0
-  std::optional<microseconds> duration;                ///< > 0; by the host's clock, or of a replay by the camera's
-  bool real_time = true;                               ///< real-time priority and locked memory; never for replays
-  bool awake = false;                                  ///< keep processor cores awake
-  std::optional<transport::NetworkAddress> udp = {};   ///< send a record there at each tick
-  std::optional<RobotReporterOptions> robot = {};      ///< report to this robot
-  std::optional<SessionRecordingOptions> record = {};  ///< also record the run
+  TickDetectorOptions detector;                         ///< rendering, confirmation and gate
+  microseconds slack{2'000};                            ///< a tick waits this long for late events, >= 0
+  bool rehearses = true;                                ///< run the model once before each tick
+  std::chrono::milliseconds reconnect{10'000};          ///< a source that broke is opened again for this long, >= 0
+  std::optional<microseconds> duration;                 ///< > 0; by the host's clock, or of a replay by the camera's
+  bool real_time = true;                                ///< real-time priority and locked memory; never for replays
+  bool awake = false;                                   ///< keep processor cores awake
+  std::optional<transport::NetworkAddress> udp = {};    ///< send a record there at each tick
+  std::optional<RobotReporterOptions> robot = {};       ///< report to this robot
+  std::optional<SessionRecordingOptions> record = {};   ///< also record the run
+  std::optional<characterise::SceneRanges> scene = {};  ///< of the training runs: reports when the scene leaves them
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< messages; any thread
   std::function<void(const std::string&)> warn = [](const std::string&) {};    ///< faults and other warnings; any thread
 };
@@ -66,6 +68,7 @@ struct DetectionSummary {
   std::optional<RobotReporterSummary> robot;
   std::optional<std::array<std::uint64_t, 2>> udp;  ///< records sent and failed
   std::optional<capture::RunSummary> recorded;
+  std::optional<SceneSummary> scene;
   std::uint64_t ticks_left_out = 0;  ///< ticks that `TickOutput` did not receive, because it was too slow
   std::exception_ptr failure;        ///< an error that ended the session
 };

@@ -38,6 +38,7 @@ LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& opt
 
 void LiveDetector::restart(const char* kind, const std::string& text, HostTime at) {
   detector_.restart();
+  if (options_.scene != nullptr) options_.scene->restart();
   clock_.restart();
   late_events_.in_time();
   rehearsal_.cancel();
@@ -87,6 +88,7 @@ void LiveDetector::take_played(std::span<const events::Event> events, HostTime a
   for (; !events.empty() && !over_; events = events.subspan(std::min(chunk, events.size()))) {
     const std::span<const events::Event> part = events.first(std::min(chunk, events.size()));
     detector_.add(part);
+    if (options_.scene != nullptr) options_.scene->add(part);
     counts_.events += part.size();
     clock_.arrived(part.front().t, part.back().t, at);
     TickRange ticks = clock_.ticks_until(part.back().t);
@@ -139,6 +141,7 @@ void LiveDetector::take_live(std::span<const events::Event> events, HostTime at)
   late_events_.in_time();
   if (std::exchange(lost_pending_, false)) lacks_events_until(in_time.front().t);
   detector_.add(in_time);
+  if (options_.scene != nullptr) options_.scene->add(in_time);
   counts_.events += in_time.size();
   clock_.arrived(first, last, at);
   const auto next = clock_.next_tick();

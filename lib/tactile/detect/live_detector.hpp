@@ -15,6 +15,7 @@
 #include "tactile/detect/quiet_stream.hpp"
 #include "tactile/detect/rehearsal.hpp"
 #include "tactile/detect/reported_tick.hpp"
+#include "tactile/detect/scene_watch.hpp"
 #include "tactile/detect/tick_clock.hpp"
 #include "tactile/detect/tick_detector.hpp"
 
@@ -32,6 +33,7 @@ struct LiveDetectorOptions {
   /// Run the network once without use between two ticks, so that its weights are in the cache when the second one closes. Not
   /// after a tick that the gate or the host's time closed.
   bool rehearses = false;
+  SceneWatch* scene = nullptr;  ///< gets the events that are counted, if there is one; must outlive the detector
 };
 
 struct LiveCounts {

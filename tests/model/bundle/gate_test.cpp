@@ -9,6 +9,8 @@
 namespace tactile::model {
 namespace {
 
+using namespace std::chrono_literals;
+
 TEST(Gate, TakesNoMorePressesAndSlipsForNoneThanItsShare) {
   std::vector<std::uint64_t> counts(5'000);
   std::iota(counts.rbegin(), counts.rend(), std::uint64_t{100});  // 100, 101, … in no order of ticks
@@ -34,12 +36,27 @@ TEST(Gate, MissesNoMoreIntervalsThanAskedFor) {
   Gate gate{.limit = 70, .share = 0.001, .ticks = 100};
   for (int i = 0; i < 1000; ++i) gate.ratios.push_back(10 + i);
   gate.intervals = 2000;  // the larger ratios are not kept
-  EXPECT_EQ(rule_of(gate).ratio, 12) << "2 of 2000 are below";
-  EXPECT_EQ(rule_of(gate, 0).ratio, 10);
-  EXPECT_EQ(rule_of(gate, 0.1).ratio, 210);
-  EXPECT_EQ(rule_of(gate, 0.9).ratio, 1009) << "the largest that is kept";
-  EXPECT_THROW(rule_of(gate, 1), std::exception);
-  EXPECT_THROW(rule_of(gate, -0.1), std::exception);
+  EXPECT_EQ(rule_of(gate, 40ms).ratio, 12) << "2 of 2000 are below";
+  EXPECT_EQ(rule_of(gate, 40ms, 0.1).ratio, 210);
+  EXPECT_EQ(rule_of(gate, 40ms, 0.9).ratio, 1009) << "the largest that is kept";
+  EXPECT_THROW(rule_of(gate, 40ms, 1), std::exception);
+  EXPECT_THROW(rule_of(gate, 40ms, -0.1), std::exception);
+}
+
+TEST(Gate, OfTooFewIntervalsOpensAsSoonAsNoiseLeavesItClosed) {
+  for (const std::vector<double>& ratios : {std::vector<double>{-0.5, 11.7, 13}, std::vector<double>{12.3, 12.6, 13}}) {
+    const Gate gate{.limit = 70, .share = 0.001, .ticks = 100, .ratios = ratios, .intervals = 20};
+    EXPECT_NEAR(rule_of(gate, 40ms).ratio.value(), std::log(20 / 0.02), 1e-12) << "neither of the smallest says what 0.1 % is";
+    EXPECT_NEAR(rule_of(gate, 40ms, 0).ratio.value(), std::log(1000), 1e-12);
+    EXPECT_NEAR(rule_of(gate, 40ms, 0.049).ratio.value(), std::log(1000), 1e-12);
+    EXPECT_EQ(rule_of(gate, 40ms, 0.05).ratio, ratios[1]) << "1 of 20";
+  }
+}
+
+TEST(Gate, HasALimitForEveryHistory) {
+  EXPECT_NEAR(quiet_limit(100ms), std::log(2500), 1e-12);
+  EXPECT_NEAR(quiet_limit(3ms), std::log(100), 1e-12) << "parts of two steps";
+  EXPECT_NEAR(quiet_limit(1us), std::log(50), 1e-12);
 }
 
 TEST(Gate, ClosesBelowItsRatioWhateverTheNumberOfEvents) {
@@ -51,7 +68,7 @@ TEST(Gate, ClosesBelowItsRatioWhateverTheNumberOfEvents) {
 
 TEST(Gate, OfAnOlderBundleClosesBelowItsLimitOfEvents) {
   const nlohmann::json older{{"limit_events", 1321}, {"share", 0.001}, {"ticks", 4242}};
-  const GateRule rule = rule_of(older.get<Gate>());
+  const GateRule rule = rule_of(older.get<Gate>(), 40ms);
   EXPECT_FALSE(rule.ratio);
   EXPECT_TRUE(rule.closes(1320, 1e9));
   EXPECT_FALSE(rule.closes(1321, -1));

@@ -100,6 +100,26 @@ TEST(BackgroundRatio, IsSmallInQuietAndLargeInAPress) {
   EXPECT_LT(largest(ratios, released + history.count(), 5 * second), 6);
 }
 
+TEST(BackgroundRatio, OfNoiseIsLargeAsSeldomAsItsLimitPromises) {
+  // 400 s of noise: Markov's bound is one of 1000 steps above ln 1000. The background is known from 250 steps, not exactly.
+  const std::vector<double> ratios = values(stream(400 * second, {}, 7), 400 * second);
+  const double limit = quiet_limit(history);
+  const auto open = std::count_if(ratios.begin() + second / step, ratios.end(), [&](double ratio) { return ratio >= limit; });
+  EXPECT_LT(static_cast<double>(open), 0.02 * static_cast<double>(ratios.size()));
+  EXPECT_GT(open, 0) << "the limit is not idle";
+}
+
+TEST(BackgroundRatio, CountsEventsAtTheEndsOfTheClock) {
+  BackgroundRatio ratio(sensor, history);
+  const std::vector<events::Event> events{{CameraTime::max(), 1, 1, 1}, {CameraTime::max(), 2, 1, 1}};
+  ratio.add(events);
+  EXPECT_EQ(ratio.at(CameraTime::max()), infinite);
+  BackgroundRatio early(sensor, history);
+  const std::vector<events::Event> first{{CameraTime::min(), 1, 1, 1}, {after(CameraTime::min(), 1ms), 2, 1, 1}};
+  early.add(first);
+  EXPECT_EQ(early.at(after(CameraTime::min(), 10ms)), infinite);
+}
+
 TEST(BackgroundRatio, SeesAWeakPressInALoudCellsNeighbour) {
   const std::vector<double> ratios =
       values(stream(3 * second, {{0, 3 * second, 0, 100}, {2 * second, 2 * second + 20'000, 3, 18}}), 3 * second);

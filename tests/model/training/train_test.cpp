@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 #include "model/small_data.hpp"
+#include "support/error_of.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -45,6 +47,42 @@ TEST(TrainCommand, MakesAMissingDatasetAndAWholeBundle) {
   EXPECT_EQ(model.at("network").at("input"), nlohmann::json::parse(R"({"channels": 1, "height": 24, "width": 32})"));
   EXPECT_EQ(model.at("samples"), samples_of_runs(dataset, split_of(dataset, {}).train_runs).size());
   EXPECT_NO_THROW(Classifier(folder.path() / json.at("model").get<std::string>(), 1));
+}
+
+TEST(TrainModel, KeepsTheScenesOfItsTrainingRuns) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  const windows::Dataset dataset(folder / "data/dataset.h5");
+  ModelSettings settings;
+  settings.training.epochs = 1;
+  const ModelBundle bundle{folder / "models/small"};
+  train_model(dataset, settings, bundle, {.threads = 1});
+  const auto scene = read_description(bundle).scene;
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->runs, 2U);
+  // An event each 500 us: 39 or 40 in 20 ms.
+  EXPECT_NEAR(scene->background_hz.low, (39 + 1.2816 * std::sqrt(39)) / 0.02, 60);
+  EXPECT_NEAR(scene->background_hz.high, scene->background_hz.low, 60);
+
+  // Without one of the recordings nothing is kept: the rest may be of another kind.
+  std::filesystem::remove(folder / "data/fan/01/events.aedat4");
+  train_model(dataset, settings, bundle, {.threads = 1});
+  EXPECT_FALSE(read_description(bundle).scene);
+  EXPECT_TRUE(read_description(bundle).gate->ratios.empty());
+}
+
+TEST(TrainModel, RefusesARecordingThatHasChangedSinceTheDataset) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  std::filesystem::remove_all(folder / "data/usb-hub/01");
+  test::make_run(folder / "data/usb-hub/01", 2);  // with another seed
+  const windows::Dataset dataset(folder / "data/dataset.h5");
+  const std::string error =
+      test::error_of([&] { train_model(dataset, {}, ModelBundle{folder / "models/small"}, {.threads = 1}); });
+  EXPECT_NE(error.find("usb-hub/01/events.aedat4: differs from the recording that"), std::string::npos) << error;
+  EXPECT_FALSE(std::filesystem::exists(folder / "models/small"));
 }
 
 TEST(TrainCommand, PrintsTheExpectedTimeAfterAnEpoch) {

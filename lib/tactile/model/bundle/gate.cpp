@@ -39,12 +39,18 @@ Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {
   return gate;
 }
 
-GateRule rule_of(const Gate& gate, double miss) {
+double quiet_limit(microseconds history) {
+  constexpr double open_share = 0.02;
+  const auto steps = std::max<std::int64_t>(1, (history.count() + gate_step.count() - 1) / gate_step.count());
+  return std::log(static_cast<double>(steps) / open_share);
+}
+
+GateRule rule_of(const Gate& gate, microseconds history, double miss) {
   if (!(miss >= 0 && miss < 1)) throw Error("gate: misses of " + std::to_string(miss) + "; expected 0 to below 1");
   GateRule rule{.events = gate.limit};
   if (gate.ratios.empty()) return rule;
   const auto index = static_cast<std::size_t>(std::floor(miss * static_cast<double>(gate.intervals)));
-  rule.ratio = gate.ratios[std::min(index, gate.ratios.size() - 1)];
+  rule.ratio = index == 0 ? quiet_limit(history) : gate.ratios[std::min(index, gate.ratios.size() - 1)];
   return rule;
 }
 

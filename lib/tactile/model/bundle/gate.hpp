@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "tactile/core/time.hpp"
+
 namespace tactile::model {
 
 /// When the network is skipped because the skin is quiet: below a ratio that compares with the background, or, for older bundles,
@@ -38,10 +40,22 @@ struct GateRule {
   friend bool operator==(const GateRule&, const GateRule&) = default;
 };
 
-/// The rule that misses this share of the intervals of the calibration: of n ratios in ascending order, the one with index
-/// floor(miss * n) is the least that opens. With fewer than 1 / miss intervals it opens for all of them. @throws Error  unless 0
-/// <= miss < 1
-GateRule rule_of(const Gate& gate, double miss = gate_share);
+inline constexpr microseconds gate_step{2000};  ///< of `BackgroundRatio`
+
+/// The least ratio at which Poisson noise leaves the gate closed for 98 % of the quiet ticks:
+///
+///   ln(steps in t_h / 0.02)     6.9 at t_h = 40 ms
+///
+/// With the known background, the likelihood ratio exp(ratio) of a step has the mean 1. So it is e^limit or more in at most
+/// e^-limit of the steps (Markov), and each opens the gate for t_h. For 90 % real noise may exceed it five times as often.
+/// @param history  t_h, > 0
+double quiet_limit(microseconds history);
+
+/// The rule that misses this share of the intervals. Of n ratios of the calibration in ascending order, the one with index
+/// floor(miss * n) is the least that opens. If this index is 0, n intervals are too few to know such a share, and the smallest of
+/// them is not it: by chance the next interval has a smaller ratio in 1 of n + 1 cases. Then the limit is `quiet_limit`: no
+/// smaller one is sure to close in quiet. @throws Error  unless 0 <= miss < 1
+GateRule rule_of(const Gate& gate, microseconds history, double miss = gate_share);
 
 /// The largest limit that gives at most this share of presses and slips the verdict none: of n counts in ascending order the one
 /// with index floor(share * n). 0, which never skips the network, if there are no counts.

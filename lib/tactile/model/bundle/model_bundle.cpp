@@ -49,6 +49,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                {"samples", description.samples},
                {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
                {"transitions", description.transitions ? nlohmann::json(*description.transitions) : nlohmann::json()},
+               {"scene", description.scene ? nlohmann::json(*description.scene) : nlohmann::json()},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
                {"software", {{"name", "tactile"}, {"version", description.version}, {"revision", description.revision}}},
@@ -86,6 +87,8 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
   if (json.contains("transitions") && !json.at("transitions").is_null())
     description.transitions = json.at("transitions").get<Transitions>();
+  if (json.contains("scene") && !json.at("scene").is_null())
+    description.scene = json.at("scene").get<characterise::SceneRanges>();
   description.threads = member<unsigned>(json, "threads", where);
   description.trained_at = member<std::string>(json, "trained_at", where);
   const auto software = member<nlohmann::json>(json, "software", where);
@@ -208,7 +211,7 @@ GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& descriptio
     throw Error(bundle.folder.string() + ": has no ratios of its training intervals; expected a model that has them for " +
                 "--gate-miss: run 'tactile train --force' again");
   }
-  if (description.gate) return rule_of(*description.gate, miss);
+  if (description.gate) return rule_of(*description.gate, description.settings.rendering.history, miss);
   throw Error(bundle.folder.string() +
               ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/characterise/scene.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/model/bundle/gate.hpp"
 #include "tactile/model/bundle/training_history.hpp"
@@ -36,10 +37,11 @@ struct ModelDescription {
   bool simulated = false;               ///< trained on simulated runs
   std::vector<std::string> train_runs;  ///< "fan/01"
   std::vector<std::string> test_runs;
-  std::vector<LearnedRun> learned_from;      ///< the training runs, and those of its starting models
-  std::uint64_t samples = 0;                 ///< training samples
-  std::optional<Gate> gate;                  ///< calibrated on the training runs; older bundles have none
-  std::optional<Transitions> transitions{};  ///< of the training runs' labels; older bundles have none
+  std::vector<LearnedRun> learned_from;              ///< the training runs, and those of its starting models
+  std::uint64_t samples = 0;                         ///< training samples
+  std::optional<Gate> gate;                          ///< calibrated on the training runs; older bundles have none
+  std::optional<Transitions> transitions{};          ///< of the training runs' labels; older bundles have none
+  std::optional<characterise::SceneRanges> scene{};  ///< of the training runs' recordings; older bundles have none
   unsigned threads = 1;
   std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
   std::string version, revision;  ///< of the software

@@ -49,9 +49,10 @@ BackgroundRatio::BackgroundRatio(events::SensorSize sensor, microseconds history
   }
   const int side = side_for(sensor);
   for (int x = 0; x < sensor.width; ++x) column_.push_back(static_cast<std::uint8_t>(x / side));
-  for (int y = 0; y < sensor.height; ++y) row_.push_back(static_cast<std::uint8_t>(y / side));
-  columns_ = column_.back() + std::size_t{1};
-  cells_ = columns_ * (row_.back() + std::size_t{1});
+  const std::size_t columns = column_.back() + std::size_t{1};
+  for (int y = 0; y < sensor.height; ++y)
+    first_of_row_.push_back(static_cast<std::uint16_t>(static_cast<std::size_t>(y / side) * columns));
+  cells_ = first_of_row_.back() + columns;
   background_.resize(cells_);
   halvings_.resize(cells_);
   rest_.resize(cells_);
@@ -63,21 +64,34 @@ BackgroundRatio::BackgroundRatio(events::SensorSize sensor, microseconds history
 }
 
 void BackgroundRatio::add(std::span<const events::Event> events) {
-  Step* step = ahead_.empty() ? nullptr : &ahead_.back();
-  CameraTime end = step != nullptr ? camera_time((step->index + 1) * step_us) : CameraTime::min();
-  for (const events::Event& event : mask_.without(events, unmasked_)) {
-    if (step == nullptr || event.t >= end) {
-      std::vector<std::uint32_t> counts;
-      if (!unused_.empty()) {
-        counts.swap(unused_.back());
-        unused_.pop_back();
-      }
-      counts.assign(cells_, 0);
-      step = &ahead_.emplace_back(Step{step_at(event.t), std::move(counts)});
-      end = camera_time((step->index + 1) * step_us);
-    }
-    ++step->counts[row_[static_cast<std::size_t>(event.y)] * columns_ + column_[static_cast<std::size_t>(event.x)]];
+  for (std::span<const events::Event> left = mask_.without(events, unmasked_); !left.empty();) {
+    if (ahead_.empty() || left.front().t >= end_of_last_) begin_step(left.front().t);
+    const auto in_step = [this](const events::Event& event) { return event.t < end_of_last_; };
+    // The first belongs to it, even at the end of the clock.
+    const auto end = in_step(left.back()) ? left.end() : std::partition_point(left.begin() + 1, left.end(), in_step);
+    const auto count = static_cast<std::size_t>(end - left.begin());
+    std::uint32_t* const counts = ahead_.back().counts.data();
+    const auto take = [counts, rows = first_of_row_.data(), columns = column_.data()](const events::Event& event) {
+      ++counts[std::uint32_t{rows[static_cast<std::uint16_t>(event.y)]} + columns[static_cast<std::uint16_t>(event.x)]];
+    };
+    const events::Event *event = left.data(), *const last = event + count;
+    for (; last - event >= 4; event += 4) take(event[0]), take(event[1]), take(event[2]), take(event[3]);
+    for (; event != last; ++event) take(*event);
+    left = left.subspan(count);
   }
+}
+
+/// Begins the step of `t`, with the memory of an earlier one if there is any.
+void BackgroundRatio::begin_step(CameraTime t) {
+  std::vector<std::uint32_t> counts;
+  if (!unused_.empty()) {
+    counts.swap(unused_.back());
+    unused_.pop_back();
+  }
+  counts.assign(cells_, 0);
+  ahead_.push_back(Step{step_at(t), std::move(counts)});
+  const std::int64_t into_step = us_of(t) % step_us;
+  end_of_last_ = after(t, microseconds{step_us - (into_step < 0 ? into_step + step_us : into_step)});
 }
 
 double BackgroundRatio::at(CameraTime t) {
@@ -164,18 +178,19 @@ void BackgroundRatio::set_background(std::size_t cell, double events) {
 }
 
 double BackgroundRatio::ratio_of(std::span<const std::uint32_t> counts) const {
-  double sum = 0, product = 1;
-  std::size_t factors = 0;
-  for (std::size_t cell = 0; cell < cells_; ++cell) {
-    const std::int64_t doublings = std::clamp<std::int64_t>(counts[cell] - halvings_[cell], least_doublings, most_doublings + 1);
-    const double ratio = std::min(rest_[cell] * powers[static_cast<std::size_t>(doublings - least_doublings)], 0x1p20);
-    product *= (1 - active_share) + active_share * ratio;
-    if (++factors < 48) continue;  // 48 factors of 2^20 fit in a double
+  constexpr std::size_t together = 48;  // factors of 2^20 fit in a double
+  double sum = 0;
+  for (std::size_t first = 0; first < cells_; first += together) {
+    double product = 1;
+    for (std::size_t cell = first; cell < std::min(first + together, cells_); ++cell) {
+      const std::int64_t doublings =
+          std::clamp<std::int64_t>(counts[cell] - halvings_[cell], least_doublings, most_doublings + 1);
+      const double ratio = std::min(rest_[cell] * powers[static_cast<std::size_t>(doublings - least_doublings)], 0x1p20);
+      product *= (1 - active_share) + active_share * ratio;
+    }
     sum += std::log(product);
-    product = 1;
-    factors = 0;
   }
-  return sum + std::log(product);
+  return sum;
 }
 
 std::vector<double> opening_ratios(events::RecordingReader& recording, std::span<const TouchInterval> intervals,

@@ -12,6 +12,7 @@
 #include "tactile/events/pixel_mask.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/model/bundle/gate.hpp"
 
 namespace tactile::model {
 
@@ -35,7 +36,7 @@ namespace tactile::model {
 /// background too.
 ///
 /// Steps count from the first event, or from the first `at` if that is earlier. Then a value depends only on the events and t,
-/// not on which ticks were asked for. A step of 48 cells costs some 1600 instructions, an event 16. Memory is allocated only for
+/// not on which ticks were asked for. A step of 48 cells costs some 1900 instructions, an event 8. Memory is allocated only for
 /// more steps ahead of t than ever before.
 class BackgroundRatio {
  public:
@@ -55,7 +56,7 @@ class BackgroundRatio {
   double background(std::size_t cell) const { return background_[cell]; }  ///< events per step; of known cells
   bool is_known() const { return seen_ >= steps_to_know; }
 
-  static constexpr std::int64_t step_us = 2000;
+  static constexpr std::int64_t step_us = model::gate_step.count();
   static constexpr std::size_t steps_to_know = 250;
 
  private:
@@ -63,6 +64,7 @@ class BackgroundRatio {
     std::int64_t index = 0;
     std::vector<std::uint32_t> counts;
   };
+  void begin_step(CameraTime t);
   void take(std::span<const std::uint32_t> counts);
   void sample(std::span<const std::uint32_t> counts);
   void learn(std::span<const std::uint32_t> counts);
@@ -74,9 +76,11 @@ class BackgroundRatio {
 
   events::PixelMask mask_;
   std::vector<events::Event> unmasked_;
-  std::vector<std::uint8_t> column_, row_;  ///< of a pixel: its cell's column; the first cell of its row / columns
-  std::size_t columns_ = 0, cells_ = 0;
+  std::vector<std::uint8_t> column_;         ///< of a pixel's cell, by x
+  std::vector<std::uint16_t> first_of_row_;  ///< the first cell of the pixel's row of cells, by y
+  std::size_t cells_ = 0;
   std::deque<Step> ahead_;                          ///< steps with events that `at` has not reached
+  CameraTime end_of_last_{};                        ///< of `ahead_`
   std::vector<std::vector<std::uint32_t>> unused_;  ///< their memory
   std::int64_t next_ = 0;                           ///< the step to take next, once `begun_`
   bool begun_ = false;

@@ -7,8 +7,10 @@
 #include <ctime>
 #include <thread>
 
+#include "tactile/characterise/scene.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/sha256.hpp"
 #include "tactile/core/utc_time.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -66,28 +68,56 @@ Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> run
   return calibrated_gate(counts);
 }
 
-/// Adds the ratios of the intervals of these runs, from their recordings. None if a recording is missing.
-void add_ratios(Gate& gate, const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
-                const heatmaps::HeatmapOptions& rendering) {
-  constexpr std::size_t most = 1000;
+/// The recordings of these runs; nothing if one is missing. @throws Error  if one differs from the one of the dataset
+std::optional<std::vector<std::filesystem::path>> recordings_of(const windows::Dataset& dataset,
+                                                                std::span<const std::uint32_t> runs) {
+  std::vector<std::filesystem::path> recordings;
   for (const std::uint32_t run : runs) {
     const std::filesystem::path recording = dataset.run_folder(run) / "events.aedat4";
-    if (!std::filesystem::is_regular_file(recording)) {
-      gate.ratios.clear();
-      gate.intervals = 0;
-      return;
+    if (!std::filesystem::is_regular_file(recording)) return std::nullopt;
+    if (sha256_of_file(recording) != dataset.runs()[run].events_sha256) {
+      throw Error(
+          fmt::format("{}: differs from the recording that {} was made from; expected the same, or run 'tactile windows' again",
+                      recording.string(), dataset.file().string()));
     }
-    std::vector<TouchInterval> labelled;
-    for (const windows::DatasetInterval& interval : dataset.intervals()) {
-      if (interval.run_index == run) labelled.push_back(interval.interval);
-    }
-    events::RecordingReader reader(recording);
-    const std::vector<double> ratios = opening_ratios(reader, labelled, rendering);
+    recordings.push_back(recording);
+  }
+  return recordings;
+}
+
+std::vector<TouchInterval> labelled_in(const windows::Dataset& dataset, std::uint32_t run) {
+  std::vector<TouchInterval> labelled;
+  for (const windows::DatasetInterval& interval : dataset.intervals()) {
+    if (interval.run_index == run) labelled.push_back(interval.interval);
+  }
+  return labelled;
+}
+
+/// What bundles keep of the training runs' recordings, beside the samples.
+struct SeenInRuns {
+  Gate gate;
+  std::optional<characterise::SceneRanges> scene;  ///< as the ratios of the gate, none if a recording is missing
+};
+
+SeenInRuns seen_in(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
+                   const heatmaps::HeatmapOptions& rendering) {
+  constexpr std::size_t most = 1000;
+  SeenInRuns seen{.gate = gate_of(dataset, runs, rendering), .scene = std::nullopt};
+  const auto recordings = recordings_of(dataset, runs);
+  if (!recordings) return seen;
+  Gate& gate = seen.gate;
+  seen.scene.emplace();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    events::RecordingReader reader((*recordings)[i]);
+    const std::vector<double> ratios = opening_ratios(reader, labelled_in(dataset, runs[i]), rendering);
     gate.ratios.insert(gate.ratios.end(), ratios.begin(), ratios.end());
+    seen.scene->add_run(characterise::scenes_of(reader, rendering.mask));
   }
   gate.intervals = gate.ratios.size();
   std::sort(gate.ratios.begin(), gate.ratios.end());
   gate.ratios.resize(std::min(gate.ratios.size(), most));
+  if (seen.scene->runs == 0) seen.scene.reset();  // all are too short
+  return seen;
 }
 
 /// The transitions of the labels of these runs.
@@ -96,10 +126,7 @@ Transitions transitions_of(const windows::Dataset& dataset, std::span<const std:
   for (const std::uint32_t run : runs) {
     const std::uint64_t count = dataset.runs()[run].events;
     if (count == 0) continue;
-    std::vector<TouchInterval> labelled;
-    for (const windows::DatasetInterval& interval : dataset.intervals()) {
-      if (interval.run_index == run) labelled.push_back(interval.interval);
-    }
+    std::vector<TouchInterval> labelled = labelled_in(dataset, run);
     std::sort(labelled.begin(), labelled.end(), [](const auto& a, const auto& b) { return a.start < b.start; });
     const auto time_of = [&](std::uint64_t event) { return dataset.events(run, event, 1).front().t; };
     transitions.add(time_of(0), time_of(count - 1), labelled);
@@ -221,8 +248,6 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.simulated = dataset.simulated();
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
-  description.gate = gate_of(dataset, split.train_runs, description.settings.rendering);
-  add_ratios(*description.gate, dataset, split.train_runs, description.settings.rendering);
   description.transitions = transitions_of(dataset, split.train_runs);
   description.trained_at = now_utc();
   description.version = version();
@@ -340,6 +365,9 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   const std::optional<Weights> from = starting_weights(settings, options.from, description);
   description.manifest_hash = dataset.manifest_hash();
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
+  SeenInRuns seen = seen_in(dataset, split.train_runs, settings.rendering);
+  description.gate = std::move(seen.gate);
+  description.scene = seen.scene;
 
   CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
   const Learned learned = settings.kind == ModelKind::lenet
