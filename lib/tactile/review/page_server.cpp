@@ -32,7 +32,7 @@ using SteadyClock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::size_t longest_target = 2048;   // [B] of a request: path and query
-constexpr std::size_t most_head = 32 * 1024;   // [B] of a request before its body
+constexpr std::size_t most_head = 32'768;      // [B] of a request before its body
 constexpr milliseconds look_up_every{100};     // whether the server ends
 constexpr std::size_t most_requests = 10'000;  // of one connection
 constexpr const char* policy =
