@@ -124,6 +124,7 @@ json Review::State::film_json(const RunView& view) {
 json Review::State::run_json(const RunView& view) {
   const RunFacts& facts = view.events().facts();
   const LabelCache::Shared known = labels_if_read(view.run());
+  runs.facts(view.run());  // the row has them, though the survey has not come to this run
   json object = runs.row(view.run().object, view.run().run);
   const auto default_model = help.default_model ? help.default_model() : std::nullopt;
   object["history_us"] = options.history.count();
