@@ -70,7 +70,7 @@ void measure(const std::filesystem::path& folder, const std::filesystem::path& r
       for (std::size_t first = 0; first < ticks; first += batch)
         classifier.classify(std::span(heatmaps).subspan(first * cells, std::min(batch, ticks - first) * cells), 1);
     }));
-    whole.push_back(seconds_of([&] { evaluation::classify_full_run(recording, classifier, 1); }));
+    whole.push_back(seconds_of([&] { evaluation::classify_full_run(recording, classifier); }));
     rendering.push_back(seconds_of([&] { render([](CameraTime, std::span<const std::uint8_t>, std::uint64_t) {}); }));
     reading.push_back(seconds_of([&] {
       events::RecordingReader reader(recording);

@@ -20,6 +20,7 @@ void add_info_command(CLI::App& app);
 void add_repair_command(CLI::App& app);
 void add_characterise_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
+void add_split_command(CLI::App& app);
 void add_label_command(CLI::App& app);
 void add_review_command(CLI::App& app);
 void add_windows_command(CLI::App& app);
@@ -61,6 +62,7 @@ consteval auto command_table() {
       CommandEntry{"repair", Program::tactile, add_repair_command},
       CommandEntry{"characterise", Program::runs, add_characterise_command},
       CommandEntry{"convert", Program::runs, add_convert_command},
+      CommandEntry{"split", Program::runs, add_split_command},
       CommandEntry{"label", Program::runs, add_label_command},
       CommandEntry{"review", Program::model, add_review_command},
       CommandEntry{"windows", Program::runs, add_windows_command},

@@ -25,7 +25,6 @@
 #include "tactile/detect/detection_session.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/bundle/temperature.hpp"
-#include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 #include "tick_reader.hpp"
@@ -64,20 +63,12 @@ void check_tick_count(const DetectArguments& args, const heatmaps::HeatmapOption
   if (!why.empty()) throw Error(file.string() + ": " + why);
 }
 
-/// Runs the network on one thread.
-detect::ClassifyHeatmap network_of(const DetectArguments& args, const model::ModelBundle& bundle,
-                                   const model::ModelDescription& model) {
+model::Classifier opened(const DetectArguments& args, const model::ModelBundle& bundle) {
   const model::EngineKind kind = model::engine_named(args.engine);
   const model::Precision precision = model::precision_named(args.precision);
-  if (kind == model::EngineKind::fast) {
-    const auto engine =
-        std::make_shared<model::LeNetEngine>(model.input, model::read_bundle_weights(bundle, model), model.settings.network,
-                                             model::EngineOptions{.precision = precision});
-    return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
-  }
-  if (precision != model::Precision::fp32) throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
-  const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(bundle.folder, 1, kind));
-  return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
+  if (kind == model::EngineKind::libtorch && precision != model::Precision::fp32)
+    throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
+  return model::open_classifier(bundle.folder, 1, kind, {.precision = precision});
 }
 
 /// The run folder that a file source plays, if it has labels or truth.
@@ -118,7 +109,6 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   options.source_options = args.source;
   options.robot = robot_options(args.robot);
   if (!args.udp.empty()) options.udp = udp_address(args.udp);
-  options.input = model.input;
   heatmaps::HeatmapOptions& rendering = options.detector.rendering;
   rendering = model.settings.rendering;
   if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
@@ -164,7 +154,10 @@ void detect(DetectArguments args, const CommonArguments& common) {
   check_tick_count(args, options.detector.rendering);
   options.source = args.from;
 
-  detect::DetectionSession session(std::move(options), network_of(args, bundle, model));
+  const model::Classifier classifier = opened(args, bundle);
+  const heatmaps::HeatmapOptions rendering = options.detector.rendering;
+  detect::DetectionSession session(std::move(options),
+                                   [&](events::SensorSize sensor) { return classifier.on_events(sensor, rendering); });
   TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
   detect::DetectionSummary summary = session.run(reader.output());
   line.clear();

@@ -133,7 +133,7 @@ std::string delays_text(const results::Evaluation& evaluation) {
 
 std::string false_alarms_text(const results::Evaluation& evaluation) {
   using results::FalseAlarmTable;
-  Row header{"false alarms", "network", "95 %"};
+  Row header{"false alarms", "model", "95 %"};
   std::vector<const FalseAlarmTable*> others;
   const auto add = [&](const std::string& name, const FalseAlarmTable& table) {
     header.push_back(name);

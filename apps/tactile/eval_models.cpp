@@ -34,6 +34,10 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
     if (!model::same_settings(settings, with_default))
       command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
   }
+  add("kind", name_of(settings.kind), name_of(defaults.kind));
+  add("rounds", settings.trees.rounds, defaults.trees.rounds);
+  add("depth", settings.trees.depth, defaults.trees.depth);
+  add("shrinkage", settings.trees.learning_rate, defaults.trees.learning_rate);
   add("train-run", settings.split.train_run, defaults.split.train_run);
   add("seed", settings.training.seed, defaults.training.seed);
   add("epochs", settings.training.epochs, defaults.training.epochs);

@@ -37,17 +37,17 @@ std::string accuracy_text(const results::Evaluation& evaluation) {
   std::string text = text_table({"accuracy on balanced samples [%]", "", "95 %", ""}, rows) + "\n";
 
   rows.clear();
-  rows.push_back({"network", percent(mean), bounds(mean, 100)});
+  rows.push_back({"model", percent(mean), bounds(mean, 100)});
   for (const results::BaselineScore& baseline : evaluation.baselines)
     rows.push_back({baseline.name, percent(baseline.accuracy.mean), bounds(baseline.accuracy.mean, 100)});
   text += text_table({"compared with baselines, mean over objects [%]", "", "95 %"}, rows);
   const auto above = evaluation.above_baselines();
-  text += evaluation.baselines.empty() ? "No baselines: the dataset has none of the runs that the model was trained on.\n\n"
-          : !above                     ? "No comparison with the baselines: too few objects for an interval.\n\n"
-          : *above
-              ? "The network's accuracy interval lies above every baseline's.\n\n"
-              : wrapped("The network's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") +
-                    "\n\n";
+  text +=
+      evaluation.baselines.empty() ? "No baselines: the dataset has none of the runs that the model was trained on.\n\n"
+      : !above                     ? "No comparison with the baselines: too few objects for an interval.\n\n"
+      : *above
+          ? "The model's accuracy interval lies above every baseline's.\n\n"
+          : wrapped("The model's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".") + "\n\n";
 
   return text;
 }
@@ -65,7 +65,7 @@ std::string classes_text(const results::Evaluation& evaluation) {
   }
   return text_table({"true \\ predicted", "none", "press", "slip"}, rows) + "\n" +
          text_table({"[%]", "precision", "95 %", "recall", "95 %", "F1", "95 %"}, score_rows) + "\n" +
-         wrapped(fmt::format("Expected calibration error of the network's probabilities: {} % {} on balanced samples, {} % {} at "
+         wrapped(fmt::format("Expected calibration error of the model's probabilities: {} % {} on balanced samples, {} % {} at "
                              "every tick of whole runs, with their shares of the classes.",
                              percent(evaluation.calibration.error), bounds(evaluation.calibration.error, 100),
                              percent(evaluation.whole_run_calibration.error),
@@ -142,7 +142,7 @@ std::string gate_text(const results::Evaluation& evaluation) {
                                : fmt::format("gate: none below {} events", off.limit),
                      "on", "off"},
                     rows) +
-         fmt::format("The gate skips the network at {:.1f} % of {} ticks.\n\n", share, off.ticks);
+         fmt::format("The gate skips the model at {:.1f} % of {} ticks.\n\n", share, off.ticks);
 }
 
 constexpr const char* operating_legend =

@@ -15,6 +15,7 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/bundle/onnx_model.hpp"
 #include "tactile/model/bundle/temperature.hpp"
+#include "tactile/model/definition/model_network.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -58,11 +59,23 @@ nlohmann::json json_of(const std::vector<ExportedFile>& files) {
   return json;
 }
 
+std::string input_words(const model::ModelDescription& model) {
+  if (!reads_heatmaps(model.settings.kind))
+    return fmt::format("Input: the features of {}", input_text(model.settings.kind, model.input));
+  return fmt::format("Input: float32 [n, 1, {}, {}], a heatmap / 255", model.input.height, model.input.width);
+}
+
 void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
   const model::ModelDescription model = model::read_description(bundle);
   if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
+  if (!args.onnx.empty() && !reads_heatmaps(model.settings.kind)) {
+    throw Error(
+        fmt::format("--onnx: {} is of kind {}, which reads features of events; expected a model of kind lenet, or "
+                    "--safetensors alone",
+                    bundle.name(), name_of(model.settings.kind)));
+  }
   const model::Weights weights = model::read_bundle_weights(bundle, model);
   auto metadata = model::weights_metadata(model);
   metadata["model"] = bundle.name();
@@ -93,16 +106,17 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   if (onnx) onnx->commit();
   if (safetensors) safetensors->commit();
 
-  nlohmann::json json = {{"model", bundle.folder.string()},
-                         {"name", bundle.name()},
-                         {"simulated", model.simulated},
-                         {"weights_sha256", model.weights_sha256},
-                         {"temperature", temperature},
-                         {"classes", nlohmann::json::parse(metadata.at("classes"))},
-                         {"input", nlohmann::json::parse(metadata.at("input"))},
-                         {"settings", {{"rendering", model.settings.rendering}, {"network", model.settings.network}}},
-                         {"parameters", model::lenet_layers(model.input, model.settings.network).parameter_count()},
-                         {"files", json_of(files)}};
+  nlohmann::json json = {
+      {"model", bundle.folder.string()},
+      {"name", bundle.name()},
+      {"simulated", model.simulated},
+      {"weights_sha256", model.weights_sha256},
+      {"temperature", temperature},
+      {"classes", nlohmann::json::parse(metadata.at("classes"))},
+      {"input", nlohmann::json::parse(metadata.at("input"))},
+      {"settings", {{"rendering", model.settings.rendering}, {"network", nlohmann::json(model.settings).at("network")}}},
+      {"parameters", model::network_json(model.settings, model.input).at("parameters")},
+      {"files", json_of(files)}};
   json["onnx"] = !onnx ? nlohmann::json()
                        : nlohmann::json{{"ir_version", model::onnx_ir_version},
                                         {"opset", model::onnx_opset},
@@ -111,10 +125,8 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   std::vector<std::vector<std::string>> rows;
   for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
-  text += wrapped(fmt::format("{}: trained on {} runs. Input: float32 [n, 1, {}, {}], a heatmap / 255; output: the logits of "
-                              "none, press, slip",
-                              bundle.folder.string(), model.simulated ? "simulated" : "real", model.input.height,
-                              model.input.width)) +
+  text += wrapped(fmt::format("{}: trained on {} runs. {}; output: the logits of none, press, slip", bundle.folder.string(),
+                              model.simulated ? "simulated" : "real", input_words(model))) +
           "\n";
   print_result(common, json, text);
 }

@@ -54,6 +54,7 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   std::vector<std::string> errors;
   nlohmann::json recordings = nlohmann::json::array();
   nlohmann::json failed = nlohmann::json::array();
+  std::vector<RecordingReport> reports;
   std::string text;
   bool sick = false;
   const auto attempt = [&](const std::string& name, const auto& step) {
@@ -70,13 +71,17 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   for (const std::string& misnamed : places.misnamed) spdlog::warn("{}", misnamed);
   for (const RecordingPlace& place : places.found) {
     attempt(place.name, [&] {
-      const RecordingReport report = examine(place, args.report, common.threads, progress);
+      const RecordingReport& report = reports.emplace_back(examine(place, args.report, common.threads, progress));
       recordings.push_back(json_of(report, args.report));
-      text += (text.empty() ? "" : "\n") + text_of(report, args.report);
       if (report.health.healthy() || !args.report.check) return;
       sick = true;
       for (const std::string& reason : report.health.reasons) spdlog::error("{}: {}", place.name, reason);
     });
+  }
+  if (reports.size() > 1 && !args.report.verbose) {
+    text = summary_of(reports, args.report);
+  } else {
+    for (const RecordingReport& report : reports) text += (text.empty() ? "" : "\n") + text_of(report, args.report);
   }
   nlohmann::json bag_reports = nlohmann::json::array();
   for (const std::string& bag : places.bags) {
@@ -110,6 +115,7 @@ void add_info_command(CLI::App& app) {
   command.add_option("--gap-ms", args->report.gap_ms, "Report gaps without data longer than this [ms]")
       .check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       .show_default();
+  command.add_flag("--verbose", args->report.verbose, "Show each of several recordings in full");
   command.add_flag("--check", args->report.check,
                    "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "
                    "damaged or misnamed");

@@ -194,7 +194,7 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
   const std::vector<LabelledRun>& labelled = outcome.labelled;
   nlohmann::json json = {
       {"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}, {"misnamed", found.misnamed}};
-  std::string text = labelled.empty() ? "" : runs_table(labelled);
+  std::string text = labelled.empty() ? "" : runs_table(labelled, arguments.summary);
   if (arguments.summary && !labelled.empty()) {
     json["objects"] = objects_json(labelled);
     json["differences"] = differences_json(labelled);

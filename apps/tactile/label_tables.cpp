@@ -211,14 +211,14 @@ std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
 
 bool is_flagged(const LabelledRun& labelled) { return standing_flags(labelled.labels) > 0; }
 
-std::string runs_table(const std::vector<LabelledRun>& runs) {
+std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods) {
   const ClockMethods methods(runs);
   std::vector<std::vector<std::string>> rows;
   for (const LabelledRun& labelled : runs) {
     const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
     const std::string clock_text =
         clock == nullptr ? "-"
-                         : fmt::format("{} ±{}", methods.letter_of(clock->method),
+                         : fmt::format("{}±{}", with_methods ? methods.letter_of(clock->method) + " " : "",
                                        ms(microseconds{saturating_subtract(clock->offset_high_us, clock->offset_low_us)} / 2));
     const std::size_t standing = standing_flags(labelled.labels);
     rows.push_back({labelled.run.run, onset_text(labelled, Touch::press), length_text(labelled.labels, Touch::press),
@@ -251,7 +251,7 @@ std::string runs_table(const std::vector<LabelledRun>& runs) {
   std::string legend = "Times in ms. Onsets count from a run's first event; ± is half of their 95 % interval.";
   if (!methods.legend().empty()) legend += " For a clock, ± is half of its offset's 95 % interval.";
   if (has_lag) legend += " Lift to slip includes the robot clock's error. It is negative only because of this error.";
-  return text + wrapped(legend) + "\n" + methods.legend() + advice_on_sessions(runs);
+  return text + wrapped(legend) + "\n" + (with_methods ? methods.legend() : "") + advice_on_sessions(runs);
 }
 
 std::string remarks_text(const std::vector<LabelledRun>& runs) {

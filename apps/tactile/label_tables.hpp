@@ -13,7 +13,8 @@ bool is_flagged(const LabelledRun& labelled);
 
 /// A row for each run: its first press and slip, the lag from lift to slip, the robot's clock, and how many flags stand. What the
 /// flags say follows.
-std::string runs_table(const std::vector<LabelledRun>& runs);
+/// @param with_methods  also what each clock was found by
+std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods);
 /// The remarks that need no check, each with its runs; empty if there are none.
 std::string remarks_text(const std::vector<LabelledRun>& runs);
 nlohmann::json runs_json(const std::vector<LabelledRun>& runs);

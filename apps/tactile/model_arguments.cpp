@@ -117,7 +117,9 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
 
 std::string training_size(const windows::Dataset& dataset, const model::ModelSettings& settings) {
   const std::size_t samples = model::samples_of_runs(dataset, model::split_of(dataset, settings.split).train_runs).size();
-  return fmt::format("{}, {}", counted(samples, "sample"), counted(settings.training.epochs, "epoch"));
+  const std::string length = settings.kind == model::ModelKind::trees ? counted(settings.trees.rounds, "round") + " of trees"
+                                                                      : counted(settings.training.epochs, "epoch");
+  return fmt::format("{}, {}", counted(samples, "sample"), length);
 }
 
 void TrainingEstimate::begin(unsigned epoch, double done) {

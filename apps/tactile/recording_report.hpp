@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "log_rows.hpp"
@@ -18,6 +19,7 @@ struct ReportOptions {
   std::string stream;         ///< only this event stream, by id or source; empty: all
   std::int64_t gap_ms = 100;  ///< report gaps without data longer than this [ms], > 0
   bool check = false;         ///< compare checksums
+  bool verbose = false;       ///< of several recordings, show each in full
 };
 
 /// A recording, or a run with its recording.
@@ -42,6 +44,9 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
 
 nlohmann::json json_of(const RecordingReport& report, const ReportOptions& options);
 std::string text_of(const RecordingReport& report, const ReportOptions& options);
+
+/// One line per recording: length, events, rate, files and health; then how many are healthy.
+std::string summary_of(std::span<const RecordingReport> reports, const ReportOptions& options);
 
 /// State of the data table: "used", "missing" or "unusable"; "none" if the format has none.
 std::string table_state(const events::RecordingHealth& health);

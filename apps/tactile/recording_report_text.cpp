@@ -162,4 +162,23 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   return text + "\n" + judged;
 }
 
+std::string summary_of(std::span<const RecordingReport> reports, const ReportOptions& options) {
+  std::vector<std::vector<std::string>> rows;
+  std::size_t healthy = 0;
+  for (const RecordingReport& report : reports) {
+    const events::RecordingHealth& health = report.health;
+    const events::StreamHealth* events = main_stream(health);
+    const bool has_events = events != nullptr && events->stamps.elements > 0;
+    const auto length = has_events ? between(events->stamps.first, events->stamps.last) : microseconds{0};
+    healthy += health.healthy() ? 1 : 0;
+    rows.push_back({report.place.name, duration_text(length), has_events ? std::to_string(events->stamps.elements) : "0",
+                    has_events && events->stamps.rate_hz() ? rate_text(*events->stamps.rate_hz()) : "-",
+                    report.robot ? std::to_string(report.robot->rows) : "-",
+                    report.video ? std::to_string(report.video->rows) : "-",
+                    health.healthy() ? "healthy" : "SICK: " + health.reasons.front()});
+  }
+  return text_table({"Recording", "length", "events", "mean rate", "robot rows", "frames", ""}, rows) +
+         fmt::format("{} of {} healthy{}\n", healthy, reports.size(), options.check ? "" : "; --check compares checksums too");
+}
+
 }  // namespace tactile::cli

@@ -11,6 +11,7 @@
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "kind_arguments.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
@@ -41,6 +42,7 @@ struct TrainArguments {
   int last_pool = 2;
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
+  KindArguments kind;
   std::string models = "models", name, from;
   std::vector<std::string> calibrate;  ///< ids of runs to fit a temperature on; empty: none is fitted
   bool force = false, resume = false, strict = false;
@@ -62,7 +64,10 @@ model::ModelSettings settings_of(const TrainArguments& args) {
   settings.training.class_weights = model::class_weights_named(args.class_weights);
   settings.training.validation_share =
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
+  settings.kind = model::kind_named(args.kind.kind);
+  settings.trees = args.kind.trees;
   check(settings.training);
+  check_options_of_kind(settings, !args.from.empty());
   if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
     throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
   return settings;
@@ -92,7 +97,8 @@ std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args
   }
   std::vector<std::string> titles{"epoch", "loss", "accuracy [%]"};
   if (judged) titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
-  titles.insert(titles.end(), {"images/s", "seconds"});
+  titles.insert(titles.end(), {model::reads_heatmaps(model.settings.kind) ? "images/s" : "samples/s", "seconds"});
+  if (model.settings.kind == model::ModelKind::trees) titles.front() = "fit";
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (summary.stopped_early) {
     text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
@@ -165,7 +171,7 @@ std::string difference_of(const model::ModelBundle& bundle, const windows::Datas
 void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
                              const model::TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
-  if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
+  if (settings.kind != model::ModelKind::lenet || summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
       "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
       "than {}",
@@ -194,12 +200,13 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
                                     const model::ModelSettings& settings, const model::ModelBundle& bundle, IfThere if_there) {
   heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
-  TrainingEstimate estimate(settings.training.epochs, progress_line(common));
+  // Trees are fitted within seconds, in one go.
+  const unsigned epochs = settings.kind == model::ModelKind::trees ? 1 : settings.training.epochs;
+  TrainingEstimate estimate(epochs, progress_line(common));
   const auto report_begin = [&](unsigned epoch, double done) {
     estimate.begin(epoch, done);
     if (resumes) {
-      spdlog::info("resuming {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, settings.training.epochs,
-                   100 * done);
+      spdlog::info("resuming {} in epoch {} of {}, {:.0f} % of it done", bundle.name(), epoch, epochs, 100 * done);
     } else {
       spdlog::info("training {}: {}", bundle.name(), training_size(dataset, settings));
     }
@@ -361,9 +368,10 @@ void add_model_options(Command& command, TrainArguments& args) {
 
 void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
-  Command command = add_command(app, "train", "Train LeNet on the heatmaps of one run per object",
+  Command command = add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, or trees",
                                 [args](const CommonArguments& common) { train(*args, common); });
   add_split_options(command, *args);
+  add_kind_options(command, args->kind);
   add_training_options(command, *args);
   add_model_options(command, *args);
 }

@@ -42,6 +42,16 @@ TEST(CommandLine, HelpListsEveryCommandInTheOrderOfUse) {
   }
 }
 
+TEST(CommandLine, WordsForHelpAndVersionDoWhatTheOptionsDo) {
+  for (const auto& [words, options] :
+       {std::pair{"", "--help"}, {"help", "--help"}, {"help train", "train --help"}, {"version", "--version"}}) {
+    const auto by_word = run_tactile(words), by_option = run_tactile(options);
+    EXPECT_EQ(by_word.exit_code, 0) << words;
+    EXPECT_EQ(by_word.out, by_option.out) << words;
+  }
+  EXPECT_EQ(run_tactile("help nonsense").exit_code, 106);
+}
+
 TEST(CommandLine, EveryCommandHasHelpWithTheCommonOptions) {
   for (const std::string& command : commands) {
     const auto result = run_tactile(command + " --help");
@@ -177,7 +187,7 @@ TEST(CommandLine, CtrlCNeverKillsItBareHoweverEarlyItComes) {
 }
 
 TEST(CommandLine, UnknownOptionAndUnknownCommandAreUsageErrors) {
-  for (const char* arguments : {"doctor --bogus", "bogus", ""}) {
+  for (const char* arguments : {"doctor --bogus", "bogus", "--bogus"}) {
     const auto result = run_tactile(arguments);
     EXPECT_GE(result.exit_code, 100) << arguments;
     EXPECT_TRUE(result.out.empty());

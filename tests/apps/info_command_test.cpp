@@ -338,5 +338,22 @@ TEST(InfoCommand, RefusesAGapOutOfRange) {
   EXPECT_NE(result.err.find("3600000"), std::string::npos) << result.err;
 }
 
+TEST(InfoCommand, ShowsOneLinePerRunOfAFolder) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate data --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  const test::CommandResult brief = run_tactile("info --check data", folder.path());
+  const std::size_t runs = find_runs(folder / "data").size();
+  ASSERT_GT(runs, 1U);
+  EXPECT_EQ(lines_in(brief.out), runs + 2) << brief.out;
+  EXPECT_NE(brief.out.find(std::to_string(runs) + " of " + std::to_string(runs) + " healthy\n"), std::string::npos) << brief.out;
+  EXPECT_GT(lines_in(run_tactile("info --verbose data", folder.path()).out), 10 * runs);
+
+  fs::remove(folder / "data/fan/01/robot.csv");
+  const test::CommandResult sick = run_tactile("info --check data", folder.path());
+  EXPECT_EQ(sick.exit_code, 2);
+  EXPECT_NE(sick.out.find(std::to_string(runs - 1) + " of " + std::to_string(runs) + " healthy\n"), std::string::npos)
+      << sick.out;
+}
+
 }  // namespace
 }  // namespace tactile::cli

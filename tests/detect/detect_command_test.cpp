@@ -122,6 +122,37 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   }
 }
 
+TEST(DetectCommand, AgreesWithEvalAtEveryTickWithTreesToo) {
+  const Trained own;
+  const fs::path folder = own.folder.path();
+  const auto train = run_tactile("train --quiet --kind trees --rounds 20 --name trees", folder);
+  ASSERT_EQ(train.exit_code, 0) << train.err;
+  for (const std::string options : {"", " --gate --filter --alarm-cost 0.1"}) {
+    const auto eval = run_tactile("eval --quiet --model trees --run fan/02 --out offline" + options, folder);
+    ASSERT_EQ(eval.exit_code, 0) << eval.err;
+    const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
+    ASSERT_GT(offline.size(), 100U);
+    const auto live =
+        run_tactile("detect --quiet --json --model trees --from file:data/fan/02 --ticks live.csv --speed 0" + options, folder);
+    ASSERT_EQ(live.exit_code, 0) << live.err;
+    const std::vector<Row> reported = rows_of(folder / "live.csv");
+    ASSERT_EQ(reported.size(), offline.size()) << options;
+    std::map<std::string, int> verdicts;
+    for (std::size_t i = 0; i < offline.size(); ++i) {
+      for (const char* column : {"t_us", "verdict", "events"})
+        ASSERT_EQ(reported[i].at(column), offline[i].at(column)) << column << " of tick " << i << options;
+      ASSERT_NEAR(std::stod(reported[i].at("p_slip")), std::stod(offline[i].at("p_slip")), 1e-6);
+      ++verdicts[reported[i].at("verdict")];
+    }
+    EXPECT_EQ(verdicts.size(), 3U) << "each class occurs";
+  }
+  const auto finer = run_tactile("detect --quiet --json --model trees --from file:data/fan/02 --speed 0 --tick-us 1000", folder);
+  ASSERT_EQ(finer.exit_code, 0) << finer.err;
+  EXPECT_GT(nlohmann::json::parse(finer.out).at("verdicts").at("slip").get<int>(), 100);
+  const auto refused = run_tactile("detect --model trees --from file:data/fan/02 --speed 0 --precision int8", folder);
+  EXPECT_NE(refused.err.find("a model of kind trees has no precision int8; expected fp32"), std::string::npos) << refused.err;
+}
+
 TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   const fs::path folder = trained().folder.path();
   ASSERT_EQ(run_tactile("eval --quiet --model small --run fan/02 --out offline", folder).exit_code, 0);
@@ -477,7 +508,7 @@ TEST(DetectCommand, ReportsWhatIsWrong) {
   expect_error("--from file:data/fan/02 --udp nowhere", "expected HOST:PORT");
   expect_error("--from file:data/fan/02 --confirm 1/2", "more than half");
   expect_error("--from file:nothing", "nothing");
-  expect_error("--from sim:fan", "expected the 32 x 24 that the model was trained on");
+  expect_error("--from sim:fan", "expected the heatmaps of 32 x 24 cells that models/small was trained on");
   expect_error("--from file:data/fan/02 --speed 0 --ticks no/such/place.csv", "cannot be written");
 
   fs::copy(trained().bundle.folder, folder / "models/old", fs::copy_options::recursive);

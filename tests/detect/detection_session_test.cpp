@@ -1,5 +1,6 @@
 #include "tactile/detect/detection_session.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -20,12 +21,16 @@ namespace {
 
 using namespace test;
 
+std::unique_ptr<model::EventClassifier> open_model(events::SensorSize of) {
+  EXPECT_EQ(of, sensor);
+  return model_of(slip_where_anything_is);
+}
+
 DetectionOptions options_for(const std::string& source) {
   DetectionOptions options;
   options.source = source;
   options.source_options.speed = 0;
-  options.input = input;
-  options.detector.rendering = {.history = 10ms, .tick = 2ms};
+  options.detector.rendering = short_history;
   return options;
 }
 
@@ -44,7 +49,7 @@ class DetectionSessionOfAFile : public testing::Test {
     test::write_plain_recording(file, events, sensor);
   }
   static DetectionSummary detect(DetectionOptions options, const TickOutput& output = {}) {
-    return DetectionSession(std::move(options), slip_where_anything_is).run(output);
+    return DetectionSession(std::move(options), open_model).run(output);
   }
 
   test::TemporaryFolder folder;
@@ -107,10 +112,11 @@ TEST_F(DetectionSessionOfAFile, RecordsTheRun) {
   EXPECT_EQ(test::events_in_file(folder / "data/cup/01/events.aedat4"), events);
 }
 
-TEST_F(DetectionSessionOfAFile, RefusesAModelOfAnotherSize) {
-  DetectionOptions options = options_for(source);
-  options.input = {12, 10};
-  EXPECT_NE(test::error_of([&] { detect(options); }).find("expected the 12 x 10"), std::string::npos);
+TEST_F(DetectionSessionOfAFile, RefusesAModelOfAnotherSensor) {
+  const OpenModel refuses = [](events::SensorSize of) -> std::unique_ptr<model::EventClassifier> {
+    throw Error(fmt::format("a sensor of {} x {}", of.width, of.height));
+  };
+  EXPECT_EQ(test::error_of([&] { DetectionSession(options_for(source), refuses); }), "a sensor of 50 x 50");
 }
 
 transport::NetworkAddress any_free_port() {
@@ -160,7 +166,7 @@ TEST(DetectionSession, StopsALiveStreamWhenTheCallerInterrupts) {
   TickOutput output;
   output.ticks = [&](std::span<const ReportedTick> ticks) { reported += ticks.size(); };
   output.interrupted = [&] { return reported > 3; };
-  DetectionSession session(stream.options(), slip_where_anything_is);
+  DetectionSession session(stream.options(), open_model);
   const DetectionSummary summary = session.run(output);
   EXPECT_EQ(summary.ended, "interrupted");
   EXPECT_FALSE(summary.plays);
@@ -176,7 +182,7 @@ TEST(DetectionSession, EndsWithAStreamThatCloses) {
     reported += ticks.size();
     if (reported > 3) stream.close();
   };
-  DetectionSession session(stream.options(), slip_where_anything_is);
+  DetectionSession session(stream.options(), open_model);
   const DetectionSummary summary = session.run(output);
   EXPECT_EQ(summary.ended, "source ended");
   EXPECT_GT(summary.counts.events, 0U);

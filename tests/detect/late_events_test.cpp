@@ -225,8 +225,9 @@ TEST(LiveDetector, ReportsNoSilenceDuringABacklog) {
   for (const bool more_came : {false, true}) {
     std::uint64_t reported = 0;
     std::string faults;
+    const heatmaps::HeatmapOptions rendering{.history = 10s, .tick = 2s};
     LiveDetector detector(
-        {sensor, input, slip_where_anything_is, {.rendering = {.history = 10s, .tick = 2s}}},
+        {sensor, model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
         {.clock = {.tick = 2s, .history = 10s, .slack = 2s},
          .silence = 2'000s,
          .jump = 1'000s,

@@ -3,15 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "tactile/detect/live_detector.hpp"
+#include "tactile/model/inference/heatmap_classifier.hpp"
 
 namespace tactile::test {
 
-inline constexpr events::SensorSize sensor{50, 50}, input{10, 10};
+inline constexpr events::SensorSize sensor{50, 50};
+inline const heatmaps::HeatmapOptions short_history{.history = 10ms, .tick = 2ms};
 inline constexpr std::int64_t base = 1'700'000'000'000'000;
 
 inline HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
@@ -22,6 +25,12 @@ inline model::Logits slip_where_anything_is(std::span<const std::uint8_t> heatma
     if (cell != 0) return {0, 0, 1};
   }
   return {1, 0, 0};
+}
+
+/// A network on the heatmaps of this sensor.
+inline std::unique_ptr<model::EventClassifier> model_of(model::ClassifyHeatmap network,
+                                                        const heatmaps::HeatmapOptions& rendering = short_history) {
+  return std::make_unique<model::HeatmapClassifier>(sensor, rendering, std::move(network));
 }
 
 /// The packets of a queue.
@@ -47,9 +56,8 @@ struct Live {
                 microseconds play_for = microseconds::max())
       : detector(
             {sensor,
-             input,
-             slip_where_anything_is,
-             {.rendering = {.history = 10ms, .tick = 2ms}, .decision = {.confirmation = confirmation}, .gate = gate}},
+             model_of(slip_where_anything_is),
+             {.rendering = short_history, .decision = {.confirmation = confirmation}, .gate = gate}},
             {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
             [this](const detect::ReportedTick& tick) { reported.push_back(tick); },
             [this](const detect::DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}

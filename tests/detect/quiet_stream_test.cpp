@@ -19,8 +19,9 @@ TEST(LiveDetector, WakesOnlyForPacketsThatCloseATickOrAreLarge) {
   // Ticks of 1000 s, so that none closes by the host's time meanwhile, however busy it is.
   constexpr std::int64_t tick = 1'000'000'000;
   std::vector<ReportedTick> reported;
+  const heatmaps::HeatmapOptions rendering{.history = 1000s, .tick = 1000s};
   LiveDetector detector(
-      {sensor, input, slip_where_anything_is, {.rendering = {.history = 1000s, .tick = 1000s}}},
+      {sensor, model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
       {.clock = {.tick = 1000s, .history = 1000s, .slack = 2ms}, .jump = 10'000s, .stopped_for = 10'000s},
       [&reported](const ReportedTick& each) { reported.push_back(each); }, [](const DetectionFault&) {});
   const auto events_at = [](std::int64_t t, std::size_t count) {

@@ -21,18 +21,20 @@ struct Rehearsing {
   std::vector<ReportedTick> reported;
   LiveDetector detector;
 
+  inline static const heatmaps::HeatmapOptions long_history{.history = 100s, .tick = 100s};
   static HostTime host_at(std::int64_t t) { return host_time(base + 100 * t); }
 
   explicit Rehearsing(bool rehearses, std::optional<model::GateRule> gate = {})
       : detector(
             {sensor,
-             input,
-             [this](std::span<const std::uint8_t> heatmap) {
-               asked.emplace_back(heatmap.begin(), heatmap.end());
-               std::this_thread::sleep_for(2ms);
-               return slip_where_anything_is(heatmap);
-             },
-             {.rendering = {.history = 100s, .tick = 100s}, .decision = {.confirmation = {2, 3}}, .gate = gate}},
+             model_of(
+                 [this](std::span<const std::uint8_t> heatmap) {
+                   asked.emplace_back(heatmap.begin(), heatmap.end());
+                   std::this_thread::sleep_for(2ms);
+                   return slip_where_anything_is(heatmap);
+                 },
+                 long_history),
+             {.rendering = long_history, .decision = {.confirmation = {2, 3}}, .gate = gate}},
             {.clock = {.tick = 100s, .history = 100s, .slack = 2ms}, .rehearses = rehearses},
             [this](const ReportedTick& tick) { reported.push_back(tick); }, [](const DetectionFault&) {}) {}
 

@@ -65,7 +65,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   EXPECT_TRUE(json.at("simulated").get<bool>());
   const auto text = run_tactile("eval", trained.folder.path());
   EXPECT_NE(text.out.find("on simulated runs"), std::string::npos);
-  EXPECT_NE(text.out.find("The network's accuracy interval"), std::string::npos);
+  EXPECT_NE(text.out.find("The model's accuracy interval"), std::string::npos);
   EXPECT_NE(text.out.find("always_press"), std::string::npos);
   EXPECT_LE(characters_in(longest_line(text.out)), 100U) << longest_line(text.out);
   for (const char* touch : {"none", "press", "slip"}) {

@@ -13,6 +13,7 @@
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/sample_logits.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -26,7 +27,7 @@ TEST(FullRun, PredictsAtASamplesTickWhatTheDatasetsHeatmapGives) {
   const windows::Dataset dataset(trained.file);
   const model::Classifier classifier(trained.bundle.folder, 1);
   const std::uint32_t run = 1;
-  const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+  const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier);
   // Events from 5 s to 6.2 s: ticks from 5.04 s to 6.2 s.
   EXPECT_EQ(full.ticks.first, camera_time(5'040'000));
   EXPECT_EQ(full.ticks.count, 581);
@@ -49,7 +50,8 @@ TEST(FullRun, PredictsTheSameByBothEnginesExceptAtCloseTicks) {
   EXPECT_EQ(fast.engine(), model::EngineKind::fast);
   EXPECT_EQ(libtorch.engine(), model::EngineKind::libtorch);
   const auto events = dataset.run_folder(1) / "events.aedat4";
-  const results::FullRun by_fast = classify_full_run(events, fast, 2), by_libtorch = classify_full_run(events, libtorch, 1);
+  const results::FullRun by_fast = classify_full_run(events, fast, {.threads = 2}),
+                         by_libtorch = classify_full_run(events, libtorch);
   ASSERT_EQ(by_fast.verdicts.size(), by_libtorch.verdicts.size());
   std::size_t other = 0;
   for (std::size_t k = 0; k < by_fast.verdicts.size(); ++k) {
@@ -59,6 +61,56 @@ TEST(FullRun, PredictsTheSameByBothEnginesExceptAtCloseTicks) {
   }
   EXPECT_LE(other, by_fast.close);
   EXPECT_LT(by_fast.close, by_fast.verdicts.size() / 10);
+}
+
+TEST(FullRun, HasRatiosOnlyForAGateThatComparesThem) {
+  const test::Trained trained;
+  const windows::Dataset dataset(trained.file);
+  const model::Classifier classifier(trained.bundle.folder, 1);
+  const auto recording = dataset.run_folder(1) / "events.aedat4";
+  results::FullRun without = classify_full_run(recording, classifier);
+  results::FullRun with = classify_full_run(recording, classifier, {.ratios = true});
+  EXPECT_TRUE(without.ratios.empty());
+  EXPECT_EQ(with.ratios.size(), with.verdicts.size());
+  EXPECT_EQ(with.verdicts, without.verdicts);
+  const model::GateRule by_events{.events = 100}, by_ratio{.ratio = 8};
+  EXPECT_FALSE(needs_ratios(std::nullopt));
+  EXPECT_FALSE(needs_ratios(by_events));
+  EXPECT_TRUE(needs_ratios(by_ratio));
+  EXPECT_THROW(apply_gate(without, by_ratio), Error);
+  EXPECT_EQ(apply_gate(without, by_events), apply_gate(with, by_events));
+  EXPECT_GT(apply_gate(with, by_ratio), 0U);
+}
+
+TEST(FullRun, OfTreesPredictsAtASamplesTickWhatTheDatasetsEventsGive) {
+  const test::Trained trained;
+  const windows::Dataset dataset(trained.file);
+  const model::ModelBundle bundle{trained.folder / "models/trees"};
+  model::ModelSettings settings;
+  settings.kind = model::ModelKind::trees;
+  settings.trees.rounds = 10;
+  model::train_model(dataset, settings, bundle);
+  const model::Classifier classifier(bundle.folder, 1);
+  const std::vector<std::uint32_t> runs = test_runs(dataset);
+  for (const std::uint32_t run : runs) {
+    const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier);
+    const auto samples = model::samples_of_runs(dataset, {&run, 1});
+    const auto logits = model::sample_logits(dataset, classifier, samples, 1);
+    ASSERT_EQ(logits.size(), samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const auto k = static_cast<std::size_t>(between(full.ticks.first, dataset.samples()[samples[i]].t) / full.ticks.tick);
+      ASSERT_EQ(full.probabilities[k], model::probabilities_of(logits[i])) << i;
+    }
+  }
+  // The baseline is fitted on the same samples, with more rounds.
+  const results::Evaluation evaluation = evaluate(dataset, classifier, runs, {.threads = 1});
+  EXPECT_GT(evaluation.accuracy.mean.value, 0.9);
+  std::map<std::string, double> baselines;
+  for (const results::BaselineScore& baseline : evaluation.baselines) baselines[baseline.name] = baseline.accuracy.mean.value;
+  EXPECT_GT(baselines.at("boosted_trees"), 0.9);
+  EXPECT_GT(baselines.at("logistic_position"), 0.5);
+  const auto by_samples = sample_confusions(dataset, classifier, runs);
+  for (std::size_t i = 0; i < runs.size(); ++i) EXPECT_EQ(by_samples[i].confusion, evaluation.runs[i].confusion);
 }
 
 TEST(Evaluation, ReportsItsEngineAndCloseTicks) {
@@ -115,7 +167,7 @@ TEST(Evaluation, TakesABalancedSamplesVerdictAtItsTick) {
     const EvaluationOptions options{.confirmation = confirmation, .threads = 1};
     results::Confusion by_hand;
     for (const std::uint32_t run : runs) {
-      const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+      const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier);
       const auto verdicts = confirmed(full.verdicts, confirmation);
       for (const std::uint32_t i : model::samples_of_runs(dataset, {&run, 1})) {
         const windows::Sample& sample = dataset.samples()[i];
@@ -140,7 +192,7 @@ TEST(Evaluation, FiltersVerdictsWhereAnAlarmCostIsGiven) {
   const EvaluationOptions options{.alarm_cost = 0.5, .threads = 1};
   results::Confusion by_hand;
   for (const std::uint32_t run : runs) {
-    const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier, 1);
+    const results::FullRun full = classify_full_run(dataset.run_folder(run) / "events.aedat4", classifier);
     model::DecisionFilter filter(model::filter_of({trained.bundle.folder}, classifier.model(), 0.5), full.ticks.tick);
     std::vector<Touch> verdicts;
     for (const model::Probabilities& p : full.probabilities) verdicts.push_back(filter.next(p));
@@ -183,7 +235,7 @@ TEST(Evaluation, DrawsTheSamplesOfAnotherGuardAsADatasetOfThatGuardHasThem) {
   const windows::Dataset other(other_file);
   results::Confusion by_hand;
   for (const std::uint32_t run : runs) {
-    const results::FullRun full = classify_full_run(other.run_folder(run) / "events.aedat4", classifier, 1);
+    const results::FullRun full = classify_full_run(other.run_folder(run) / "events.aedat4", classifier);
     for (const std::uint32_t i : model::samples_of_runs(other, {&run, 1})) {
       const windows::Sample& sample = other.samples()[i];
       by_hand.add(sample.touch, full.verdicts[static_cast<std::size_t>((sample.t - full.ticks.first) / full.ticks.tick)]);

@@ -151,39 +151,55 @@ bool EventAnchors::is_left_by_imu(double shift_s) const {
          std::any_of(left_s.begin(), left_s.end(), [&](double by_imu_s) { return std::abs(by_imu_s - shift_s) < near_s; });
 }
 
+/// The share of a lift in which the skin moves.
+double EventAnchors::active_share(double from_s, double to_s) const {
+  double points = 0, active = 0;
+  for (std::size_t i = 0; i < activity_.size(); ++i) {
+    const double at_s = search_.grid_s() * static_cast<double>(i);
+    if (at_s < from_s || at_s > to_s) continue;
+    points += 1;
+    active += activity_[i] > 0 ? 1 : 0;
+  }
+  return points > 0 ? active / points : 0.0;
+}
+
 /// Evidence against a lift without a press before it: the skin did not move before. The object may be held when the recording
-/// begins, but not if the skin moves later, when the arm rests again.
-double EventAnchors::worth_without_press(double first_start_s, double last_end_s) const {
-  constexpr double slack_s = 0.1, held_before = 0.75;
+/// begins, but not if the skin moves later, when the arm rests again, or begins to move a second time in a lift that it shows
+/// hardly anything of.
+double EventAnchors::worth_without_press(double first_start_s, double first_end_s, double last_end_s) const {
+  constexpr double slack_s = 0.1, held_before = 0.75, hardly = 0.3;
   const auto starts = [&](auto&& when) {
     return std::any_of(starts_.begin(), starts_.end(), [&](const ActivityStart& start) { return when(start.at_s); });
   };
   if (starts([&](double at_s) { return at_s < first_start_s - slack_s; })) return 1.0;
-  return starts([&](double at_s) { return at_s > last_end_s + rests_after_s; }) ? pressed_later : held_before;
+  if (starts([&](double at_s) { return at_s > last_end_s + rests_after_s; })) return pressed_later;
+  const bool moves_again = starts([&](double at_s) { return at_s > first_start_s + rests_after_s && at_s < first_end_s; });
+  return moves_again && active_share(first_start_s, first_end_s) < hardly ? pressed_later : held_before;
 }
 
 /// Sets the candidate's worth, and its shift where the first lift's shear places it.
 void EventAnchors::judge(Candidate& candidate) const {
   constexpr double command_fails = 0.6;
-  double likeness = 0, lifts = 0, first_s = infinite, last_s = -infinite;
+  double likeness = 0, lifts = 0, first_s = infinite, first_end_s = infinite, last_s = -infinite;
   for (const MotionPhase& motion : motions_) {
     last_s = std::max(last_s, end_of(motion) + candidate.shift_s);
     if (is_tap(motion)) continue;
     first_s = std::min(first_s, start_of(motion) + candidate.shift_s);
+    first_end_s = std::min(first_end_s, end_of(motion) + candidate.shift_s);
     ++lifts;
     const auto placed = place_shear(ms_, motion, start_of(motion), candidate.shift_s, search_.options.most_slack_m);
     if (!placed) continue;
     likeness += placed->likeness;
     if (lifts == 1 && placed->likeness > 0.5) candidate.shift_s = placed->shift_s;
   }
-  candidate.worth = candidate.score * (lifts > 0 ? 0.75 + 0.25 * likeness / lifts : 1.0);
+  candidate.worth = candidate.score * (lifts > 0 ? 0.75 + 0.5 * likeness / lifts : 1.0);
   // After the last motion only a stage that opens causes activity.
   double before = 0, after = 0;
   for (std::size_t i = 0; i < activity_.size(); ++i)
     (search_.grid_s() * static_cast<double>(i) > last_s + rests_after_s ? after : before) += activity_[i];
   if (before + after > 0) candidate.worth *= 0.7 + 0.3 * before / (before + after);
   if (lifts > 0) {
-    const double worth = worth_without_press(first_s, last_s);
+    const double worth = worth_without_press(first_s, first_end_s, last_s);
     candidate.worth *= worth;
     candidate.may_be_press = worth == pressed_later;
   }
@@ -197,7 +213,7 @@ void EventAnchors::judge(Candidate& candidate) const {
 }
 
 std::optional<double> EventAnchors::match() {
-  constexpr double least_worth = 0.08;
+  constexpr double least_worth = 0.1;
   std::vector<Candidate> all = candidates();
   for (Candidate& candidate : all) judge(candidate);
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });

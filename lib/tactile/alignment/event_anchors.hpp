@@ -33,7 +33,8 @@ class EventAnchors {
   std::vector<Candidate> candidates() const;
   void judge(Candidate& candidate) const;
   bool is_left_by_imu(double shift_s) const;
-  double worth_without_press(double first_start_s, double last_end_s) const;
+  double active_share(double from_s, double to_s) const;
+  double worth_without_press(double first_start_s, double first_end_s, double last_end_s) const;
   double start_of(const MotionPhase& motion) const { return search_.origins.seconds_of(motion.start); }
   double end_of(const MotionPhase& motion) const { return search_.origins.seconds_of(motion.end); }
   std::vector<double> expected_activity() const;

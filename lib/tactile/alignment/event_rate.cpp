@@ -16,7 +16,6 @@ namespace tactile::alignment {
 namespace {
 
 constexpr int parts = 8;
-constexpr microseconds longest_run = std::chrono::hours(1);
 
 struct Span {
   CameraTime first{}, last{};
@@ -184,8 +183,9 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
   const Span span = span_of(recording, stream_id);
   if (span.empty) throw Error(where + ": holds no event; expected a recording of a run");
   const microseconds length = between(span.first, span.last);
-  if (length > longest_run) {
-    throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most 3600 s");
+  if (length > options.longest) {
+    throw Error(where + ": spans " + std::to_string(length.count() / 1'000'000) + " s; expected a run of at most " +
+                std::to_string(options.longest.count() / 1'000'000) + " s; 'tactile split' cuts longer recordings into runs");
   }
   std::vector<bool> hot = hot_pixels(recording, stream, span, options.hot_pixel_hz);
   const events::PixelMask mask(*stream.size, options.mask, where + ": mask");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -30,10 +31,11 @@ struct EventRate {
 };
 
 struct EventRateOptions {
-  microseconds bin{200};      ///< > 0; brought to the nearest whole number of read-outs, one at least
-  double hot_pixel_hz = 8.0;  ///< a pixel that fires less often is not hot
-  events::MaskPixels mask{};  ///< pixels that are left out like hot ones
-  double flickers = 0.3;      ///< the rate flickers if one frequency has at least this share of the variance
+  microseconds bin{200};                        ///< > 0; brought to the nearest whole number of read-outs, one at least
+  double hot_pixel_hz = 8.0;                    ///< a pixel that fires less often is not hot
+  events::MaskPixels mask{};                    ///< pixels that are left out like hot ones
+  double flickers = 0.3;                        ///< the rate flickers if one frequency has at least this share of the variance
+  microseconds longest{std::chrono::hours(1)};  ///< of a recording, > 0; memory follows length / bin
 };
 
 /// Reads the recording three times: for its span and its read-outs (no table in the file is trusted for them), to find the hot
@@ -43,7 +45,7 @@ struct EventRateOptions {
 /// if in at least seven parts it fires as often as `hot_pixel_hz` and ten standard deviations above the mean of all pixels in the
 /// quietest part. Hot pixels appear and heal: a pixel is also hot if it fires so often in the last two or the first two parts,
 /// evenly, and in the outer one, where no touch is expected, five times as often as any but one of the 24 pixels around it.
-/// @throws Error  if the stream has no event or no sane size, or spans more than an hour (a run takes seconds)
+/// @throws Error  if the stream has no event or no sane size, or spans more than `longest` (a run takes seconds)
 EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
 
 /// Hands every event that `rate` counts, and its bin, to `use`, in file order.

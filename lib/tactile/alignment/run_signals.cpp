@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "tactile/alignment/slow_bursts.hpp"
 #include "tactile/core/doubt.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
@@ -96,16 +98,14 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   }
 }
 
-/// When the camera's data arrived at the host, by run.json.
-std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
-  const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
-  std::vector<CameraArrival> arrivals;
-  if (!pairs.is_array()) return arrivals;
-  for (const nlohmann::json& pair : pairs) {
-    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
-    arrivals.push_back({camera_time(pair[0].get<std::int64_t>()), HostTime{microseconds{pair[1].get<std::int64_t>()}}});
-  }
-  return arrivals;
+/// Without an IMU, the robot's clock follows from what the skin does, and a slow press is part of that.
+void read_slow_bursts(RunSignals& signals) {
+  std::vector<Burst> large;
+  std::copy_if(signals.bursts.begin(), signals.bursts.end(), std::back_inserter(large),
+               [&](const Burst& burst) { return !is_after_effect(burst, signals.rate, signals.bursts); });
+  events::RecordingReader recording(signals.run.events());
+  signals.slow_bursts = slow_bursts(recording, signals.event_stream, signals.rate, large);
+  for (Burst& slow : signals.slow_bursts) slow.events = events_above(signals.rate, signals.quiet, slow.begin, slow.end);
 }
 
 /// How far the camera's clock is ahead of the host's, by the packet that arrived fastest.
@@ -180,6 +180,17 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
 
 }  // namespace
 
+std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
+  const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());
+  std::vector<CameraArrival> arrivals;
+  if (!pairs.is_array()) return arrivals;
+  for (const nlohmann::json& pair : pairs) {
+    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() || !pair[1].is_number_integer()) continue;
+    arrivals.push_back({camera_time(pair[0].get<std::int64_t>()), HostTime{microseconds{pair[1].get<std::int64_t>()}}});
+  }
+  return arrivals;
+}
+
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options) {
   RunSignals signals;
   signals.run = run;
@@ -196,6 +207,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals, options.robot);
+  if (signals.has_robot && signals.imu.empty()) read_slow_bursts(signals);
   if (std::filesystem::exists(run.video())) {
     try {
       const std::vector<VideoTime> times =

@@ -44,9 +44,10 @@ struct RunSignals {
   std::int32_t event_stream = 0;
   EventRate rate;
   QuietRate quiet;
-  std::vector<Burst> bursts;
-  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
-  bool has_robot = false;        ///< there is a log, perhaps an empty one
+  std::vector<Burst> bursts;       ///< of the rate of the whole image, by time
+  std::vector<Burst> slow_bursts;  ///< that only a few places show, by time; looked for where there is a robot log, but no IMU
+  std::vector<CameraSpan> gaps;    ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;          ///< there is a log, perhaps an empty one
   std::vector<RobotPiece> robot;
   robot::RobotSpeedSource speed_from = robot::RobotSpeedSource::actual_tcp_speed;  ///< of the log
   std::optional<robot::ArmModel> arm;                       ///< whose kinematics gave poses from joints, if the log has no poses
@@ -62,6 +63,9 @@ struct RunSignals {
 /// @throws Error  if the events or the robot log cannot be read; a film that cannot be is a problem
 /// @throws OutsideFilm  if the region is not inside the film
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
+
+/// When the camera's data arrived at the host, by `host_from_camera` of run.json; empty if it has none.
+std::vector<CameraArrival> arrivals_in(const RunInfo& run);
 
 /// SHA-256 of each file that `read_run_signals` reads, by its name.
 nlohmann::json hashes_of_inputs(const RunFolder& run);

@@ -79,6 +79,7 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
                                           .motions = piece.phases,
                                           .rate = run.rate,
                                           .quiet = run.quiet,
+                                          .slow_bursts = run.slow_bursts,
                                           .imu = run.imu,
                                           .host_from_camera = run.host_from_camera,
                                           .coarse = run.coarse_offsets[i]},

@@ -2,37 +2,29 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
+#include <set>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/make_folders.hpp"
 #include "tactile/core/renaming.hpp"
+#include "tactile/core/run_numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int most_runs = 99;
-
 /// The next number to try; 0 if all are taken.
 int next_number(const fs::path& object) {
-  std::array<bool, most_runs + 1> taken{};
-  int highest = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(object)) {
-    const std::string name = entry.path().filename().string();
-    if (!is_run_id(name)) continue;
-    const int number = 10 * (name[0] - '0') + (name[1] - '0');
-    taken[static_cast<std::size_t>(number)] = true;
-    highest = std::max(highest, number);
+  const std::set<int> taken = run_numbers_in(object);
+  if (taken.empty() || *taken.rbegin() < most_runs) return taken.empty() ? 1 : *taken.rbegin() + 1;
+  for (int number = 1; number <= most_runs; ++number) {
+    if (!taken.contains(number)) return number;
   }
-  if (highest < most_runs) return highest + 1;
-  const auto free = std::find(taken.begin() + 1, taken.end(), false);
-  return free == taken.end() ? 0 : static_cast<int>(free - taken.begin());
+  return 0;
 }
 
 }  // namespace
@@ -50,7 +42,7 @@ RunFolder make_run_folder(const fs::path& data, const std::string& object, const
     if (run.empty() && number == 0) {
       throw Error(fmt::format("{}: the runs 01 to 99 all exist; expected a free number", (data / object).string()));
     }
-    const std::string id = run.empty() ? fmt::format("{:02}", number) : run;
+    const std::string id = run.empty() ? run_id_of(number) : run;
     const fs::path folder = data / object / id;
     const bool made = fs::create_directory(folder, failed);
     if (failed && failed != std::errc::file_exists)

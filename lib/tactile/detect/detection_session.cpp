@@ -27,13 +27,18 @@ constexpr int detector_priority = 20, feed_priority = 21, robot_priority = 22;
 constexpr std::chrono::milliseconds between_reads{10};
 constexpr std::chrono::milliseconds between_live_reads{50};  // soon enough for a person; to wake up costs processor time
 
-/// The network runs once, so that its memory is allocated before there are events.
-std::unique_ptr<capture::CameraSource> opened(const DetectionOptions& options, const ClassifyHeatmap& network) {
-  network(std::vector<std::uint8_t>(
-      static_cast<std::size_t>(options.input.width) * static_cast<std::size_t>(options.input.height), 255));
+std::unique_ptr<capture::CameraSource> opened(const DetectionOptions& options) {
   std::unique_ptr<capture::CameraSource> source = capture::open_camera_source(options.source, options.source_options);
   if (const std::string remark = source->remark(); !remark.empty()) options.warn(fmt::format("{}: {}", options.source, remark));
   return source;
+}
+
+/// The model runs once, so that its memory is allocated before there are events.
+std::unique_ptr<model::EventClassifier> opened(const OpenModel& open, events::SensorSize sensor) {
+  std::unique_ptr<model::EventClassifier> model = open(sensor);
+  model->prepare();
+  model->classify();
+  return model;
 }
 
 LiveDetectorOptions detector_options(const DetectionOptions& options, bool plays) {
@@ -80,7 +85,7 @@ struct DetectionSession::State {
   LiveDetector detector;
   std::atomic<bool> is_over{false}, stops{false};
 
-  State(DetectionOptions given, ClassifyHeatmap network);
+  State(DetectionOptions given, const OpenModel& open);
   void report(const ReportedTick& tick);
   void report(const DetectionFault& fault);
   void raise_priority(int priority) { refusals.add(use_real_time_priority(priority)); }
@@ -92,14 +97,14 @@ struct DetectionSession::State {
   void sum_up(const EventFeed& feed);
 };
 
-DetectionSession::State::State(DetectionOptions given, ClassifyHeatmap network)
+DetectionSession::State::State(DetectionOptions given, const OpenModel& open)
     : options(std::move(given)),
-      source(opened(options, network)),
+      source(opened(options)),
       plays(source->is_replay() || options.source_options.speed != 1),
       real_time(!plays && options.real_time),
       ticks(waiting_ticks, plays),
       detector(
-          {*events_of(*source).size, options.input, std::move(network), options.detector}, detector_options(options, plays),
+          {*events_of(*source).size, opened(open, *events_of(*source).size), options.detector}, detector_options(options, plays),
           [this](const ReportedTick& tick) { report(tick); }, [this](const DetectionFault& fault) { report(fault); },
           [this] {
             if (robot) robot->forget();
@@ -217,8 +222,8 @@ void DetectionSession::State::sum_up(const EventFeed& feed) {
   summary.first_faults = faults.first();
 }
 
-DetectionSession::DetectionSession(DetectionOptions options, ClassifyHeatmap network)
-    : state_(std::make_unique<State>(std::move(options), std::move(network))) {}
+DetectionSession::DetectionSession(DetectionOptions options, const OpenModel& open)
+    : state_(std::make_unique<State>(std::move(options), open)) {}
 DetectionSession::~DetectionSession() = default;
 
 DetectionSummary DetectionSession::run(const TickOutput& output) {

@@ -23,10 +23,9 @@ namespace tactile::detect {
 struct DetectionOptions {
   std::string source;  ///< as `open_camera_source` takes it
   capture::CameraSourceOptions source_options;
-  events::SensorSize input;                            ///< of the network
   TickDetectorOptions detector;                        ///< rendering, confirmation and gate
   microseconds slack{2'000};                           ///< a tick waits this long for late events, >= 0
-  bool rehearses = true;                               ///< run the network once before each tick
+  bool rehearses = true;                               ///< run the model once before each tick
   std::chrono::milliseconds reconnect{10'000};         ///< a source that broke is opened again for this long, >= 0
   std::optional<microseconds> duration;                ///< > 0; by the host's clock, or of a replay by the camera's
   bool real_time = true;                               ///< real-time priority and locked memory; never for replays
@@ -71,13 +70,16 @@ struct DetectionSummary {
   std::exception_ptr failure;        ///< an error that ended the session
 };
 
+/// Opens the model for a sensor. @throws Error  if it does not suit
+using OpenModel = std::function<std::unique_ptr<model::EventClassifier>(events::SensorSize sensor)>;
+
 /// Detects press and slip in one source until it ends: opens it, again if it breaks; reports each tick by UDP, to a robot and to
 /// the caller; records the run.
 class DetectionSession {
  public:
   /// Opens the source and the outputs.
-  /// @throws Error  if the source or an output cannot be opened, or the sensor does not suit the network
-  DetectionSession(DetectionOptions options, ClassifyHeatmap network);
+  /// @throws Error  if the source or an output cannot be opened, or the sensor does not suit the model
+  DetectionSession(DetectionOptions options, const OpenModel& open);
   ~DetectionSession();
   DetectionSession(const DetectionSession&) = delete;
   DetectionSession& operator=(const DetectionSession&) = delete;

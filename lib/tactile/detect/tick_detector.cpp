@@ -1,26 +1,15 @@
 #include "tactile/detect/tick_detector.hpp"
 
-#include <fmt/core.h>
-
 #include <utility>
 
-#include "tactile/core/error.hpp"
 #include "tactile/core/infinite.hpp"
 
 namespace tactile::detect {
 
-TickDetector::TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify,
+TickDetector::TickDetector(events::SensorSize sensor, std::unique_ptr<model::EventClassifier> model,
                            const TickDetectorOptions& options)
-    : sensor_(sensor),
-      options_(options),
-      classify_(std::move(classify)),
-      renderer_(sensor, options.rendering),
-      decision_(options.decision, options.rendering.tick),
-      heatmap_(static_cast<std::size_t>(renderer_.size().width) * static_cast<std::size_t>(renderer_.size().height)) {
+    : sensor_(sensor), options_(options), model_(std::move(model)), decision_(options.decision, options.rendering.tick) {
   begin_ratio();
-  if (renderer_.size() == input) return;
-  throw Error(fmt::format("the sensor's heatmaps are {} x {} cells; expected the {} x {} that the model was trained on",
-                          renderer_.size().width, renderer_.size().height, input.width, input.height));
 }
 
 void TickDetector::begin_ratio() {
@@ -31,15 +20,15 @@ void TickDetector::begin_ratio() {
 TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCost& cost) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
-  renderer_.move_to(t);
-  TickVerdict verdict{.t = t, .events = renderer_.events()};
+  model_->move_to(t);
+  TickVerdict verdict{.t = t, .events = model_->events()};
   // As float32, as `eval` keeps it.
   verdict.gated = options_.gate && options_.gate->closes(verdict.events, ratio_ ? static_cast<float>(ratio_->at(t)) : infinite);
   gated_ = verdict.gated;
-  if (!verdict.gated) renderer_.render(std::span(heatmap_));
+  if (!verdict.gated) model_->prepare();
   const Clock::time_point rendered = Clock::now();
   if (!verdict.gated) {
-    const model::Logits logits = classify_(heatmap_);
+    const model::Logits logits = model_->classify();
     verdict.predicted = model::verdict_of(logits);
     verdict.probabilities = model::probabilities_of(logits, options_.temperature);
   }
@@ -50,15 +39,15 @@ TickVerdict TickDetector::verdict_at(CameraTime t, std::uint64_t skipped, TickCo
 }
 
 bool TickDetector::rehearse() {
-  const bool closed = ratio_ ? gated_ : options_.gate && options_.gate->closes(renderer_.events(), infinite);
+  const bool closed = ratio_ ? gated_ : options_.gate && options_.gate->closes(model_->events(), infinite);
   if (closed) return false;
-  renderer_.render(std::span(heatmap_));
-  classify_(heatmap_);
+  model_->prepare();
+  model_->classify();
   return true;
 }
 
 void TickDetector::restart() {
-  renderer_ = heatmaps::HeatmapRenderer(sensor_, options_.rendering);
+  model_->restart();
   decision_.restart();
   gated_ = false;
   begin_ratio();

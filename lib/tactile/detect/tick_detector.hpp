@@ -2,20 +2,17 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/inference/decision.hpp"
+#include "tactile/model/inference/event_classifier.hpp"
 #include "tactile/model/inference/logits.hpp"
 
 namespace tactile::detect {
-
-/// Runs the network: the logits of one heatmap of the network's input size.
-using ClassifyHeatmap = std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
 
 /// The verdict at one tick, and what led to it.
 struct TickVerdict {
@@ -29,35 +26,34 @@ struct TickVerdict {
 
 /// The computing time of one tick.
 struct TickCost {
-  std::chrono::nanoseconds rendering{0};  ///< moving the window, and the heatmap
+  std::chrono::nanoseconds rendering{0};  ///< moving the window, and the model's input: a heatmap, or features
   std::chrono::nanoseconds network{0};    ///< with confirmation or filter
 };
 
 struct TickDetectorOptions {
-  heatmaps::HeatmapOptions rendering;
+  heatmaps::HeatmapOptions rendering;  ///< of a model without heatmaps, history, tick and mask
   model::Decision decision{};
   std::optional<model::GateRule> gate = std::nullopt;  ///< when the network does not run
   double temperature = 1;                              ///< of the probabilities, > 0
 };
 
-/// Verdicts from events, tick by tick, with the renderer, gate, network and decision of `eval`: the same events give the same
-/// verdicts. Allocates memory only for a history with more events than any before.
+/// Verdicts from events, tick by tick, with the model, gate and decision of `eval`: the same events give the same verdicts.
+/// Allocates memory only for a history with more events than any before.
 class TickDetector {
  public:
-  /// @param input  size of the network's input
-  /// @throws Error  if this sensor's heatmaps are of another size, or as HeatmapRenderer
-  TickDetector(events::SensorSize sensor, events::SensorSize input, ClassifyHeatmap classify, const TickDetectorOptions& options);
+  /// @param model  made for this sensor and the options' rendering
+  TickDetector(events::SensorSize sensor, std::unique_ptr<model::EventClassifier> model, const TickDetectorOptions& options);
 
-  void add(std::span<const events::Event> events) {  ///< @throws Error as HeatmapRenderer
-    renderer_.add(events);
+  void add(std::span<const events::Event> events) {  ///< @throws Error as EventClassifier
+    model_->add(events);
     if (ratio_) ratio_->add(events);
   }
 
   /// Counts the events so far of the history that ends at `t`, and forgets earlier ones. This leaves less work for the verdict at
   /// `t` or a later tick, and changes no verdict.
-  void count_ahead(CameraTime t) { renderer_.move_to(t); }
+  void count_ahead(CameraTime t) { model_->move_to(t); }
 
-  /// Renders and runs the network without use, so that weights and code are in the cache for the next verdict. Changes no
+  /// Makes the input and runs the model without use, so that weights and code are in the cache for the next verdict. Changes no
   /// verdict.
   /// @return  false, and nothing is done, if the gate was closed at the last verdict, or the events are fewer than its limit
   bool rehearse();
@@ -73,12 +69,10 @@ class TickDetector {
 
   events::SensorSize sensor_;
   TickDetectorOptions options_;
-  ClassifyHeatmap classify_;
-  heatmaps::HeatmapRenderer renderer_;
+  std::unique_ptr<model::EventClassifier> model_;
   std::optional<model::BackgroundRatio> ratio_;  ///< with a gate that compares with the background
   bool gated_ = false;                           ///< at the last verdict
   model::RunningDecision decision_;
-  std::vector<std::uint8_t> heatmap_;
 };
 
 }  // namespace tactile::detect

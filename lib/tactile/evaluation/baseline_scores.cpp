@@ -26,19 +26,6 @@ std::vector<std::uint32_t> training_runs_of(const windows::Dataset& dataset, con
   return runs;
 }
 
-void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
-                 std::uint32_t run, unsigned threads) {
-  const auto indexes = model::samples_of_runs(dataset, {&run, 1});
-  const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
-  const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history, classifier.rendering().mask);
-  const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
-  for (std::size_t i = 0; i < indexes.size(); ++i) {
-    samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells),
-                classifier.input_size());
-  }
-  add_features(samples, dataset, classifier, run);
-}
-
 /// The baselines of one training.
 struct FittedBaselines {
   MajorityBaseline majority;
@@ -49,7 +36,7 @@ struct FittedBaselines {
 
 std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std::uint64_t seed) {
   if (training.features.empty()) return std::nullopt;
-  return model::fit_trees(training.features, training.truth, {.seed = seed});
+  return model::fit_trees(training.features, training.truth, {}, seed);
 }
 
 }  // namespace
@@ -59,6 +46,19 @@ void add_features(BaselineSamples& samples, const windows::Dataset& dataset, con
   if (!features::feature_bin(classifier.rendering().tick, classifier.rendering().history)) return;
   const auto of_run = model::sample_features(dataset, run, model::samples_of_runs(dataset, {&run, 1}), classifier.rendering());
   samples.features.insert(samples.features.end(), of_run.begin(), of_run.end());
+}
+
+void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
+                 std::uint32_t run, unsigned threads) {
+  const auto indexes = model::samples_of_runs(dataset, {&run, 1});
+  const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
+  const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history, classifier.rendering().mask);
+  const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), classifier.rendering().factor);
+  const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
+  for (std::size_t i = 0; i < indexes.size(); ++i) {
+    samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells), size);
+  }
+  add_features(samples, dataset, classifier, run);
 }
 
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,

@@ -34,6 +34,10 @@ struct BaselineSamples {
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run);
 
+/// Adds all samples of a run, with their features. @throws Error  if the dataset cannot be read
+void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
+                 std::uint32_t run, unsigned threads);
+
 /// The samples that the model learned from directly, with no other model between; none where the dataset has none of these runs.
 /// @throws Error  if the dataset cannot be read
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,

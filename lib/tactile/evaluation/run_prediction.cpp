@@ -27,7 +27,9 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.simulated = events::is_simulated(run);
   prediction.truth = read_run_truth(run, options.include_flagged);
   if (options.by_truth) prediction.truth = with_truth_as_labels(prediction.truth);
-  prediction.full = classify_full_run(run.events(), classifier, options.threads, advance, {}, {}, options.change);
+  prediction.full = classify_full_run(
+      run.events(), classifier,
+      {.threads = options.threads, .advance = advance, .change = options.change, .ratios = needs_ratios(options.gate)});
   prediction.decision = options.decision;
   if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = decided(options.decision, prediction.full);

@@ -14,6 +14,7 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/operating_curve.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::evaluation {
@@ -161,10 +162,10 @@ void check_fits(const windows::Dataset& dataset, const model::Classifier& classi
         "{}: trained on dataset {}, but {} is {}; expected a model of this dataset, as 'tactile train' makes it",
         classifier.bundle().string(), trained_on.substr(0, 8), dataset.file().string(), dataset.manifest_hash().substr(0, 8)));
   }
-  if (const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), classifier.rendering().factor);
-      size != classifier.input_size()) {
-    throw Error(fmt::format("{}: takes heatmaps of {} x {}; expected the {} x {} of {}", classifier.bundle().string(),
-                            classifier.input_size().width, classifier.input_size().height, size.width, size.height,
+  if (const events::SensorSize input = input_of(classifier.model().settings, dataset.sensor());
+      input != classifier.input_size()) {
+    throw Error(fmt::format("{}: takes {}; expected the {} of {}", classifier.bundle().string(),
+                            input_text(classifier.kind(), classifier.input_size()), input_text(classifier.kind(), input),
                             dataset.file().string()));
   }
 }
@@ -222,8 +223,13 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     result.samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
     ++next;
   };
-  run.full = classify_full_run(folder.events(), scoring.classifier, threads, advance, see);
-  add_features(result.samples, dataset, scoring.classifier, run_index);
+  run.full = classify_full_run(folder.events(), scoring.classifier,
+                               {.threads = threads, .advance = advance, .see = see, .ratios = needs_ratios(scoring.gate)});
+  if (reads_heatmaps(scoring.classifier.kind())) {
+    add_features(result.samples, dataset, scoring.classifier, run_index);
+  } else {
+    add_samples(result.samples, dataset, scoring.classifier, run_index, threads);
+  }
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];
@@ -249,7 +255,7 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
 
 WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads) {
   ClassifiedRun run{.index = 0, .name = folder.name(), .samples = {}};
-  run.full = classify_full_run(folder.events(), scoring.classifier, threads);
+  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads, .ratios = needs_ratios(scoring.gate)});
   if (scoring.gate) apply_gate(run.full, *scoring.gate);
   run.verdicts = decided(scoring.decision, run.full);
   run.truth = read_run_truth(folder, true);

@@ -9,6 +9,7 @@
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_result.hpp"
+#include "tactile/model/training/sample_logits.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::evaluation {
@@ -30,14 +31,23 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     // One run is read while others are classified.
     std::mutex reads;
     std::size_t begun = 0;
+    const auto predicted_of = [&](std::size_t i, std::span<const std::uint32_t> indexes) {
+      std::unique_lock lock(reads);
+      tell(progress, begun++, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
+      if (reads_heatmaps(classifier.kind())) {
+        const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
+        lock.unlock();
+        return classifier.verdicts(heatmaps, 1);
+      }
+      lock.unlock();
+      const auto logits = model::sample_logits(dataset, classifier, indexes, 1);
+      std::vector<Touch> verdicts(logits.size());
+      std::transform(logits.begin(), logits.end(), verdicts.begin(), model::verdict_of);
+      return verdicts;
+    };
     parallel_for(runs.size(), threads, [&](std::size_t i) {
       const auto indexes = model::samples_of_runs(dataset, {&runs[i], 1});
-      const auto read = [&] {
-        const std::scoped_lock lock(reads);
-        tell(progress, begun++, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
-        return model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
-      };
-      const auto predicted = classifier.verdicts(read(), 1);
+      const auto predicted = predicted_of(i, indexes);
       add(i, samples_in(dataset, runs[i]), [&](std::size_t k) { return predicted[k]; });
     });
     return confusions;
@@ -45,7 +55,8 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
   for_full_runs(dataset, classifier, runs, threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                   results::FullRun run =
-                      classify_full_run(folder_of(dataset, runs[i]).events(), classifier, threads_each, advance);
+                      classify_full_run(folder_of(dataset, runs[i]).events(), classifier,
+                                        {.threads = threads_each, .advance = advance, .ratios = needs_ratios(gate)});
                   if (gate) apply_gate(run, *gate);
                   const auto verdicts = decided(decision, run);
                   const auto samples = samples_in(dataset, runs[i]);

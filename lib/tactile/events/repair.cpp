@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -14,9 +12,8 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_checksums.hpp"
-#include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
-#include "tactile/events/packet_table.hpp"
+#include "tactile/events/packet_writer.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_health.hpp"
 #include "tactile/events/stream_time.hpp"
@@ -24,68 +21,6 @@
 namespace tactile::events {
 namespace fs = std::filesystem;
 namespace {
-
-/// Writes a recording packet by packet, in the order of the calls.
-class PacketWriter {
- public:
-  PacketWriter(const fs::path& file, const std::string& name, Compression compression, std::span<const Stream> streams)
-      : name_(name), out_(file, std::ios::binary), compression_(compression), header_(header_image(compression, streams)) {
-    put(magic_line);
-    put(header_.bytes);
-    table_ = PacketTable(written_);
-  }
-
-  /// One packet; `record` gives its stream, the number of its elements and their times.
-  void write(PacketRecord record, std::span<const std::byte> payload) {
-    record.payload_size = static_cast<std::uint32_t>(payload.size());
-    const std::int32_t head[2] = {record.stream_id, static_cast<std::int32_t>(record.payload_size)};
-    put({reinterpret_cast<const char*>(head), sizeof head});
-    put(payload);
-    table_.add(record);
-  }
-
-  /// The same for uncompressed contents, the first `size` bytes of `content`.
-  void write_content(const PacketRecord& record, PacketBuffer& content, std::size_t size) {
-    write(record, stored_form({content.data(), size}));
-  }
-
-  void close() {
-    const std::uint64_t table_position = written_;
-    compressor_.compress_pieces(
-        compression_, table_.content_size(), [&](const ByteSink& sink) { table_.write_contents(sink); },
-        [&](std::span<const std::byte> piece) { put(piece); });
-    out_.seekp(static_cast<std::streamoff>(magic_line.size() + header_.table_position));
-    out_.write(reinterpret_cast<const char*>(&table_position), sizeof table_position);
-    out_.close();
-    if (!out_) fail();
-  }
-
- private:
-  std::span<const std::byte> stored_form(std::span<const std::byte> content) {
-    if (compression_ == Compression::none) return content;
-    const std::size_t size = compressor_.compress(compression_, content, stored_, 0);
-    return {stored_.data(), size};
-  }
-
-  void put(std::string_view bytes) {
-    out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!out_) fail();
-    written_ += bytes.size();
-  }
-  void put(std::span<const std::byte> bytes) { put(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())); }
-  [[noreturn]] void fail() const {
-    throw Error(fmt::format("{}: cannot be written ({}); expected a writable place with room", name_, std::strerror(errno)));
-  }
-
-  std::string name_;
-  std::ofstream out_;
-  Compression compression_;
-  HeaderImage header_;
-  PacketCompressor compressor_;
-  PacketBuffer stored_;
-  PacketTable table_;
-  std::uint64_t written_ = 0;
-};
 
 /// One stream during the repair.
 struct StreamRepair {

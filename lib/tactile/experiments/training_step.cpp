@@ -19,26 +19,34 @@ std::string command_of(const std::vector<std::string>& words) {
 Step training_step(const windows::Dataset& dataset, const model::ModelSettings& settings, const model::ModelBundle& bundle,
                    const TrainingPlaces& places) {
   const heatmaps::HeatmapOptions &rendering = settings.rendering, defaults;
-  std::vector<std::string> words{"train",     places.data.string(),
-                                 "--th",      ms_text(rendering.history),
-                                 "--seed",    std::to_string(settings.training.seed),
-                                 "--epochs",  std::to_string(settings.training.epochs),
-                                 "--threads", "1",
-                                 "--models",  places.models.string()};
+  std::vector<std::string> words{
+      "train", places.data.string(), "--th", ms_text(rendering.history), "--seed", std::to_string(settings.training.seed)};
+  const auto add = [&words](const std::string& option, const std::string& value) { words.insert(words.end(), {option, value}); };
+  if (settings.kind == model::ModelKind::trees) {
+    const model::TreesOptions &trees = settings.trees, usual;
+    add("--kind", "trees");
+    if (trees.rounds != usual.rounds) add("--rounds", std::to_string(trees.rounds));
+    if (trees.depth != usual.depth) add("--depth", std::to_string(trees.depth));
+    if (trees.learning_rate != usual.learning_rate) add("--shrinkage", fmt::format("{}", trees.learning_rate));
+  } else {
+    add("--epochs", std::to_string(settings.training.epochs));
+  }
+  add("--threads", "1");
+  add("--models", places.models.string());
   const nlohmann::json rendered = rendering;
-  if (rendering.tick != defaults.tick) words.insert(words.end(), {"--tick-us", std::to_string(rendering.tick.count())});
-  if (rendering.factor != defaults.factor) words.insert(words.end(), {"--factor", fmt::format("{}", rendering.factor)});
-  if (rendering.resize != defaults.resize) words.insert(words.end(), {"--resize", rendered.at("resize")});
-  if (rendering.denoise != defaults.denoise) words.insert(words.end(), {"--denoise", rendered.at("denoise")});
-  if (settings.network.width != model::LeNetOptions{}.width)
-    words.insert(words.end(), {"--width", fmt::format("{:g}", settings.network.width)});
+  if (rendering.tick != defaults.tick) add("--tick-us", std::to_string(rendering.tick.count()));
+  if (rendering.factor != defaults.factor) add("--factor", fmt::format("{}", rendering.factor));
+  if (rendering.resize != defaults.resize) add("--resize", rendered.at("resize"));
+  if (rendering.denoise != defaults.denoise) add("--denoise", rendered.at("denoise"));
+  if (settings.network.width != model::LeNetOptions{}.width) add("--width", fmt::format("{:g}", settings.network.width));
   if (settings.network.last_pool != model::LeNetOptions{}.last_pool)
-    words.insert(words.end(), {"--last-pool", std::to_string(settings.network.last_pool)});
-  if (settings.training.engine != model::EngineKind::fast)
-    words.insert(words.end(), {"--engine", std::string(name_of(settings.training.engine))});
-  if (settings.split.train_run != "01") words.insert(words.end(), {"--train-run", settings.split.train_run});
-  if (settings.split.kind == windows::SplitKind::unseen)
-    words.insert(words.end(), {"--split", "unseen", "--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ","))});
+    add("--last-pool", std::to_string(settings.network.last_pool));
+  if (settings.training.engine != model::EngineKind::fast) add("--engine", std::string(name_of(settings.training.engine)));
+  if (settings.split.train_run != "01") add("--train-run", settings.split.train_run);
+  if (settings.split.kind == windows::SplitKind::unseen) {
+    add("--split", "unseen");
+    add("--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ",")));
+  }
   return {.name = "train-" + bundle.name(),
           .command = command_of(words),
           .inputs = {{"manifest", dataset.manifest_hash()}, {"settings", settings}, {"models", places.models_from_study}},

@@ -72,6 +72,12 @@ std::optional<microseconds> feature_bin(microseconds tick, microseconds history)
   return bin;
 }
 
+microseconds bin_of(microseconds tick, microseconds history) {
+  if (const auto bin = feature_bin(tick, history)) return *bin;
+  throw Error(fmt::format("a history of {} us in ticks of {} us has no features; expected a multiple of 4 us, in at most {} bins",
+                          history.count(), tick.count(), SlidingSums::most_bins));
+}
+
 TickFeatures tick_features(const SlidingSums& sums, events::SensorSize sensor) {
   TickFeatures features{};
   const std::size_t each = sums.bins() / windows_of_tick;

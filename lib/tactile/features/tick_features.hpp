@@ -36,6 +36,9 @@ void window_features(const EventSums& sums, events::SensorSize sensor, std::span
 /// @throws Error  if one of them is not above 0
 std::optional<microseconds> feature_bin(microseconds tick, microseconds history);
 
+/// The same. @throws Error  also if there are no such bins
+microseconds bin_of(microseconds tick, microseconds history);
+
 /// The features of the history that `sums` covers, in bins of `feature_bin`. They depend only on its events, not on the bins.
 TickFeatures tick_features(const SlidingSums& sums, events::SensorSize sensor);
 

@@ -7,6 +7,7 @@
 #include "tactile/core/ticks.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/events/run_ticks.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
 namespace tactile::heatmaps {
@@ -15,10 +16,7 @@ namespace tactile::heatmaps {
 /// t_c).
 using TickCallback = std::function<void(CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events_in_window)>;
 
-/// Changes the events of a run on their way to the renderer, chunk by chunk. A function with a state, of one run.
-/// @param recorded  ascending in time; empty in the last call, which gives what was held back
-/// @return  ascending in time, also from call to call; valid until the next call
-using ChangeEvents = std::function<std::span<const events::Event>(std::span<const events::Event> recorded, bool is_last)>;
+using events::ChangeEvents;
 
 /// Renders every full tick of a run, in order: those with t_c - t_h >= its first event's time and t_c <= its last event's.
 ///
@@ -31,8 +29,7 @@ TickRange for_every_tick(std::span<const events::Event> events, events::SensorSi
 /// The same for an event stream of a recording, packet by packet: memory follows the packet and the history.
 /// @throws Error  also if the stream declares no size. More than `most_ticks` in the list of packets throw before any tick is
 /// used
-/// @param change  changes the events before they are rendered; empty: they stay. The ticks are those of the recorded events, so
-///                that a run without some of its events has the same ticks.
+/// @param change  as `events::follow_ticks` takes it
 TickRange for_every_tick(events::RecordingReader& recording, std::int32_t stream_id, const HeatmapOptions& options,
                          const TickCallback& use, const ChangeEvents& change = {});
 

@@ -19,6 +19,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/label_history.hpp"
 #include "tactile/labels/saved_labels.hpp"
+#include "tactile/labels/session_name.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -35,20 +36,11 @@ struct Group {
   std::vector<std::size_t> result_index;  ///< of each requested one
 };
 
-/// When the camera was started, as DV notes it in each recording; nothing if another program recorded.
-std::optional<std::string> camera_start_of(const RunFolder& run) {
-  const events::RecordingReader recording(run.events());
-  for (const auto& [name, value] : events::event_stream(recording).info) {
-    if (name == "tsOffset") return value;
-  }
-  return std::nullopt;
-}
-
 /// The session that run.json names, or the camera's start, which the recordings of a session share.
 std::optional<std::string> session_of(const RunFolder& run) {
   try {
     if (const std::string session = read_run_info(run).session; !session.empty()) return session;
-    if (const auto start = camera_start_of(run)) return "camera started at " + *start;
+    return camera_session_of(events::RecordingReader(run.events()));
   } catch (const std::exception&) {  // the error appears when the run is read
   }
   return std::nullopt;

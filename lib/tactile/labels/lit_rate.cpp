@@ -48,6 +48,36 @@ struct Stretch {
   bool holds(std::size_t bin) const { return bin >= begin && bin < end; }
 };
 
+/// Finds quickly which of many stretches may hold a bin: all others lie before it or after it.
+class Stretches {
+ public:
+  /// @param stretches  by time, nearly: an overlap costs time only
+  explicit Stretches(const std::vector<Stretch>& stretches) {
+    for (const Stretch& stretch : stretches) {
+      latest_ends_.push_back(std::max(stretch.end, latest_ends_.empty() ? 0 : latest_ends_.back()));
+      earliest_begins_.push_back(stretch.begin);
+    }
+    for (std::size_t i = earliest_begins_.size(); i-- > 1;)
+      earliest_begins_[i - 1] = std::min(earliest_begins_[i - 1], earliest_begins_[i]);
+  }
+
+  /// Indices [begin, end) of the candidates; there may be none.
+  Stretch around(std::size_t bin) {
+    if (bin == bin_) return found_;
+    bin_ = bin;
+    const auto first = std::upper_bound(latest_ends_.begin(), latest_ends_.end(), bin);
+    const auto last = std::upper_bound(earliest_begins_.begin(), earliest_begins_.end(), bin);
+    found_ = {static_cast<std::size_t>(first - latest_ends_.begin()), static_cast<std::size_t>(last - earliest_begins_.begin())};
+    return found_;
+  }
+
+ private:
+  std::vector<std::size_t> latest_ends_;      ///< up to each
+  std::vector<std::size_t> earliest_begins_;  ///< from each on
+  std::size_t bin_ = static_cast<std::size_t>(-1);
+  Stretch found_;
+};
+
 std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const CellCounts& quiet, double quiet_bins,
                             double stands_out) {
   double quiet_events = 0;
@@ -175,6 +205,8 @@ class LitRates {
     Brightening so_far(cells_.count());
     for (std::size_t i = 0; i < bursts_.size(); ++i) {
       add_rate(i);
+      if (std::find(options_.fresh_at.begin(), options_.fresh_at.end(), i) != options_.fresh_at.end())
+        std::fill(so_far.begin(), so_far.end(), 0);
       rates_[i].undoes = -correlation_of(brighter_[i], so_far);
       for (std::size_t cell = 0; cell < cells_.count(); ++cell) so_far[cell] += brighter_[i][cell];
     }
@@ -207,9 +239,13 @@ class LitRates {
 
   /// In which cells each burst has its events.
   void count_cells() {
+    std::vector<Stretch> spans;
+    for (const alignment::Burst& burst : bursts_) spans.push_back({burst.begin, burst.end});
+    Stretches near(spans);
     alignment::for_counted_events(recording_, stream_id_, rate_, [&](const events::Event& event, std::size_t bin) {
       if (is_quiet_[bin]) ++quiet_[cells_.at(event)];
-      for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      const Stretch candidates = near.around(bin);
+      for (std::size_t i = candidates.begin; i < candidates.end; ++i) {
         if (bin < bursts_[i].begin || bin >= bursts_[i].end) continue;
         const std::size_t cell = cells_.at(event);
         ++of_burst_[i][cell];
@@ -261,6 +297,7 @@ class LitRates {
     // By pixel the bin and polarity of its last event: 2 * bin + on.
     std::vector<std::int64_t> last_of(static_cast<std::size_t>(size_.width) * static_cast<std::size_t>(size_.height), never);
     const auto repeat_bins = static_cast<std::int64_t>(bins(options_.repeat_within));
+    Stretches near(windows_);
     alignment::for_counted_events(recording_, stream_id_, rate_, [&](const events::Event& event, std::size_t bin) {
       std::int64_t& last =
           last_of[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(event.x)];
@@ -268,7 +305,8 @@ class LitRates {
       const bool repeats = (now - last) % 2 == 0 && now > last && now - last <= 2 * repeat_bins;
       last = now;
       const std::size_t cell = cells_.at(event);
-      for (std::size_t i = 0; i < bursts_.size(); ++i) {
+      const Stretch candidates = near.around(bin);
+      for (std::size_t i = candidates.begin; i < candidates.end; ++i) {
         if (!windows_[i].holds(bin) || !lit_[i][cell]) continue;
         const std::size_t at = bin - windows_[i].begin;
         ++rates_[i].rate.counts[at];

@@ -48,6 +48,8 @@ struct LitRateOptions {
   microseconds margin{500'000};        ///< kept before a burst and after it
   microseconds repeat_within{40'000};  ///< see LitRate::repeats
   microseconds quiet_margin{20'000};   ///< nothing counts as quiet so near to a burst
+  /// Indices of bursts before which another object was touched: `undoes` compares only with the bursts since then.
+  std::vector<std::size_t> fresh_at = {};
 };
 
 /// Of each burst. The burst itself shows which cells it lights, so that no position of markers is assumed. Reads the recording

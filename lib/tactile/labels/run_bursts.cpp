@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/alignment/slow_bursts.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -62,7 +62,7 @@ std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, co
 /// The burst that a slow rise is the begin of: it follows at once, and a lift that it lies in began before the rise.
 alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts,
                              const alignment::EventRate& rate, const std::vector<ArmMove>& lifts) {
-  const auto soon = static_cast<std::size_t>(SlowBurstOptions{}.slot / rate.bin);
+  const auto soon = static_cast<std::size_t>(alignment::SlowBurstOptions{}.slot / rate.bin);
   const auto next = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
     return !burst.slow && burst.begin >= slow.end && burst.begin <= slow.end + soon;
   });
@@ -72,16 +72,16 @@ alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment
 }
 
 /// Adds a slow burst. What stands out in its midst belongs to it.
-void add_slow(alignment::Burst slow, std::vector<alignment::Burst>& bursts, const alignment::RunSignals& signals,
-              const std::vector<ArmMove>& lifts) {
+void add_slow(alignment::Burst slow, std::vector<alignment::Burst>& bursts, const alignment::EventRate& rate,
+              const alignment::QuietRate& quiet, const std::vector<ArmMove>& lifts) {
   std::erase_if(bursts, [&](const alignment::Burst& burst) {
     const bool overlap = burst.begin < slow.end && slow.begin < burst.end;
     if (overlap) slow.begin = std::min(slow.begin, burst.begin);
     if (overlap) slow.end = std::max(slow.end, burst.end);
     return overlap;
   });
-  slow.events = alignment::events_above(signals.rate, signals.quiet, slow.begin, slow.end);
-  if (alignment::Burst* next = goes_on_in(slow, bursts, signals.rate, lifts)) {
+  slow.events = alignment::events_above(rate, quiet, slow.begin, slow.end);
+  if (alignment::Burst* next = goes_on_in(slow, bursts, rate, lifts)) {
     next->begin = slow.begin;
     next->events += slow.events;
   } else {
@@ -91,17 +91,24 @@ void add_slow(alignment::Burst slow, std::vector<alignment::Burst>& bursts, cons
 
 }  // namespace
 
-std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, const alignment::RunSignals& signals,
-                                            const std::vector<ArmMove>& lifts, const alignment::ActivityOptions& options) {
-  std::vector<alignment::Burst> bursts = split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options);
-  bursts = join_in_lifts(signals.rate, signals.quiet, std::move(bursts), lifts);
-  std::vector<alignment::Burst> large;
-  std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
-               [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, signals.rate, bursts); });
-  for (const alignment::Burst& slow : slow_bursts(recording, signals.event_stream, signals.rate, large))
-    add_slow(slow, bursts, signals, lifts);
+std::vector<alignment::Burst> joined_and_slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
+                                                     const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                                     std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
+                                                     std::span<const alignment::Burst> pauses) {
+  bursts = join_in_lifts(rate, quiet, std::move(bursts), lifts);
+  std::vector<alignment::Burst> known(pauses.begin(), pauses.end());
+  std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(known),
+               [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, rate, bursts); });
+  for (const alignment::Burst& slow : alignment::slow_bursts(recording, stream_id, rate, known))
+    add_slow(slow, bursts, rate, quiet, lifts);
   std::sort(bursts.begin(), bursts.end(), [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
   return bursts;
+}
+
+std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, const alignment::RunSignals& signals,
+                                            const std::vector<ArmMove>& lifts, const alignment::ActivityOptions& options) {
+  return joined_and_slow_bursts(recording, signals.event_stream, signals.rate, signals.quiet,
+                                split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options), lifts);
 }
 
 }  // namespace tactile::labels

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tactile/alignment/run_signals.hpp"
@@ -13,5 +15,13 @@ namespace tactile::labels {
 /// @throws Error  as reading events does
 std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, const alignment::RunSignals& signals,
                                             const std::vector<ArmMove>& lifts, const alignment::ActivityOptions& options);
+
+/// The part of it that needs no signals of a run: bursts within lifts are joined, and slow ones added.
+/// @param bursts  those of the rate, by time
+/// @param pauses  in which nothing was recorded: they tell nothing of the noise
+std::vector<alignment::Burst> joined_and_slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
+                                                     const alignment::EventRate& rate, const alignment::QuietRate& quiet,
+                                                     std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
+                                                     std::span<const alignment::Burst> pauses = {});
 
 }  // namespace tactile::labels

@@ -14,8 +14,8 @@ std::string count_text(std::uint64_t count) { return fmt::format("{}", count); }
 
 /// Accuracies, one column for each way to measure them.
 HtmlTable accuracy_table(const results::Evaluation& scores) {
-  std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"network", &scores.accuracy}};
-  // The first guard is the dataset's own, which is the network's column.
+  std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"model", &scores.accuracy}};
+  // The first guard is the dataset's own, which is the model's column.
   for (std::size_t i = 1; i < scores.guards.size(); ++i) {
     const double guard_ms = static_cast<double>(scores.guards[i].guard.count()) / 1000;
     columns.emplace_back(fmt::format("guard {:g} ms", guard_ms), &scores.guards[i].accuracy);
@@ -220,7 +220,7 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
                  "of that time wrong [%]", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
                  "mean delay of slip [ms]"},
         .rows = {}};
-    if (has_alarms) table.rows.push_back(alarm_row("network", scores.network));
+    if (has_alarms) table.rows.push_back(alarm_row("model", scores.network));
     for (const auto& [name, trivial] : scores.trivial) table.rows.push_back(alarm_row(name, trivial));
     page.html.table(table);
   }
@@ -240,7 +240,7 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
               "Mean detection delay, and the share of missed or early intervals, against false alarms per minute.",
               "The price of a higher probability threshold: mean detection delay of press and slip, and the share of missed or "
               "early intervals, against false alarms per minute. Press or slip is predicted from the threshold on. Diamonds: the "
-              "network's own verdicts, the most probable class, without a threshold.");
+              "model's own verdicts, the most probable class, without a threshold.");
 }
 
 void add_classes(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
@@ -286,7 +286,7 @@ void add_calibration(ReportPage& page, const results::Calibration& calibration, 
   page.html.heading("Calibration");
   page.figure("reliability" + suffix, reliability_plot(page.titled("Reliability, " + model), calibration.bins),
               "Accuracy against the largest probability, with the number of samples below.",
-              fmt::format("Reliability: accuracy by the network's largest probability. Bins of fewer than {} samples are hollow. "
+              fmt::format("Reliability: accuracy by the model's largest probability. Bins of fewer than {} samples are hollow. "
                           "Expected calibration error: {:.2f} %.",
                           few_samples, 100 * calibration.error.value) +
                   (std::isfinite(whole_runs.error.value)

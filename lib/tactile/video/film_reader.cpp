@@ -5,96 +5,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
 #include <opencv2/core.hpp>
-#include <system_error>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-#include <libavutil/log.h>
 #include <libswscale/swscale.h>
 }
 
 #include "tactile/core/error.hpp"
+#include "tactile/video/film_input.hpp"
 
 namespace tactile::video {
 namespace {
 
-constexpr std::int64_t most_pixels = std::int64_t{8192} * 4320;
 constexpr std::size_t most_frames = 1'000'000;
 
 struct Close {
-  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
   void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
   void operator()(AVFrame* frame) const { av_frame_free(&frame); }
   void operator()(AVPacket* packet) const { av_packet_free(&packet); }
   void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
 };
 
-struct Dictionary {
-  AVDictionary* entries = nullptr;
-
-  Dictionary() = default;
-  Dictionary(const Dictionary&) = delete;
-  Dictionary& operator=(const Dictionary&) = delete;
-  ~Dictionary() { av_dict_free(&entries); }
-};
-
 }  // namespace
 
-struct FilmReader::State {
-  explicit State(const std::filesystem::path& path) : file(path.string()) {
-    // Its own messages would go to stderr, a page for every damaged frame.
-    av_log_set_callback([](void*, int, const char*, va_list) {});
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) throw Error(file + ": no such file; expected a film");
-    AVFormatContext* opened = nullptr;
-    Dictionary settings;
-    av_dict_set(&settings.entries, "protocol_whitelist", "file", 0);  // a file that names others is no film
-    const std::string url = "file:" + std::filesystem::absolute(path).string();
-    if (avformat_open_input(&opened, url.c_str(), nullptr, &settings.entries) < 0) refuse("cannot be read");
-    format.reset(opened);
-    check_header();
-    find_stream();
-    open_decoder();
-  }
-
-  [[noreturn]] void refuse(const std::string& why) const {
-    throw Error(fmt::format("{}: {}; expected a film that libavformat reads", file, why));
-  }
-  [[noreturn]] void refuse_length() const {
-    throw Error(fmt::format("{}: its frames lie more than {} min apart; expected the film of a run", file,
-                            std::chrono::duration_cast<std::chrono::minutes>(longest).count()));
-  }
-
-  const AVStream& stream() const { return *format->streams[stream_index]; }
-
-  void check_header() const {
-    for (unsigned i = 0; i < format->nb_streams; ++i) {
-      const AVCodecParameters& parameters = *format->streams[i]->codecpar;
-      if (parameters.codec_type != AVMEDIA_TYPE_VIDEO) continue;
-      if (std::int64_t{parameters.width} * parameters.height > most_pixels) {
-        throw Error(
-            fmt::format("{}: frames of {} x {} px; expected at most 8192 x 4320", file, parameters.width, parameters.height));
-      }
-    }
-    if (format->duration != AV_NOPTS_VALUE && format->duration > longest.count()) refuse_length();
-  }
-
-  void find_stream() {
-    std::vector<AVDictionary*> settings(format->nb_streams, nullptr);
-    for (AVDictionary*& of_stream : settings) {
-      av_dict_set(&of_stream, "threads", "1", 0);
-      av_dict_set_int(&of_stream, "max_pixels", most_pixels, 0);
-    }
-    const int result = avformat_find_stream_info(format.get(), settings.data());
-    for (AVDictionary*& of_stream : settings) av_dict_free(&of_stream);
-    if (result < 0) refuse("cannot be read");
-    stream_index = av_find_best_stream(format.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (stream_index < 0) refuse("holds no video");
-    check_header();
-  }
+struct FilmReader::State : FilmInput {
+  explicit State(const std::filesystem::path& path) : FilmInput(path, FilmReader::longest) { open_decoder(); }
 
   void open_decoder() {
     const AVCodec* decoder = avcodec_find_decoder(stream().codecpar->codec_id);
@@ -105,7 +41,7 @@ struct FilmReader::State {
     if (!codec || !packet || !frame) throw Error(file + ": no memory for the decoder; expected some MB");
     codec->pkt_timebase = stream().time_base;
     codec->thread_count = 1;
-    codec->max_pixels = most_pixels;
+    codec->max_pixels = most_film_pixels;
     if (avcodec_parameters_to_context(codec.get(), stream().codecpar) < 0 || avcodec_open2(codec.get(), decoder, nullptr) < 0)
       refuse("its decoder cannot be opened");
   }
@@ -153,14 +89,11 @@ struct FilmReader::State {
     return true;
   }
 
-  std::string file;
-  std::unique_ptr<AVFormatContext, Close> format;
   std::unique_ptr<AVCodecContext, Close> codec;
   std::unique_ptr<AVPacket, Close> packet;
   std::unique_ptr<AVFrame, Close> frame;
   std::unique_ptr<SwsContext, Close> scaler;
   std::array<int, 3> scaled_from{};  ///< width, height, pixel format
-  int stream_index = -1;
   bool ended = false;
   std::int64_t first = AV_NOPTS_VALUE;     ///< of the first packet, in the stream's units
   std::vector<std::int64_t> packet_times;  ///< of all packets, in the stream's units and the file's order

@@ -33,6 +33,32 @@ TEST(DefaultName, AppendsAHashOfSettingsOffTheirDefault) {
   EXPECT_NE(default_name(epochs), default_name(denoise));
 }
 
+TEST(DefaultName, BeginsWithAKindOtherThanLeNet) {
+  ModelSettings settings;
+  settings.kind = ModelKind::trees;
+  EXPECT_EQ(default_name(settings), "trees-th040-single-run-01-s1");
+  settings.training.epochs = 3;  // has no meaning for trees
+  EXPECT_EQ(default_name(settings), "trees-th040-single-run-01-s1");
+  settings.trees.depth = 3;
+  EXPECT_TRUE(std::regex_match(default_name(settings), std::regex("trees-th040-single-run-01-s1-[0-9a-f]{8}")));
+}
+
+TEST(ModelSettings, WithoutAKindAreOfLeNetAndStayAsTheyWere) {
+  const nlohmann::json lenet = ModelSettings{};
+  EXPECT_FALSE(lenet.at("network").contains("kind"));
+  EXPECT_EQ(lenet.get<ModelSettings>().kind, ModelKind::lenet);
+  ModelSettings trees;
+  trees.kind = ModelKind::trees;
+  trees.trees = {.rounds = 7, .depth = 2, .learning_rate = 0.3};
+  trees.training.seed = 9;
+  const auto read = nlohmann::json(trees).get<ModelSettings>();
+  EXPECT_EQ(read.kind, ModelKind::trees);
+  EXPECT_EQ(read.trees, trees.trees);
+  EXPECT_EQ(read.training.seed, 9U);
+  EXPECT_TRUE(same_settings(read, trees));
+  EXPECT_FALSE(same_settings(read, {}));
+}
+
 TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHeldOut) {
   ModelSettings settings;
   settings.split.held_out = {"fan"};

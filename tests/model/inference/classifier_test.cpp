@@ -32,6 +32,31 @@ ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string&
   return bundle;
 }
 
+TEST(Classifier, FollowsEventsAsItClassifiesHeatmaps) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  const events::SensorSize sensor{160, 120};
+  std::vector<events::Event> events;
+  for (int i = 0; i < 3'000; ++i)
+    events.push_back(
+        {CameraTime{microseconds{i * 30}}, static_cast<std::int16_t>(i * 37 % 160), static_cast<std::int16_t>(i * i % 120), 1});
+  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
+    const Classifier classifier = open_classifier(bundle.folder, 1, engine);
+    const auto model = classifier.on_events(sensor, classifier.rendering());
+    heatmaps::HeatmapRenderer renderer(sensor, classifier.rendering());
+    std::vector<std::uint8_t> heatmap(32 * 24);
+    model->add(events), renderer.add(events);
+    for (const std::int64_t ms : {40, 42, 60, 90}) {
+      const CameraTime t{microseconds{1000 * ms}};
+      model->move_to(t), renderer.move_to(t);
+      model->prepare(), renderer.render(std::span(heatmap));
+      EXPECT_EQ(model->classify(), classifier.classify(heatmap).front()) << ms;
+      EXPECT_EQ(model->events(), renderer.events());
+    }
+    EXPECT_THROW(classifier.on_events({320, 240}, classifier.rendering()), Error);
+  }
+}
+
 std::string error_of(const ModelBundle& bundle) {
   try {
     const Classifier classifier(bundle.folder, 1);

@@ -35,8 +35,8 @@ struct Rings {
 TEST(FitTrees, PredictsWhatXGBoostPredicts) {
   const Rings rings(400, 1);
   for (const unsigned depth : {1U, 4U}) {
-    const TreesOptions options{.rounds = 30, .depth = depth, .seed = 7};
-    const BoostedTrees trees = fit_trees(rings.features, rings.truth, options);
+    const TreesOptions options{.rounds = 30, .depth = depth};
+    const BoostedTrees trees = fit_trees(rings.features, rings.truth, options, 7);
 
     DMatrixHandle matrix = nullptr;
     ASSERT_EQ(XGDMatrixCreateFromMat(rings.features.data(), rings.truth.size(), columns, std::numeric_limits<float>::quiet_NaN(),
@@ -47,7 +47,7 @@ TEST(FitTrees, PredictsWhatXGBoostPredicts) {
     ASSERT_EQ(XGDMatrixSetFloatInfo(matrix, "label", labels.data(), labels.size()), 0);
     BoosterHandle booster = nullptr;
     ASSERT_EQ(XGBoosterCreate(&matrix, 1, &booster), 0);
-    for (const auto& [name, value] : xgboost_parameters(options)) XGBoosterSetParam(booster, name.c_str(), value.c_str());
+    for (const auto& [name, value] : xgboost_parameters(options, 7)) XGBoosterSetParam(booster, name.c_str(), value.c_str());
     for (unsigned round = 0; round < options.rounds; ++round)
       ASSERT_EQ(XGBoosterUpdateOneIter(booster, static_cast<int>(round), matrix), 0);
     bst_ulong length = 0;
@@ -77,7 +77,7 @@ TEST(FitTrees, GivesTheSameTreesAgainAndOthersWithAnotherSeed) {
   const TreesOptions options{.rounds = 5};
   const Logits first = fit_trees(rings.features, rings.truth, options).logits(rings.of(0));
   EXPECT_EQ(fit_trees(rings.features, rings.truth, options).logits(rings.of(0)), first);
-  EXPECT_NE(fit_trees(rings.features, rings.truth, {.rounds = 5, .seed = 2}).logits(rings.of(0)), first);
+  EXPECT_NE(fit_trees(rings.features, rings.truth, options, 2).logits(rings.of(0)), first);
 }
 
 TEST(FitTrees, RefusesSamplesAndOptionsOutOfRange) {

@@ -106,7 +106,8 @@ std::vector<RunOutcome> judged_quiet(const StressPlan& plan, const StressTrainin
       if (!size) throw Error(files[i].string() + ": its event stream declares no size; expected that of its sensor");
       change = change_by(*series, severity, files[i].filename().string(), *size);
     }
-    results::FullRun full = evaluation::classify_full_run(files[i], open.classifier, 1, {}, {}, {}, change);
+    results::FullRun full = evaluation::classify_full_run(
+        files[i], open.classifier, {.change = change, .ratios = evaluation::needs_ratios(open.options.gate)});
     if (open.options.gate) evaluation::apply_gate(full, *open.options.gate);
     RunOutcome outcome;
     outcome.object = files[i].filename().string();

@@ -8,20 +8,20 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/evaluation/full_run.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
 
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
-                                                 const model::Classifier& classifier, microseconds tick, unsigned threads,
+                                                 const model::Classifier& classifier, const evaluation::FullRunOptions& options,
                                                  const ProgressCallback& progress) {
   std::vector<results::FullRun> classified(runs.size());
   std::mutex one_at_a_time;
   std::size_t done = 0;
-  parallel_for(runs.size(), threads, [&](std::size_t i) {
-    classified[i] = evaluation::classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier, 1, {}, {}, tick);
+  parallel_for(runs.size(), options.threads, [&](std::size_t i) {
+    classified[i] = evaluation::classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier,
+                                                  {.tick = options.tick, .ratios = options.ratios});
     classified[i].run = name_of(dataset.runs()[runs[i]]);
     const std::scoped_lock lock(one_at_a_time);
     tell(progress, ++done, runs.size(), fmt::format("predicting every tick: {} of {} runs", done, runs.size()));

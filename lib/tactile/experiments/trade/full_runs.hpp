@@ -8,6 +8,7 @@
 
 #include "tactile/core/progress.hpp"
 #include "tactile/core/touch.hpp"
+#include "tactile/evaluation/full_run.hpp"
 #include "tactile/model/inference/classifier.hpp"
 #include "tactile/model/inference/decision.hpp"
 #include "tactile/results/full_run.hpp"
@@ -16,10 +17,11 @@
 namespace tactile::trade {
 
 /// Renders and classifies every full tick of these runs, by the classifier's settings except for the tick.
+/// @param options  its tick and its ratios are used; each run is classified on one of its threads
 /// @return  the runs in their order
 /// @throws Error  as `classify_full_run`
 std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
-                                                 const model::Classifier& classifier, microseconds tick, unsigned threads,
+                                                 const model::Classifier& classifier, const evaluation::FullRunOptions& options,
                                                  const ProgressCallback& progress = {});
 
 /// The same run at a tick that is a multiple of its own: equal to what `classify_full_runs` gives, because a heatmap depends only

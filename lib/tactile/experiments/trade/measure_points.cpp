@@ -81,26 +81,34 @@ void take_networks(const Stage& stage, MeasuredPoints& measured) {
 
 fs::path file_of(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }
 
+/// Whether a setting may have a gate. All settings with a network share its predictions.
+bool has_gate(const TradePlan& plan) {
+  const std::vector<bool>& levels = plan.options.levels.gate;
+  return plan.options.usual.gate || std::find(levels.begin(), levels.end(), true) != levels.end();
+}
+
 experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& network, const TradeSetting& setting) {
   const std::string name = prediction_name(network, setting);
   const fs::path file = file_of(plan, name);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   const std::vector<std::uint32_t> tested = plan.trainings[network.training].tested();
   const model::ModelDescription description = model::read_description(network.bundle);
+  nlohmann::json inputs = {{"manifest", plan.dataset.manifest_hash()},
+                           {"weights", description.weights_sha256},
+                           {"temperature", model::read_temperature(network.bundle, description).value},
+                           {"runs", names_of(plan.dataset, tested)},
+                           {"tick_us", tick.count()},
+                           {"engine", name_of(setting.engine)},
+                           {"precision", name_of(setting.precision)}};
+  if (!has_gate(plan)) inputs["ratios"] = false;
   return experiments::file_step(
-      name,
-      {{"manifest", plan.dataset.manifest_hash()},
-       {"weights", description.weights_sha256},
-       {"temperature", model::read_temperature(network.bundle, description).value},
-       {"runs", names_of(plan.dataset, tested)},
-       {"tick_us", tick.count()},
-       {"engine", name_of(setting.engine)},
-       {"precision", name_of(setting.precision)}},
-      file,
+      name, inputs, file,
       [&plan, file, tick, network, setting, tested](const ProgressCallback& progress) {
         const model::Classifier classifier =
             model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-        write_full_runs(file, classify_full_runs(plan.dataset, tested, classifier, tick, plan.options.threads, progress));
+        write_full_runs(file,
+                        classify_full_runs(plan.dataset, tested, classifier,
+                                           {.threads = plan.options.threads, .tick = tick, .ratios = has_gate(plan)}, progress));
       },
       text_of(plan, network, tick, setting.engine, setting.precision));
 }

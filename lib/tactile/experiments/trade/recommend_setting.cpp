@@ -86,8 +86,9 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
     models.push_back({&classifiers.back(), runs});
     const auto gate = gate_of(setting, network);
     const model::Decision decision = decision_of(setting, network.bundle);
-    const std::vector<results::FullRun> predicted =
-        classify_full_runs(plan.dataset, runs, classifiers.back(), setting.rendering.tick, threads, progress);
+    const std::vector<results::FullRun> predicted = classify_full_runs(
+        plan.dataset, runs, classifiers.back(),
+        {.threads = threads, .tick = setting.rendering.tick, .ratios = evaluation::needs_ratios(gate)}, progress);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const std::vector<Touch> verdicts = verdicts_of(predicted[i], gate, decision);
       outcomes.push_back(outcome_of(plan.judged.at(runs[i]), predicted[i], verdicts));

@@ -9,6 +9,8 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/features/tick_features.hpp"
+#include "tactile/model/definition/model_network.hpp"
 
 namespace tactile::model {
 namespace {
@@ -33,7 +35,7 @@ nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
 
 void to_json(nlohmann::json& json, const ModelDescription& description) {
   json = description.settings;
-  json["network"] = json_of(lenet_layers(description.input, description.settings.network), description.settings.network);
+  json["network"] = network_json(description.settings, description.input);
   json.update({{"format", format_version},
                {"classes", class_names()},
                {"dataset",
@@ -66,6 +68,10 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   const auto input = member<nlohmann::json>(member<nlohmann::json>(json, "network", where), "input", where);
   description.input = {member<int>(input, "width", where), member<int>(input, "height", where)};
   description.settings = json.get<ModelSettings>();
+  if (!reads_heatmaps(description.settings.kind)) {
+    if (const auto count = member<std::size_t>(input, "features", where); count != features::feature_count)
+      throw Error(fmt::format("{}: reads {} features; expected {}", where, count, features::feature_count));
+  }
   const auto dataset = member<nlohmann::json>(json, "dataset", where);
   description.dataset = member<std::string>(dataset, "file", where);
   description.manifest_hash = member<std::string>(dataset, "manifest_hash", where);
@@ -112,6 +118,7 @@ void check_description(const ModelDescription& description) {
     throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
                             std::chrono::microseconds(longest_history).count()));
   within("training", [&] { check(description.settings.training); });
+  within("network", [&] { check(description.settings.trees); });
   if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
   if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
     throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
@@ -156,19 +163,20 @@ bool learned_from(const ModelDescription& model, const std::string& events_sha25
 
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {
   const nlohmann::json rendering = description.settings.rendering;
-  return {
-      {"format", "pt"},  // PyTorch's order of a tensor's values
-      {"classes", class_names().dump()},
-      {"input", nlohmann::json{{"shape", {1, description.input.height, description.input.width}},
-                               {"type", "float32"},
-                               {"scale", "heatmap / 255, in [0, 1]"}}
-                    .dump()},
-      {"network", json_of(lenet_layers(description.input, description.settings.network), description.settings.network).dump()},
-      {"rendering", rendering.dump()},
-      {"split", nlohmann::json(description.settings).at("split").dump()},
-      {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
-      {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
-      {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
+  const events::SensorSize input = description.input;
+  const nlohmann::json of_heatmaps{
+      {"shape", {1, input.height, input.width}}, {"type", "float32"}, {"scale", "heatmap / 255, in [0, 1]"}};
+  const nlohmann::json of_features{
+      {"shape", {features::feature_count}}, {"type", "float32"}, {"sensor", {{"height", input.height}, {"width", input.width}}}};
+  return {{"format", "pt"},  // PyTorch's order of a tensor's values
+          {"classes", class_names().dump()},
+          {"input", (reads_heatmaps(description.settings.kind) ? of_heatmaps : of_features).dump()},
+          {"network", network_json(description.settings, input).dump()},
+          {"rendering", rendering.dump()},
+          {"split", nlohmann::json(description.settings).at("split").dump()},
+          {"learned_from", nlohmann::json(names_of(description.learned_from)).dump()},
+          {"dataset", nlohmann::json{{"manifest_hash", description.manifest_hash}, {"simulated", description.simulated}}.dump()},
+          {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
 }
 
 ModelDescription read_description(const ModelBundle& bundle) {
@@ -185,14 +193,14 @@ ModelDescription read_description(const ModelBundle& bundle) {
 }
 
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description) {
-  const LeNetLayers layers = lenet_layers(description.input, description.settings.network);
+  const std::vector<ParameterShape> parameters = parameters_of(description.settings, description.input);
   if (!fs::is_regular_file(bundle.weights())) {
     throw Error(bundle.weights().string() + ": missing; expected the weights in the folder of model.json");
   }
   if (sha256_of_file(bundle.weights()) != description.weights_sha256) {
     throw Error(bundle.weights().string() + ": its hash differs from model.json; expected the bundle as it was written");
   }
-  return read_weights(bundle.weights(), layers.parameters());
+  return read_weights(bundle.weights(), parameters);
 }
 
 GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss) {

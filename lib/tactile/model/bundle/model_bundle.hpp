@@ -29,7 +29,7 @@ struct LearnedRun {
 /// The contents of `model.json`.
 struct ModelDescription {
   ModelSettings settings;
-  events::SensorSize input;             ///< of a heatmap [cells]
+  events::SensorSize input;             ///< as `input_of`: of a heatmap [cells], or of the sensor [px]
   std::string dataset;                  ///< file, as given
   std::string manifest_hash;            ///< of that dataset
   nlohmann::json manifest;              ///< settings of that dataset and hashes of its runs

@@ -7,6 +7,21 @@
 #include "tactile/core/json.hpp"
 
 namespace tactile::model {
+namespace {
+
+nlohmann::json network_options(const ModelSettings& settings) {
+  if (settings.kind == ModelKind::lenet) return settings.network;  // as before there were other kinds
+  nlohmann::json json = settings.trees;
+  json["kind"] = name_of(settings.kind);
+  return json;
+}
+
+nlohmann::json training_options(const ModelSettings& settings) {
+  if (settings.kind == ModelKind::lenet) return settings.training;
+  return {{"seed", settings.training.seed}};
+}
+
+}  // namespace
 
 void to_json(nlohmann::json& json, const ModelSettings& settings) {
   nlohmann::json split = {{"kind", name_of(settings.split.kind)}, {"train_run", settings.split.train_run}};
@@ -16,7 +31,10 @@ void to_json(nlohmann::json& json, const ModelSettings& settings) {
     held_out.erase(std::unique(held_out.begin(), held_out.end()), held_out.end());
     split["held_out"] = held_out;
   }
-  json = {{"rendering", settings.rendering}, {"split", split}, {"network", settings.network}, {"training", settings.training}};
+  json = {{"rendering", settings.rendering},
+          {"split", split},
+          {"network", network_options(settings)},
+          {"training", training_options(settings)}};
   json["training"]["from"] = nullptr;
   if (settings.from)
     json["training"]["from"] = {{"name", settings.from->name}, {"weights_sha256", settings.from->weights_sha256}};
@@ -25,9 +43,16 @@ void to_json(nlohmann::json& json, const ModelSettings& settings) {
 void from_json(const nlohmann::json& json, ModelSettings& settings) {
   const std::string where = "model settings";
   settings.rendering = member<nlohmann::json>(json, "rendering", where).get<heatmaps::HeatmapOptions>();
-  settings.network = member<nlohmann::json>(json, "network", where).get<LeNetOptions>();
+  const auto network = member<nlohmann::json>(json, "network", where);
   const auto training = member<nlohmann::json>(json, "training", where);
-  settings.training = training.get<TrainingOptions>();
+  settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
+  if (settings.kind == ModelKind::lenet) {
+    settings.network = network.get<LeNetOptions>();
+    settings.training = training.get<TrainingOptions>();
+  } else {
+    settings.trees = network.get<TreesOptions>();
+    settings.training.seed = member<std::uint64_t>(training, "seed", where);
+  }
   if (const auto from = member<nlohmann::json>(training, "from", where); !from.is_null())
     settings.from = StartingPoint{member<std::string>(from, "name", where), member<std::string>(from, "weights_sha256", where)};
   const auto split = member<nlohmann::json>(json, "split", where);
@@ -42,13 +67,15 @@ bool same_settings(const ModelSettings& a, const ModelSettings& b) { return nloh
 std::string default_name(const ModelSettings& settings) {
   // Settings that are part of the name do not count.
   ModelSettings plain;
+  plain.kind = settings.kind;
   plain.split.kind = settings.split.kind;
   plain.split.train_run = settings.split.train_run;
   plain.training.seed = settings.training.seed;
   const auto history_ms = settings.rendering.history / 1ms;
   plain.rendering.history = microseconds{1000} * history_ms;
-  const std::string name = fmt::format("th{:03}-{}-{}-s{}", history_ms, name_of(settings.split.kind), settings.split.train_run,
-                                       settings.training.seed);
+  const std::string kind = settings.kind == ModelKind::lenet ? "" : fmt::format("{}-", name_of(settings.kind));
+  const std::string name = fmt::format("{}th{:03}-{}-{}-s{}", kind, history_ms, name_of(settings.split.kind),
+                                       settings.split.train_run, settings.training.seed);
   const nlohmann::json ours = settings, defaults = plain;
   nlohmann::json off_default = nlohmann::json::object();
   for (const auto& [group, options] : ours.items()) {

@@ -6,7 +6,9 @@
 
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
+#include "tactile/model/definition/model_kind.hpp"
 #include "tactile/model/definition/training_options.hpp"
+#include "tactile/model/definition/trees_options.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile::model {
@@ -20,23 +22,26 @@ struct StartingPoint {
 /// Everything that, with the dataset, determines a trained model. The number of threads is not included: it affects only the last
 /// bits.
 struct ModelSettings {
-  heatmaps::HeatmapOptions rendering;
+  heatmaps::HeatmapOptions rendering;  ///< of a kind without heatmaps, history, tick and mask
   windows::SplitOptions split;
-  LeNetOptions network;
-  TrainingOptions training;
+  LeNetOptions network;      ///< of LeNet
+  TrainingOptions training;  ///< of trees only the seed
   std::optional<StartingPoint> from;
+  ModelKind kind = ModelKind::lenet;
+  TreesOptions trees{};  ///< of trees
 };
 
 /// "rendering" as HeatmapOptions, "split" with "kind", "train_run" and, for unseen, "held_out" in alphabetical order, "network"
-/// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model.
+/// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model. Of trees,
+/// "network" is {"kind": "trees"} with TreesOptions, and "training" has only "seed" and "from".
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 
 /// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);
 
-/// "th040-single-run-01-s1": history, split, training run, seed. With other settings than the defaults, "-" and the first 8
-/// characters of their hash follow.
+/// "th040-single-run-01-s1": history, split, training run, seed; "trees-th040-single-run-01-s1" of another kind than LeNet. With
+/// other settings than the defaults, "-" and the first 8 characters of their hash follow.
 std::string default_name(const ModelSettings& settings);
 
 }  // namespace tactile::model

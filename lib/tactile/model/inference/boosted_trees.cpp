@@ -9,6 +9,37 @@
 #include "tactile/core/error.hpp"
 
 namespace tactile::model {
+namespace {
+
+std::vector<BoostedTrees::Node> nodes_in(const Weights& weights, const TreesOptions& options) {
+  check(options);
+  check_shapes(weights, tree_parameters(options), "trees with other parameters than their settings");
+  const std::vector<float>&features = weights[0].values, &thresholds = weights[1].values;
+  std::vector<BoostedTrees::Node> nodes(features.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    constexpr float most = 65'536;
+    const float feature = features[i];
+    if (!(feature >= 0 && feature < most && feature == std::floor(feature)))
+      throw Error(fmt::format("a node of a tree compares feature {}; expected a whole number from 0", feature));
+    nodes[i] = {static_cast<std::uint32_t>(feature), thresholds[i]};
+  }
+  return nodes;
+}
+
+}  // namespace
+
+BoostedTrees::BoostedTrees(std::size_t features, const TreesOptions& options, const Weights& weights)
+    : BoostedTrees(features, options.depth, nodes_in(weights, options), weights[2].values) {}
+
+Weights BoostedTrees::weights() const {
+  const std::vector<ParameterShape> shapes = tree_parameters({.rounds = static_cast<unsigned>(rounds()), .depth = depth_});
+  Weights weights{{shapes[0], {}}, {shapes[1], {}}, {shapes[2], answers_}};
+  for (const Node& node : nodes_) {
+    weights[0].values.push_back(static_cast<float>(node.feature));
+    weights[1].values.push_back(node.threshold);
+  }
+  return weights;
+}
 
 BoostedTrees::BoostedTrees(std::size_t features, unsigned depth, std::vector<Node> nodes, std::vector<float> answers)
     : features_(features), depth_(depth), nodes_(std::move(nodes)), answers_(std::move(answers)) {

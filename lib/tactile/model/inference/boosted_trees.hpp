@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "tactile/model/bundle/weights.hpp"
+#include "tactile/model/definition/trees_options.hpp"
 #include "tactile/model/inference/logits.hpp"
 
 namespace tactile::model {
@@ -29,8 +31,15 @@ class BoostedTrees {
   /// @throws Error   if the sizes do not fit, the depth is not 1 to 8, a node names no feature, or a number is not finite
   BoostedTrees(std::size_t features, unsigned depth, std::vector<Node> nodes, std::vector<float> answers);
 
+  /// The trees of a weights file, with the parameters of `tree_parameters`.
+  /// @throws Error   also if the shapes differ, or the index of a feature is no whole number
+  BoostedTrees(std::size_t features, const TreesOptions& options, const Weights& weights);
+
   std::size_t features() const { return features_; }
   std::size_t rounds() const { return answers_.size() / touch_count >> depth_; }
+
+  /// As a weights file has them.
+  Weights weights() const;
 
   /// The sums are float32, in the order of the rounds. @throws Error  if there are not `features()` of them
   Logits logits(std::span<const float> features) const;

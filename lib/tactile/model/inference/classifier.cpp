@@ -1,5 +1,7 @@
 #include "tactile/model/inference/classifier.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <memory>
 #include <mutex>
@@ -9,6 +11,8 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/model/definition/model_network.hpp"
+#include "tactile/model/inference/tree_classifier.hpp"
 
 namespace tactile::model {
 
@@ -54,15 +58,23 @@ class Engines {
 }  // namespace
 
 Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, const EngineOptions& options)
-    : Classifier(bundle, threads, EngineKind::fast, [&](const ModelDescription& model, const Weights& weights) {
-        const auto engines = std::make_shared<Engines>(LeNetEngine(model.input, weights, model.settings.network, options));
-        return [engines, size = model.input](std::span<const std::uint8_t> heatmaps, unsigned on_threads) {
-          return engines->logits(heatmaps, size, on_threads);
-        };
-      }) {}
+    : Classifier(bundle, threads, EngineKind::fast, [&](const ModelDescription& model, const Weights& weights) -> HeatmapNetwork {
+        const LeNetEngine first(model.input, weights, model.settings.network, options);
+        const auto engines = std::make_shared<Engines>(first);
+        return {[engines, size = model.input](std::span<const std::uint8_t> heatmaps, unsigned on_threads) {
+                  return engines->logits(heatmaps, size, on_threads);
+                },
+                [first]() -> ClassifyHeatmap {
+                  return [engine = first](std::span<const std::uint8_t> heatmap) mutable { return engine.classify(heatmap); };
+                }};
+      }) {
+  if (reads_heatmaps(kind()) || options.precision == Precision::fp32) return;
+  throw Error(fmt::format("{}: a model of kind {} has no precision {}; expected fp32", bundle_.folder.string(), name_of(kind()),
+                          name_of(options.precision)));
+}
 
 Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
-                       const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network)
+                       const std::function<HeatmapNetwork(const ModelDescription&, const Weights&)>& make_network)
     : bundle_{bundle.filename().empty() ? bundle.parent_path() : bundle},
       description_(read_description(bundle_)),
       temperature_(read_temperature(bundle_, description_)),
@@ -71,17 +83,33 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
   const Weights weights = read_bundle_weights(bundle_, description_);
   json_ = read_json(bundle_.description());
   try {
-    network_ = make_network(description_, weights);
+    if (reads_heatmaps(kind())) {
+      network_ = make_network(description_, weights);
+      return;
+    }
+    if (engine == EngineKind::libtorch) throw Error("trees run without libtorch; expected --engine fast");
+    trees_ = std::make_shared<const BoostedTrees>(features::feature_count, description_.settings.trees, weights);
   } catch (const Error& e) {
     throw Error(bundle_.folder.string() + ": " + e.what());
   }
+}
+
+std::unique_ptr<EventClassifier> Classifier::on_events(events::SensorSize sensor,
+                                                       const heatmaps::HeatmapOptions& rendering) const {
+  if (const events::SensorSize input = input_of(description_.settings, sensor); input != input_size()) {
+    throw Error(fmt::format("the sensor gives {}; expected the {} that {} was trained on", input_text(kind(), input),
+                            input_text(kind(), input_size()), bundle().string()));
+  }
+  if (reads_heatmaps(kind())) return std::make_unique<HeatmapClassifier>(sensor, rendering, network_.for_one_thread());
+  return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
 }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps) const { return classify(heatmaps, threads_); }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const {
   try {
-    return network_(heatmaps, threads);
+    if (!network_.classify) throw Error("reads no heatmaps; expected a model that does");
+    return network_.classify(heatmaps, threads);
   } catch (const Error& e) {
     throw Error(bundle().string() + ": " + e.what());
   }

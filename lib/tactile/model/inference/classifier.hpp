@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/model/inference/boosted_trees.hpp"
+#include "tactile/model/inference/event_classifier.hpp"
+#include "tactile/model/inference/heatmap_classifier.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
 
@@ -19,32 +23,45 @@ namespace tactile::model {
 /// The logits of consecutive heatmaps. Must be thread-safe.
 using ClassifyHeatmaps = std::function<std::vector<Logits>(std::span<const std::uint8_t> heatmaps, unsigned threads)>;
 
-/// A trained LeNet with the settings of its training.
+/// A network that reads heatmaps.
+struct HeatmapNetwork {
+  ClassifyHeatmaps classify;
+  std::function<ClassifyHeatmap()> for_one_thread;  ///< makes a function that classifies single heatmaps
+};
+
+/// A trained model of any kind, with the settings of its training.
 class Classifier {
  public:
   /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
   /// @param threads  0: one per core; the logits do not depend on it
   /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
-  ///                 that are not finite; if the fast engine does not support its layers
+  ///                 that are not finite; if the fast engine does not support its layers; if trees get another precision
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
 
   /// The same with another engine.
-  /// @param make_network  makes the network from the bundle's description and weights
+  /// @param make_network  makes a network that reads heatmaps from the bundle's description and weights
+  /// @throws Error   also if the engine is libtorch, and the model no network
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
-             const std::function<ClassifyHeatmaps(const ModelDescription&, const Weights&)>& make_network);
+             const std::function<HeatmapNetwork(const ModelDescription&, const Weights&)>& make_network);
 
   const std::filesystem::path& bundle() const { return bundle_.folder; }
   const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json
   const ModelDescription& model() const { return description_; }  ///< the same as a struct
   const heatmaps::HeatmapOptions& rendering() const { return description_.settings.rendering; }
-  events::SensorSize input_size() const { return description_.input; }
+  ModelKind kind() const { return description_.settings.kind; }
+  events::SensorSize input_size() const { return description_.input; }  ///< as `input_of`
   EngineKind engine() const { return engine_; }
   const Temperature& temperature() const { return temperature_; }  ///< of its probabilities
+
+  /// The model on the events of a stream, on one thread. Thread-safe.
+  /// @param rendering  the model's own, except for tick and mask
+  /// @throws Error  if the model was trained on another sensor or heatmap size, or does not suit the tick
+  std::unique_ptr<EventClassifier> on_events(events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) const;
 
   /// Thread-safe.
   /// @param heatmaps  [n, height, width] of `input_size()`
   /// @return  n times the logits of none, press, slip
-  /// @throws Error  if the size is not a whole number of heatmaps
+  /// @throws Error  if the size is not a whole number of heatmaps, or the model reads none
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps) const;
   std::vector<Logits> classify(std::span<const std::uint8_t> heatmaps, unsigned threads) const;
 
@@ -62,7 +79,8 @@ class Classifier {
   Temperature temperature_;
   unsigned threads_;
   EngineKind engine_;
-  ClassifyHeatmaps network_;
+  HeatmapNetwork network_;                     ///< of a kind that reads heatmaps
+  std::shared_ptr<const BoostedTrees> trees_;  ///< of trees
 };
 
 }  // namespace tactile::model

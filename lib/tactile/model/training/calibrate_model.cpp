@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/model/training/open_classifier.hpp"
+#include "tactile/model/training/sample_logits.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::model {
@@ -74,8 +75,7 @@ Temperature calibrate_model(const windows::Dataset& dataset, const ModelBundle& 
   const EngineKind engine = model.settings.network.is_fast() ? EngineKind::fast : EngineKind::libtorch;
   std::filesystem::remove(temperature_file(bundle));  // one of other weights would be refused
   const Classifier classifier = open_classifier(bundle.folder, threads, engine);
-  const std::vector<Logits> logits =
-      classifier.classify(sample_heatmaps(dataset, model.settings.rendering, samples, threads), std::max(1U, threads));
+  const std::vector<Logits> logits = sample_logits(dataset, classifier, samples, std::max(1U, threads));
   std::vector<Touch> truth;
   for (const std::uint32_t sample : samples) truth.push_back(dataset.samples()[sample].touch);
   Temperature temperature{.value = fitted_temperature(logits, truth),

@@ -18,7 +18,7 @@
 namespace tactile::model {
 namespace {
 
-void check(int failed) {
+void check_call(int failed) {
   if (failed != 0) throw Error(fmt::format("fitting trees: libxgboost reports '{}'; expected no error", XGBGetLastError()));
 }
 
@@ -27,21 +27,22 @@ using Booster = std::unique_ptr<std::remove_pointer_t<BoosterHandle>, int (*)(Bo
 
 Matrix matrix_of(std::span<const float> features, std::span<const Touch> truth) {
   DMatrixHandle handle = nullptr;
-  check(XGDMatrixCreateFromMat(features.data(), truth.size(), features.size() / truth.size(),
-                               std::numeric_limits<float>::quiet_NaN(), &handle));
+  check_call(XGDMatrixCreateFromMat(features.data(), truth.size(), features.size() / truth.size(),
+                                    std::numeric_limits<float>::quiet_NaN(), &handle));
   Matrix matrix(handle, XGDMatrixFree);
   std::vector<float> labels;
   for (const Touch touch : truth) labels.push_back(static_cast<float>(touch));
-  check(XGDMatrixSetFloatInfo(handle, "label", labels.data(), labels.size()));
+  check_call(XGDMatrixSetFloatInfo(handle, "label", labels.data(), labels.size()));
   return matrix;
 }
 
-Booster booster_of(const Matrix& matrix, const TreesOptions& options) {
+Booster booster_of(const Matrix& matrix, const TreesOptions& options, std::uint64_t seed) {
   const DMatrixHandle matrices[] = {matrix.get()};
   BoosterHandle handle = nullptr;
-  check(XGBoosterCreate(matrices, 1, &handle));
+  check_call(XGBoosterCreate(matrices, 1, &handle));
   Booster booster(handle, XGBoosterFree);
-  for (const auto& [name, value] : xgboost_parameters(options)) check(XGBoosterSetParam(handle, name.c_str(), value.c_str()));
+  for (const auto& [name, value] : xgboost_parameters(options, seed))
+    check_call(XGBoosterSetParam(handle, name.c_str(), value.c_str()));
   return booster;
 }
 
@@ -64,7 +65,7 @@ void copy_tree(const nlohmann::json& tree, std::size_t node, std::size_t place, 
 BoostedTrees trees_of(const Booster& booster, std::size_t features, unsigned depth) {
   bst_ulong length = 0;
   const char* text = nullptr;
-  check(XGBoosterSaveModelToBuffer(booster.get(), R"({"format": "json"})", &length, &text));
+  check_call(XGBoosterSaveModelToBuffer(booster.get(), R"({"format": "json"})", &length, &text));
   const auto model = nlohmann::json::parse(text, text + length);
   const nlohmann::json& trees = model.at("learner").at("gradient_booster").at("model").at("trees");
   const std::size_t leaves = std::size_t{1} << depth;
@@ -78,7 +79,7 @@ BoostedTrees trees_of(const Booster& booster, std::size_t features, unsigned dep
 
 }  // namespace
 
-std::map<std::string, std::string> xgboost_parameters(const TreesOptions& options) {
+std::map<std::string, std::string> xgboost_parameters(const TreesOptions& options, std::uint64_t seed) {
   return {{"objective", "multi:softprob"},
           {"num_class", std::to_string(touch_count)},
           {"base_score", "0.5"},
@@ -87,28 +88,25 @@ std::map<std::string, std::string> xgboost_parameters(const TreesOptions& option
           {"eta", fmt::format("{}", options.learning_rate)},
           {"subsample", "0.7"},
           {"colsample_bytree", "0.5"},
-          {"seed", std::to_string(options.seed % 2'147'483'647)},
+          {"seed", std::to_string(seed % 2'147'483'647)},
           {"nthread", "1"},
           {"verbosity", "0"}};
 }
 
-BoostedTrees fit_trees(std::span<const float> features, std::span<const Touch> truth, const TreesOptions& options) {
+BoostedTrees fit_trees(std::span<const float> features, std::span<const Touch> truth, const TreesOptions& options,
+                       std::uint64_t seed, const ProgressCallback& progress) {
   if (truth.empty() || features.empty() || features.size() % truth.size() != 0)
     throw Error(fmt::format("fitting trees: {} features of {} samples; expected a sample at least, and as many features for each",
                             features.size(), truth.size()));
   if (!std::all_of(features.begin(), features.end(), [](float feature) { return std::isfinite(feature); }))
     throw Error("fitting trees: a feature is not finite; expected finite ones");
-  if (options.rounds < 1 || options.rounds > 10'000 || options.depth < 1 || options.depth > 8 ||
-      !(options.learning_rate > 0 && options.learning_rate <= 1)) {
-    throw Error(
-        fmt::format("fitting trees: {} rounds of depth {} with a learning rate of {}; expected 1 to 10000, 1 to 8, and above "
-                    "0 to 1",
-                    options.rounds, options.depth, options.learning_rate));
-  }
+  check(options);
   const Matrix matrix = matrix_of(features, truth);
-  const Booster booster = booster_of(matrix, options);
-  for (unsigned round = 0; round < options.rounds; ++round)
-    check(XGBoosterUpdateOneIter(booster.get(), static_cast<int>(round), matrix.get()));
+  const Booster booster = booster_of(matrix, options, seed);
+  for (unsigned round = 0; round < options.rounds; ++round) {
+    check_call(XGBoosterUpdateOneIter(booster.get(), static_cast<int>(round), matrix.get()));
+    tell(progress, round + 1, options.rounds, fmt::format("round {} of {} of trees", round + 1, options.rounds));
+  }
   return trees_of(booster, features.size() / truth.size(), options.depth);
 }
 

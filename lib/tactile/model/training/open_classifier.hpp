@@ -6,7 +6,7 @@
 
 namespace tactile::model {
 
-/// Opens a model bundle with either engine. Their verdicts are the same unless the logits are `is_close`.
+/// Opens a model bundle of any kind with either engine. Their verdicts are the same unless the logits are `is_close`.
 /// @param threads  0: one per core
 /// @param options  of the fast engine
 /// @throws Error   as Classifier

@@ -13,7 +13,7 @@ namespace tactile::model {
 /// @param samples    indexes in the dataset, of this run, ascending
 /// @param rendering  its history, tick and mask are used
 /// @return  [samples, features::feature_count]
-/// @throws Error  if there is no `features::feature_bin`, or the dataset cannot be read
+/// @throws Error  as `features::bin_of`, or if the dataset cannot be read
 std::vector<float> sample_features(const windows::Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
                                    const heatmaps::HeatmapOptions& rendering);
 

@@ -13,7 +13,12 @@
 #include "tactile/core/version.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/inference/background_ratio.hpp"
+#include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/fit_trees.hpp"
+#include "tactile/model/training/follow_samples.hpp"
+#include "tactile/model/training/sample_features.hpp"
 #include "tactile/model/training/stressed_heatmaps.hpp"
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/event_counts.hpp"
@@ -165,6 +170,8 @@ StartingPoint starting_point(const ModelBundle& from, const windows::Dataset& da
   const ModelDescription model = read_description(from);
   read_bundle_weights(from, model);
   const std::string where = from.folder.string() + ": ";
+  if (settings.kind != ModelKind::lenet || model.settings.kind != ModelKind::lenet)
+    throw Error(where + "only LeNet starts from a model; expected two of kind lenet");
   if (model.settings.rendering != settings.rendering) {
     throw Error(fmt::format("{}learned from heatmaps with the settings {}; expected {}", where,
                             nlohmann::json(model.settings.rendering).dump(), nlohmann::json(settings.rendering).dump()));
@@ -222,41 +229,47 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.revision = revision();
 }
 
-}  // namespace
+/// What a training gives, of any kind of model.
+struct Learned {
+  TrainedWeights weights;
+  TrainingSummary summary;
+  unsigned threads = 1;  ///< that it depends on
+};
 
-TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
-                            const TrainModelOptions& options, const ProgressCallback& progress) {
-  check(settings.training);
-  const windows::Split split = split_of(dataset, settings.split);
-  const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor);
-  const LeNetLayers layers =
-      lenet_layers(size, settings.network);  // throws for a heatmap that is too small before any is rendered
-  const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
-  ModelDescription description;
-  description.settings = settings;
-  for (const std::uint32_t run : split.train_runs)
-    description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
-  const std::optional<Weights> from = starting_weights(settings, options.from, description);
-  description.manifest_hash = dataset.manifest_hash();
-  const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
+/// The state of a training that was interrupted, and the task that it belongs to.
+struct Resumption {
+  nlohmann::json task;
+  unsigned threads = 1;
+  std::optional<TrainingState> state;
+};
 
-  CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
-  nlohmann::json task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}};
-  unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
-  std::optional<TrainingState> resumed;
+Resumption resumption_of(const windows::Dataset& dataset, const ModelSettings& settings, const LeNetLayers& layers,
+                         const ModelBundle& bundle, const TrainModelOptions& options, CheckpointFolder& kept) {
+  Resumption resumed{.task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}},
+                     .threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()),
+                     .state = std::nullopt};
   if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {
-    threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // another number would change the last bits
-    task["threads"] = threads;
-    resumed = kept.load(task, layers, settings.training.optimizer);
+    resumed.threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // another number would change the last bits
+    resumed.task["threads"] = resumed.threads;
+    resumed.state = kept.load(resumed.task, layers, settings.training.optimizer);
   }
-  task["threads"] = threads;
-  if (!resumed) kept.clear();
+  resumed.task["threads"] = resumed.threads;
+  if (!resumed.state) kept.clear();
+  return resumed;
+}
 
+Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                    const ModelBundle& bundle, const Weights* from, CheckpointFolder& kept, const TrainModelOptions& options,
+                    const ProgressCallback& progress) {
+  const events::SensorSize size = input_of(settings, dataset.sensor());
+  const Resumption resumed = resumption_of(dataset, settings, lenet_layers(size, settings.network), bundle, options, kept);
+  const unsigned threads = resumed.threads;
   const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
   const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
   if (options.begins) {
-    const double part = static_cast<double>(resumed ? resumed->done : 0) / static_cast<double>(samples.training.size());
-    options.begins(resumed ? resumed->epoch : 1, part);
+    const double part =
+        static_cast<double>(resumed.state ? resumed.state->done : 0) / static_cast<double>(samples.training.size());
+    options.begins(resumed.state ? resumed.state->epoch : 1, part);
   }
   StressedHeatmaps stressed(dataset, settings, samples.training, training, threads);
   const auto of_epoch = [&](unsigned epoch) { return stressed.of_epoch(epoch); };
@@ -267,20 +280,77 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
                               .validation = {validation, samples.validation_truth},
                               .options = settings.training,
                               .network = settings.network,
-                              .from = from ? &*from : nullptr,
+                              .from = from,
                               .threads = threads};
   TrainedNetwork trained = train_lenet(learning, {.progress = progress,
-                                                  .save = [&](const TrainingState& state) { kept.save(task, state); },
+                                                  .save = [&](const TrainingState& state) { kept.save(resumed.task, state); },
                                                   .save_every = options.save_every,
-                                                  .resumed = resumed ? &*resumed : nullptr});
+                                                  .resumed = resumed.state ? &*resumed.state : nullptr});
+  return {{trained.network.weights(), std::move(trained.other)}, trained.summary, threads};
+}
 
-  description.input = size;
+/// Trees are fitted within seconds. Therefore no state is kept.
+Learned learn_trees(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                    CheckpointFolder& kept, const TrainModelOptions& options, const ProgressCallback& progress) {
+  using Clock = std::chrono::steady_clock;
+  kept.clear();
+  std::vector<float> features;
+  for_runs_of(dataset, samples.training, [&](std::uint32_t run, std::span<const std::uint32_t> of_run) {
+    const std::vector<float> more = sample_features(dataset, run, of_run, settings.rendering);
+    features.insert(features.end(), more.begin(), more.end());
+  });
+  if (options.begins) options.begins(1, 0);
+  const Clock::time_point begun = Clock::now();
+  const BoostedTrees trees = fit_trees(features, samples.training_truth, settings.trees, settings.training.seed, progress);
+  const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+  std::vector<Logits> logits;
+  for (std::size_t i = 0; i < samples.training.size(); ++i)
+    logits.push_back(trees.logits(std::span(features).subspan(i * trees.features(), trees.features())));
+  std::size_t correct = 0;
+  for (std::size_t i = 0; i < logits.size(); ++i) correct += verdict_of(logits[i]) == samples.training_truth[i] ? 1 : 0;
+  const auto count = static_cast<double>(logits.size());
+  EpochResult fit;
+  fit.epoch = 1;
+  fit.loss = loss_at(logits, samples.training_truth, 1);
+  fit.accuracy = static_cast<double>(correct) / count;
+  fit.learning_rate = settings.trees.learning_rate;
+  fit.images_per_s = count / seconds;
+  fit.seconds = seconds;
+  TrainingSummary summary;
+  summary.history = {fit};
+  summary.samples = logits.size();
+  summary.seconds = seconds;
+  summary.best_epoch = 1;
+  return {{trees.weights(), {}}, summary, 1};
+}
+
+}  // namespace
+
+TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
+                            const TrainModelOptions& options, const ProgressCallback& progress) {
+  check(settings.training);
+  const windows::Split split = split_of(dataset, settings.split);
+  ModelDescription description;
+  description.settings = settings;
+  description.input = input_of(settings, dataset.sensor());
+  parameters_of(settings, description.input);  // throws for a heatmap that is too small before any is rendered
+  const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
+  for (const std::uint32_t run : split.train_runs)
+    description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
+  const std::optional<Weights> from = starting_weights(settings, options.from, description);
+  description.manifest_hash = dataset.manifest_hash();
+  const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
+
+  CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
+  const Learned learned = settings.kind == ModelKind::lenet
+                              ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, options, progress)
+                              : learn_trees(dataset, settings, samples, kept, options, progress);
   description.samples = samples.training.size();
-  description.threads = threads;
+  description.threads = learned.threads;
   describe(description, dataset, split, test_runs);
-  write_bundle(bundle, description, {trained.network.weights(), std::move(trained.other)}, trained.summary, options.if_there);
+  write_bundle(bundle, description, learned.weights, learned.summary, options.if_there);
   kept.remove();
-  return trained.summary;
+  return learned.summary;
 }
 
 }  // namespace tactile::model

@@ -7,7 +7,7 @@
 #include "tactile/alignment/activity.hpp"
 #include "tactile/events/recording_reader.hpp"
 
-namespace tactile::labels {
+namespace tactile::alignment {
 
 struct SlowBurstOptions {
   int cell_px = 8;                     ///< side of a cell; a rise is looked for in 3 x 3 cells
@@ -27,8 +27,7 @@ struct SlowBurstOptions {
 /// @param known  bursts, by time
 /// @return  by time, apart from each other and from the known ones
 /// @throws Error  as reading events does
-std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
-                                          const alignment::EventRate& rate, std::span<const alignment::Burst> known,
-                                          const SlowBurstOptions& options = {});
+std::vector<Burst> slow_bursts(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                               std::span<const Burst> known, const SlowBurstOptions& options = {});
 
-}  // namespace tactile::labels
+}  // namespace tactile::alignment

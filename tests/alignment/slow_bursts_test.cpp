@@ -1,4 +1,4 @@
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/alignment/slow_bursts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/events/recording_writer.hpp"
 
-namespace tactile::labels {
+namespace tactile::alignment {
 namespace {
 
 constexpr std::int64_t read_out_us = 200;
@@ -19,8 +19,7 @@ using Scene =
     std::function<void(std::int64_t t, Random& random, const std::function<void(std::uint64_t x, std::uint64_t y)>& add)>;
 
 /// 64 x 48 pixels with a noise of 3 events per read-out on average, and what `scene` adds.
-std::vector<alignment::Burst> slow_bursts_of(const Scene& scene, std::uint64_t seed = 1,
-                                             const std::vector<alignment::Burst>& known = {}) {
+std::vector<Burst> slow_bursts_of(const Scene& scene, std::uint64_t seed = 1, const std::vector<Burst>& known = {}) {
   const test::TemporaryFolder folder;
   Random random(seed);
   std::vector<events::Event> events;
@@ -42,7 +41,7 @@ std::vector<alignment::Burst> slow_bursts_of(const Scene& scene, std::uint64_t s
     writer.close();
   }
   events::RecordingReader recording(folder / "events.aedat4");
-  return slow_bursts(recording, 0, alignment::event_rate(recording, 0), known);
+  return slow_bursts(recording, 0, event_rate(recording, 0), known);
 }
 
 /// A marker of 10 x 10 pixels with this many events per read-out, from 2 to 3 s.
@@ -53,7 +52,7 @@ Scene marker_that_moves(double events_per_read_out) {
   };
 }
 
-double seconds(std::size_t bins, const alignment::EventRate& rate) {
+double seconds(std::size_t bins, const EventRate& rate) {
   return 1e-6 * static_cast<double>(bins) * static_cast<double>(rate.bin.count());
 }
 
@@ -89,10 +88,10 @@ TEST(SlowBursts, FindNothingInAPixelThatIsStuckForAWhile) {
 }
 
 TEST(SlowBursts, LeaveOutWhatTheKnownBurstsExplain) {
-  const alignment::EventRate rate;
+  const EventRate rate;
   const auto bin = [&](double s) { return static_cast<std::size_t>(s * 1e6 / static_cast<double>(rate.bin.count())); };
   EXPECT_TRUE(slow_bursts_of(marker_that_moves(5), 1, {{.begin = bin(1.98), .end = bin(3.02)}}).empty());
 }
 
 }  // namespace
-}  // namespace tactile::labels
+}  // namespace tactile::alignment

@@ -1,11 +1,11 @@
-#include "tactile/labels/slow_bursts.hpp"
+#include "tactile/alignment/slow_bursts.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
 
-namespace tactile::labels {
+namespace tactile::alignment {
 namespace {
 
 constexpr std::array<std::size_t, 3> window_slots{2, 6, 20};
@@ -118,15 +118,15 @@ class RiseSearch {
 
 /// Hands each event that counts, its cell and its slot to `use`, in file order.
 template <class Use>
-void for_limited_events(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
-                        std::size_t slot_bins, unsigned most_per_pixel, Use&& use) {
+void for_limited_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate, std::size_t slot_bins,
+                        unsigned most_per_pixel, Use&& use) {
   const events::SensorSize size = *recording.stream(stream_id).size;
   const auto width = static_cast<std::size_t>(size.width);
   struct InSlot {
     std::uint32_t slot = 0, events = 0;
   };
   std::vector<InSlot> pixels(width * static_cast<std::size_t>(size.height));
-  alignment::for_counted_events(recording, stream_id, rate, [&](const events::Event& event, std::size_t bin) {
+  for_counted_events(recording, stream_id, rate, [&](const events::Event& event, std::size_t bin) {
     InSlot& pixel = pixels[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)];
     const auto slot = static_cast<std::uint32_t>(bin / slot_bins);
     if (pixel.slot != slot) pixel = {slot, 0};
@@ -135,10 +135,10 @@ void for_limited_events(events::RecordingReader& recording, std::int32_t stream_
 }
 
 /// By slot, whether it lies outside the bursts and their decline.
-std::vector<bool> usable_slots(const alignment::EventRate& rate, std::span<const alignment::Burst> known, std::size_t slot_bins,
+std::vector<bool> usable_slots(const EventRate& rate, std::span<const Burst> known, std::size_t slot_bins,
                                std::size_t fade_bins) {
   std::vector<bool> usable(rate.counts.size() / slot_bins, true);
-  for (const alignment::Burst& burst : known) {
+  for (const Burst& burst : known) {
     for (std::size_t slot = burst.begin / slot_bins; slot < usable.size() && slot * slot_bins < burst.end + fade_bins; ++slot)
       usable[slot] = false;
   }
@@ -146,8 +146,8 @@ std::vector<bool> usable_slots(const alignment::EventRate& rate, std::span<const
 }
 
 /// Events of each cell in a slot, on average over the usable ones.
-std::vector<double> noise_of(events::RecordingReader& recording, std::int32_t stream_id, const alignment::EventRate& rate,
-                             const Grid& grid, const std::vector<bool>& usable, std::size_t slot_bins, unsigned most_per_pixel) {
+std::vector<double> noise_of(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate, const Grid& grid,
+                             const std::vector<bool>& usable, std::size_t slot_bins, unsigned most_per_pixel) {
   std::vector<double> noise(grid.cells());
   for_limited_events(recording, stream_id, rate, slot_bins, most_per_pixel, [&](const events::Event& event, std::size_t slot) {
     if (slot < usable.size() && usable[slot]) noise[grid.at(event)] += 1.0;
@@ -165,9 +165,8 @@ std::vector<double> noise_of(events::RecordingReader& recording, std::int32_t st
 
 }  // namespace
 
-std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
-                                          const alignment::EventRate& rate, std::span<const alignment::Burst> known,
-                                          const SlowBurstOptions& options) {
+std::vector<Burst> slow_bursts(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
+                               std::span<const Burst> known, const SlowBurstOptions& options) {
   const auto bins = [&](microseconds span) { return static_cast<std::size_t>(std::max<std::int64_t>(1, span / rate.bin)); };
   const std::size_t slot_bins = bins(options.slot);
   const std::vector<bool> usable = usable_slots(rate, known, slot_bins, bins(options.fades_within));
@@ -189,9 +188,9 @@ std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, st
   finish_until(usable.size());
 
   std::sort(search.found.begin(), search.found.end());
-  std::vector<alignment::Burst> bursts;
+  std::vector<Burst> bursts;
   for (const auto& [first, last] : search.found) {
-    const alignment::Burst burst{.begin = first * slot_bins, .end = last * slot_bins, .slow = true};
+    const Burst burst{.begin = first * slot_bins, .end = last * slot_bins, .slow = true};
     if (!bursts.empty() && burst.begin <= bursts.back().end + slot_bins) {
       bursts.back().end = std::max(bursts.back().end, burst.end);
     } else {
@@ -201,4 +200,4 @@ std::vector<alignment::Burst> slow_bursts(events::RecordingReader& recording, st
   return bursts;
 }
 
-}  // namespace tactile::labels
+}  // namespace tactile::alignment

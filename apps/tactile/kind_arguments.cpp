@@ -1,0 +1,70 @@
+#include "kind_arguments.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+#include <vector>
+
+#include "option_checks.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile::cli {
+
+void add_kind_options(Command command, KindArguments& args) {
+  command
+      .add_option("--kind", args.kind,
+                  "Kind of model: lenet, on heatmaps; trees, gradient-boosted trees on 84 numbers of the events of a tick")
+      .check(one_of({"lenet", "trees"}))
+      .show_default();
+  command.add_option("--rounds", args.trees.rounds, "Of trees: rounds, of one tree for each class")
+      .check(in_range(1U, 10'000U))
+      .show_default();
+  command.add_option("--depth", args.trees.depth, "Of trees: comparisons from the root to an answer")
+      .check(in_range(1U, 8U))
+      .show_default();
+  command.add_option("--shrinkage", args.trees.learning_rate, "Of trees: share of each tree that counts")
+      .check(in_range(1e-6, 1.0))
+      .show_default();
+}
+
+void check_options_of_kind(const model::ModelSettings& settings, bool starts_from_a_model) {
+  using Options = std::vector<std::pair<const char*, bool>>;  // names, and whether they are off their defaults
+  const model::ModelSettings usual;
+  const model::TrainingOptions &training = settings.training, &usually = usual.training;
+  const heatmaps::HeatmapOptions &rendering = settings.rendering, &rendered = usual.rendering;
+  const auto refuse = [&](const Options& options, const char* others) {
+    for (const auto& [name, is_given] : options) {
+      if (is_given)
+        throw Error(
+            fmt::format("{}: a model of kind {} has none; expected --kind {} with it", name, name_of(settings.kind), others));
+    }
+  };
+  if (settings.kind != model::ModelKind::trees) {
+    refuse({{"--rounds", settings.trees.rounds != usual.trees.rounds},
+            {"--depth", settings.trees.depth != usual.trees.depth},
+            {"--shrinkage", settings.trees.learning_rate != usual.trees.learning_rate}},
+           "trees");
+  }
+  if (settings.kind == model::ModelKind::lenet) return;
+  refuse({{"--epochs", training.epochs != usually.epochs},
+          {"--batch", training.batch != usually.batch},
+          {"--lr", training.learning_rate != usually.learning_rate},
+          {"--schedule", training.schedule != usually.schedule},
+          {"--optimizer", training.optimizer != usually.optimizer},
+          {"--engine", training.engine != usually.engine},
+          {"--augment", training.augmentation != usually.augmentation},
+          {"--class-weights", training.class_weights != usually.class_weights},
+          {"--early-stop", training.early_stop != usually.early_stop},
+          {"--validation", training.validation_share != usually.validation_share},
+          {"--activation", settings.network.activation != usual.network.activation},
+          {"--pool", settings.network.pooling != usual.network.pooling},
+          {"--width", settings.network.width != usual.network.width},
+          {"--last-pool", settings.network.last_pool != usual.network.last_pool},
+          {"--denoise", rendering.denoise != rendered.denoise},
+          {"--resize", rendering.resize != rendered.resize},
+          {"--factor", rendering.factor != rendered.factor},
+          {"--from", starts_from_a_model}},
+         "lenet");
+}
+
+}  // namespace tactile::cli

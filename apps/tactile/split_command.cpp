@@ -1,0 +1,259 @@
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bag_recording.hpp"
+#include "command.hpp"
+#include "commands.hpp"
+#include "option_checks.hpp"
+#include "quantity_text.hpp"
+#include "tactile/bags/bag.hpp"
+#include "tactile/conversion/bag_import.hpp"
+#include "tactile/conversion/convert.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/splitting/split_proposal.hpp"
+#include "tactile/splitting/split_recording.hpp"
+#include "tactile/splitting/split_source.hpp"
+#include "text_table.hpp"
+
+namespace tactile::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using labels::BurstKind;
+
+struct SplitArguments {
+  std::string recording;
+  std::string data = "data";
+  std::vector<std::string> objects;
+  std::string first_run;
+  std::string robot, video, stream;
+  std::vector<double> at;
+  double quiet_s = 2.0;
+  bool dry_run = false;
+};
+
+/// A recording of another format as AEDAT4, or a bag as a run, in a hidden folder next to DATA; removed when this goes.
+class ConvertedSource {
+ public:
+  ConvertedSource(const std::string& in, const fs::path& data, const CommonArguments& common)
+      : folder_(fs::absolute(data).parent_path() / "recording") {
+    if (bags::is_bag(in)) {
+      const auto summary = conversion::import_bag(in, folder_.path() / "bag" / "01", {}, progress_line(common));
+      warn_about_import(in, summary);
+      source_ = splitting::split_source_at(summary.run.folder);
+    } else {
+      const fs::path file = folder_.path() / fs::path(in).stem().concat(".aedat4");
+      conversion::convert_recording(in, file, {.threads = common.threads}, progress_line(common));
+      source_ = splitting::split_source_at(file);
+    }
+    source_.name = in;
+    source_.origin = fs::path(in).lexically_normal().filename().string();
+  }
+
+  const splitting::SplitSource& source() const { return source_; }
+
+ private:
+  PartFolder folder_;
+  splitting::SplitSource source_;
+};
+
+bool needs_conversion(const fs::path& in) {
+  return bags::is_bag(in) ||
+         (!fs::is_directory(in) && conversion::recording_format_of(in) != conversion::RecordingFormat::aedat4);
+}
+
+std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * static_cast<double>(t.count())); }
+
+std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names) {
+  std::vector<std::string> header{"run", "begin [s]", "end [s]", "length [s]", "events"};
+  if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
+  std::vector<std::vector<std::string>> rows;
+  for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
+    std::vector<std::string>& row = rows.emplace_back();
+    row = {rows.size() <= names.size() ? names[rows.size() - 1] : std::to_string(rows.size()),
+           seconds_text(between(proposal.first, run.begin)), seconds_text(between(proposal.first, run.end)),
+           seconds_text(between(run.begin, run.end)), std::to_string(run.events)};
+    if (!proposal.looked_for_touches) continue;
+    const std::size_t presses = splitting::count_of(run, BurstKind::press), slips = splitting::count_of(run, BurstKind::slip);
+    row.push_back(run.quiet_before ? seconds_text(*run.quiet_before) : "");
+    row.push_back(std::to_string(presses));
+    row.push_back(std::to_string(slips));
+    row.push_back(std::to_string(run.touches.size() - presses - slips));
+  }
+  return text_table(header, rows);
+}
+
+/// What a person needs to choose --quiet-s.
+std::string quiet_text(const splitting::SplitProposal& proposal) {
+  if (!proposal.looked_for_touches) return {};
+  std::string text = fmt::format("Cut in the middle of each quiet stretch of {:g} s or more.",
+                                 1e-6 * static_cast<double>(proposal.quiet_needed.count()));
+  if (proposal.quiet_per_s) text += fmt::format(" The skin gives {} while nothing moves.", rate_text(*proposal.quiet_per_s));
+  if (!proposal.cuts.empty()) text += " Column 'quiet': without a touch before the run's first one.";
+  if (const auto within = splitting::longest_quiet_within(proposal))
+    text += fmt::format(" The longest quiet stretch inside a run has {} s.", seconds_text(*within));
+  if (proposal.touches.empty()) text += " No touch was found.";
+  return wrapped(text) + "\n";
+}
+
+/// Runs with less than one would expect; a person should look at them.
+void warn_about(const splitting::SplitProposal& proposal, const std::string& recording) {
+  if (!proposal.looked_for_touches) return;
+  std::string which;
+  std::size_t number = 0, count = 0;
+  for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
+    ++number;
+    if (splitting::count_of(run, BurstKind::press) > 0 && splitting::count_of(run, BurstKind::slip) > 0) continue;
+    which += (which.empty() ? "" : ", ") + std::to_string(number);
+    ++count;
+  }
+  if (count == 0) return;
+  spdlog::warn(
+      "{}: {} of {} without a press or without a slip: {}. If each should have both, compare --quiet-s with the column "
+      "'quiet', or give the cuts by --at",
+      recording, count, counted(number, "run"), which);
+}
+
+splitting::SplitProposal proposal_of(const SplitArguments& args, const splitting::SplitSource& source,
+                                     events::RecordingReader& recording, const CommonArguments& common) {
+  const auto us_in = [](double seconds) { return microseconds{std::llround(1e6 * seconds)}; };
+  splitting::ProposeOptions options;
+  options.stream = args.stream;
+  options.quiet = us_in(args.quiet_s);
+  if (args.at.empty()) return splitting::propose_runs(source, recording, options, progress_line(common));
+  std::vector<microseconds> cuts;
+  for (const double at : args.at) cuts.push_back(us_in(at));
+  return splitting::proposal_with(source, recording, cuts, options);
+}
+
+std::string result_text(const SplitArguments& args, const splitting::SplitProposal& proposal,
+                        const splitting::SplitResult& result) {
+  std::vector<std::string> names;
+  std::uint64_t copied = 0, encoded = 0, bytes = 0;
+  std::size_t kept = 0;
+  for (const splitting::SplitRun& run : result.runs) {
+    names.push_back(run.run.name());
+    copied += run.packets_copied;
+    encoded += run.packets_encoded;
+    bytes += run.bytes;
+    kept += run.is_kept ? 1 : 0;
+  }
+  std::string text = table_of(proposal, names) + "\n" + quiet_text(proposal);
+  const std::string made = kept == result.runs.size() ? "all exist already, and were kept"
+                           : kept > 0                 ? fmt::format("{} existed already", kept)
+                                                      : "all new";
+  text += wrapped(fmt::format("{}: {}, {}, session {}, {}", args.data, counted(result.runs.size(), "run"), made, result.session,
+                              bytes_text(bytes))) +
+          "\n";
+  if (copied + encoded > 0) text += fmt::format("packets: {} copied as they are, {} encoded again\n", copied, encoded);
+  const auto add_device = [&](const char* name, const std::string& how,
+                              std::optional<std::uint64_t> splitting::SplitRun::*count) {
+    if (how.empty()) return;
+    const auto without = std::count_if(result.runs.begin(), result.runs.end(),
+                                       [&](const splitting::SplitRun& run) { return run.*count == std::uint64_t{0}; });
+    text +=
+        wrapped(fmt::format("{}: {}{}", name, how,
+                            without > 0 ? fmt::format("; {} without", counted(static_cast<std::uint64_t>(without), "run")) : ""),
+                2) +
+        "\n";
+  };
+  add_device("robot log", result.robot, &splitting::SplitRun::robot_rows);
+  add_device("film", result.film, &splitting::SplitRun::frames);
+  return text;
+}
+
+/// The original among the runs of DATA would be used like one of them.
+void warn_of_original(const SplitArguments& args, const splitting::SplitSource& source) {
+  std::error_code unknown;
+  const fs::path data = fs::weakly_canonical(args.data, unknown), place = fs::weakly_canonical(source.recording, unknown);
+  const fs::path below = place.lexically_relative(data);
+  if (unknown || below.empty() || below.begin()->string() == ".." || std::distance(below.begin(), below.end()) != 3) return;
+  spdlog::warn("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin, args.data);
+}
+
+void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems) {
+  if (const std::uint64_t lost = problems.broken_packets + problems.mismatched_packets; lost > 0)
+    spdlog::warn("{}: {} could not be read, and are in no run", recording, counted(lost, "packet"));
+  if (problems.truncated_bytes > 0)
+    spdlog::warn("{}: cut off, {} after the last whole packet are in no run", recording,
+                 counted(problems.truncated_bytes, "byte"));
+  if (problems.out_of_range_events > 0)
+    spdlog::warn("{}: {} outside the sensor are in no run", recording, counted(problems.out_of_range_events, "event"));
+}
+
+void split(const SplitArguments& args, const CommonArguments& common) {
+  std::optional<ConvertedSource> converted;
+  if (needs_conversion(args.recording)) converted.emplace(args.recording, args.data, common);
+  splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(args.recording);
+  if (!args.robot.empty()) source.robot = args.robot;
+  if (!args.video.empty()) splitting::set_video(source, args.video);
+  events::RecordingReader recording(source.recording, common.threads);
+  const splitting::SplitProposal proposal = proposal_of(args, source, recording, common);
+  warn_about(proposal, args.recording);
+
+  nlohmann::json json = {{"recording", args.recording}, {"proposal", splitting::json_of(proposal)}, {"result", nullptr}};
+  if (args.dry_run) {
+    print_result(common, json, table_of(proposal, {}) + "\n" + quiet_text(proposal));
+    return;
+  }
+  splitting::SplitOptions options{.data = args.data, .objects = args.objects};
+  if (options.objects.empty())
+    options.objects = {source.info && is_object_name(source.info->object) ? source.info->object : "unnamed"};
+  if (!args.first_run.empty()) options.first_run = std::stoi(args.first_run);
+  const splitting::SplitResult result = splitting::split_recording(source, recording, proposal, options, progress_line(common));
+  warn_of_losses(args.recording, result.problems);
+  if (!converted) warn_of_original(args, source);
+  json["result"] = splitting::json_of(result);
+  print_result(common, json, result_text(args, proposal, result));
+}
+
+}  // namespace
+
+void add_split_command(CLI::App& app) {
+  auto args = std::make_shared<SplitArguments>();
+  Command command = add_command(app, "split", "Cut a long recording into run folders where it is quiet",
+                                [args](const CommonArguments& common) { split(*args, common); });
+  command
+      .add_option("recording", args->recording,
+                  "Recording or run folder, or what 'tactile convert' reads: a bag, .raw, .csv, .h5; it is not changed")
+      .type_name("RECORDING")
+      .required();
+  command.add_option("--out", args->data, "Folder of runs").type_name("DATA").show_default();
+  command
+      .add_option("--object", args->objects,
+                  "Object of all runs, or of each one; default: that of the recording's run.json, or unnamed")
+      .type_name("NAME,...")
+      .delimiter(',');
+  command.add_option("--first-run", args->first_run, "First number to use; default: after the highest existing run")
+      .type_name("NN")
+      .check(is_run());
+  command.add_option("--robot", args->robot, "Robot log; default: robot.csv next to events.aedat4")
+      .type_name("FILE")
+      .check(is_existing_file());
+  command
+      .add_option("--video", args->video,
+                  "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
+      .type_name("FILE")
+      .check(is_existing_file());
+  command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
+      .type_name("S,...")
+      .delimiter(',')
+      .check(in_range(0.0, 1e6));
+  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for so long [s]")
+      .check(in_range(0.05, 3600.0))
+      .show_default();
+  command.add_option("--stream", args->stream, "Event stream to look at, if the recording has several").type_name("ID|SOURCE");
+  command.add_flag("--dry-run", args->dry_run, "Print the proposal, and write nothing");
+}
+
+}  // namespace tactile::cli

@@ -1,0 +1,12 @@
+#include "tactile/labels/session_name.hpp"
+
+namespace tactile::labels {
+
+std::optional<std::string> camera_session_of(const events::RecordingReader& recording) {
+  for (const auto& [name, value] : events::event_stream(recording).info) {
+    if (name == "tsOffset") return "camera started at " + value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace tactile::labels

@@ -1,0 +1,16 @@
+#include "tactile/model/definition/model_kind.hpp"
+
+#include <array>
+
+#include "tactile/core/enum_names.hpp"
+
+namespace tactile::model {
+
+namespace {
+constexpr std::array<std::string_view, 2> names{"lenet", "trees"};
+}  // namespace
+
+std::string_view name_of(ModelKind kind) { return names.at(static_cast<std::size_t>(kind)); }
+ModelKind kind_named(std::string_view name) { return enumerator_named<ModelKind>(name, names, "kind of model"); }
+
+}  // namespace tactile::model

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace tactile::model {
+
+/// What predicts.
+enum class ModelKind : std::uint8_t {
+  lenet,  ///< LeNet on heatmaps
+  trees,  ///< gradient-boosted trees on `features::TickFeatures`
+};
+
+std::string_view name_of(ModelKind kind);        ///< "lenet", "trees"
+ModelKind kind_named(std::string_view name);     ///< @throws Error
+constexpr bool reads_heatmaps(ModelKind kind) {  ///< the others read features of the events
+  return kind == ModelKind::lenet;
+}
+
+}  // namespace tactile::model
