@@ -15,6 +15,7 @@
 #include "labelled_run.hpp"
 #include "rendering_arguments.hpp"
 #include "run_places.hpp"
+#include "robot_columns.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/numbers.hpp"
@@ -66,15 +67,6 @@ Check is_region() {
                                               text);
                },
                "x,y,width,height [px]"};
-}
-
-std::string check_columns(const std::string& text) {
-  try {
-    robot::column_names(text);
-    return {};
-  } catch (const Error& e) {
-    return e.what();
-  }
 }
 
 /// The results of the runs, to print and to check.
@@ -230,12 +222,7 @@ void add_label_command(CLI::App& app) {
       .type_name("X,Y,W,H")
       .check(is_region())
       .excludes(summary);
-  command
-      .add_option("--robot-columns", arguments->robot_columns,
-                  "Columns of robot logs without header row, in their order: timestamp, actual_q*6 for six, - to skip one")
-      .type_name("NAMES")
-      .check(Check{check_columns, ""})
-      .excludes(summary);
+  add_robot_columns_option(command, arguments->robot_columns).excludes(summary);
   add_mask_option(command, arguments->mask).excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")

@@ -54,7 +54,7 @@ std::optional<std::string> default_model(const std::string& models) {
 results::FullRun classify(const fs::path& recording, const fs::path& bundle, const std::function<void(std::size_t)>& advance) {
   // One thread: the page is answered in the meantime.
   const model::Classifier classifier(bundle, 1);
-  return evaluation::classify_full_run(recording, classifier, 1, advance);
+  return evaluation::classify_full_run(recording, classifier, {.threads = 1, .advance = advance});
 }
 
 review::ReviewHelp review_help(const ReviewArguments& args) {

@@ -49,7 +49,8 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   for (const std::string& place : places) {
     std::error_code unknown;
-    if (fs::is_regular_file(place, unknown)) throw Error(place + ": is a file; expected a run's folder, or a folder of runs");
+    if (fs::is_regular_file(place, unknown))
+      throw Error(place + ": is a file; expected a run's folder, or a folder of runs: 'tactile split' makes them of a recording");
     if (fs::is_directory(place, unknown) && is_there(fs::path(place) / "events.aedat4")) {
       all.runs.push_back(named_run_at(place));
       continue;
@@ -63,10 +64,11 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
     if (found.runs.empty()) {
       for (const std::string& unreadable : found.unreadable)
         if (warns) spdlog::error("{}", unreadable);
-      throw Error(place +
-                  (found.misnamed.empty() && found.unreadable.empty()
-                       ? ": holds no run; expected DATA/<object>/<run>/events.aedat4, as 'tactile simulate' makes them"
-                       : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
+      throw Error(
+          place +
+          (found.misnamed.empty() && found.unreadable.empty()
+               ? ": holds no run; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording"
+               : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
     }
     append(all.runs, found.runs);
     append(all.misnamed, found.misnamed);

@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
+#include "robot_columns.hpp"
 #include "tactile/bags/bag.hpp"
 #include "tactile/conversion/bag_import.hpp"
 #include "tactile/conversion/convert.hpp"
@@ -36,7 +37,7 @@ struct SplitArguments {
   std::string data = "data";
   std::vector<std::string> objects;
   std::string first_run;
-  std::string robot, video, stream;
+  std::string robot, robot_columns, video, stream, session;
   std::vector<double> at;
   double quiet_s = 2.0;
   bool dry_run = false;
@@ -196,6 +197,7 @@ void split(const SplitArguments& args, const CommonArguments& common) {
   if (needs_conversion(args.recording)) converted.emplace(args.recording, args.data, common);
   splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(args.recording);
   if (!args.robot.empty()) source.robot = args.robot;
+  source.robot_columns = args.robot_columns;
   if (!args.video.empty()) splitting::set_video(source, args.video);
   events::RecordingReader recording(source.recording, common.threads);
   const splitting::SplitProposal proposal = proposal_of(args, source, recording, common);
@@ -206,7 +208,7 @@ void split(const SplitArguments& args, const CommonArguments& common) {
     print_result(common, json, table_of(proposal, {}) + "\n" + quiet_text(proposal));
     return;
   }
-  splitting::SplitOptions options{.data = args.data, .objects = args.objects};
+  splitting::SplitOptions options{.data = args.data, .objects = args.objects, .session = args.session};
   if (options.objects.empty())
     options.objects = {source.info && is_object_name(source.info->object) ? source.info->object : "unnamed"};
   if (!args.first_run.empty()) options.first_run = std::stoi(args.first_run);
@@ -240,11 +242,18 @@ void add_split_command(CLI::App& app) {
   command.add_option("--robot", args->robot, "Robot log; default: robot.csv next to events.aedat4")
       .type_name("FILE")
       .check(is_existing_file());
+  add_robot_columns_option(command, args->robot_columns);
   command
       .add_option("--video", args->video,
                   "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
       .type_name("FILE")
       .check(is_existing_file());
+  command
+      .add_option(
+          "--session", args->session,
+          "Session of all runs, if several recordings share one start of camera and controller; default: that of run.json, or "
+          "one of this recording")
+      .type_name("NAME");
   command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
       .type_name("S,...")
       .delimiter(',')

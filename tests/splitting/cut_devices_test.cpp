@@ -64,7 +64,9 @@ TEST_F(CutDevices, CopyTheRowsOfEachPieceAsTheyAre) {
               "104.0;0.5");
   const std::vector<fs::path> logs{folder / "1.csv", folder / "2.csv"};
   const std::vector<CameraTime> cuts{camera_time(2'500'000)};
-  const auto rows = cut_robot_log(folder / "robot.csv", by_stamp(), spans_of(by_stamp(), cuts, 600ms), logs);
+  SplitSource source;
+  source.robot = folder / "robot.csv";
+  const auto rows = cut_robot_log(source, by_stamp(), spans_of(by_stamp(), cuts, 600ms), logs);
   EXPECT_EQ(rows, (std::vector<std::uint64_t>{3, 2}));
   // 102 is in both; the row that is cut off, and the lost connection, follow the row before them.
   EXPECT_EQ(read_text(logs[0]), "timestamp; actual_q_0 ;note\n101.0; 0.50;a\n102.0;\"0.5\";b\n\n103.0;0.5;c\n104.0;0.5");
@@ -76,8 +78,23 @@ TEST_F(CutDevices, PlaceRowsByTheirHostTimes) {
   const DeviceClock clock{.arrivals = {{camera_time(0), host_time(0)}}, .how = {}};
   const std::vector<fs::path> logs{folder / "1.csv", folder / "2.csv"};
   const std::vector<CameraTime> cuts{camera_time(1'500'000)};
-  EXPECT_EQ(cut_robot_log(folder / "robot.csv", clock, spans_of(clock, cuts, 0s), logs), (std::vector<std::uint64_t>{1, 2}));
+  SplitSource source;
+  source.robot = folder / "robot.csv";
+  EXPECT_EQ(cut_robot_log(source, clock, spans_of(clock, cuts, 0s), logs), (std::vector<std::uint64_t>{1, 2}));
   EXPECT_EQ(read_text(logs[1]), "timestamp,host_time_us\n0.1,2000000\n0.2,3000000\n");
+}
+
+TEST_F(CutDevices, GiveALogWithoutHeaderTheNamesOfItsColumns) {
+  write_whole(folder / "robot.csv", "101.0 7 0.5\n102.0 7 0.6\n103.0 7 0.7\n");
+  SplitSource source;
+  source.robot = folder / "robot.csv";
+  source.robot_columns = "timestamp,-,actual_q_0";
+  const std::vector<fs::path> logs{folder / "1.csv", folder / "2.csv"};
+  const std::vector<CameraTime> cuts{camera_time(1'500'000)};
+  EXPECT_EQ(cut_robot_log(source, by_stamp(), spans_of(by_stamp(), cuts, 0s), logs), (std::vector<std::uint64_t>{1, 2}));
+  EXPECT_EQ(read_text(logs[1]), "timestamp unused_2 actual_q_0\n102.0 7 0.6\n103.0 7 0.7\n");
+  EXPECT_EQ(cut_robot_log(source, {}, std::vector<DeviceSpan>(2), logs), (std::vector<std::uint64_t>{3, 3}));
+  EXPECT_EQ(read_text(logs[0]), read_text(logs[1]));
 }
 
 /// Frames of 100 ms, a key frame each second.

@@ -210,7 +210,7 @@ TEST_F(WriteDataset, NamesEachFlagWithItsRunsAndHowToLiftIt) {
                        "6 of 7 runs have no samples: press-1 and slip-1 are flagged in jar/01; the whole run is flagged in "
                        "jar/02; no labels in jar/03; slip-1 is flagged in mug/01, mug/02, mug/03. Look at it with " +
                            view));
-  EXPECT_TRUE(mentions(summary.warnings, "set 'confirmed' of its flag in labels.json to true and run 'tactile windows' again"));
+  EXPECT_TRUE(mentions(summary.warnings, "If a flagged label is right, confirm it by 'tactile label --confirm "));
   EXPECT_TRUE(mentions(summary.warnings, "jar: left out, none of its runs has samples: "));
   EXPECT_FALSE(mentions(summary.warnings, "mug: left out"));
   EXPECT_EQ(summary.runs[3].remark, "no samples: slip-1 is flagged (its end is only known to within 232 ms)");

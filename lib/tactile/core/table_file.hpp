@@ -44,6 +44,7 @@ class TableFile {
 
   /// As it is in the file, without its end; before the first `next` the header, or without one the first row.
   std::string_view row() const { return line_; }
+  char separator() const { return separator_; }
   bool is_blank() const { return cells_.empty(); }  ///< the row is empty
   bool is_ended() const { return is_ended_; }       ///< else the file ends within the row
   bool is_whole() const { return cells_.size() == names_.size(); }

@@ -9,6 +9,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/table_file.hpp"
+#include "tactile/robot/robot_log.hpp"
 #include "tactile/video/film_part.hpp"
 
 namespace tactile::splitting {
@@ -37,6 +38,15 @@ class Lines {
 std::size_t needed_column(const TableFile& table, std::string_view name) {
   if (const auto column = table.find(name)) return *column;
   throw Error(fmt::format("{}: no column '{}'; expected a header row that names it", table.file(), name));
+}
+
+std::string header_of(const std::vector<std::string>& columns, char separator) {
+  std::string header;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) header += separator;
+    header += columns[i].empty() ? fmt::format("unused_{}", i + 1) : columns[i];
+  }
+  return header;
 }
 
 /// The times of a film's frames, and the rows that they come from.
@@ -87,18 +97,26 @@ std::vector<DeviceSpan> spans_of(const DeviceClock& clock, std::span<const Camer
   return spans;
 }
 
-std::vector<std::uint64_t> cut_robot_log(const fs::path& log, const DeviceClock& clock, std::span<const DeviceSpan> spans,
-                                         std::span<const fs::path> logs) {
-  TableFile table(log, {.name = "a robot log", .header = "RTDE's names", .ends_in_any_bytes = true});
-  const std::size_t time = needed_column(table, clock.is_by_host() ? "host_time_us" : "timestamp");
+std::vector<std::uint64_t> cut_robot_log(const SplitSource& source, const std::optional<DeviceClock>& clock,
+                                         std::span<const DeviceSpan> spans, std::span<const fs::path> logs) {
+  const std::vector<std::string> columns =
+      source.robot_columns.empty() ? std::vector<std::string>() : robot::column_names(source.robot_columns);
+  TableFile table(*source.robot, {.name = "a robot log",
+                                  .header = "RTDE's names",
+                                  .columns = columns,
+                                  .columns_option = "--robot-columns",
+                                  .ends_in_any_bytes = true});
+  const bool is_by_host = clock && clock->is_by_host();
+  const std::size_t time = needed_column(table, is_by_host ? "host_time_us" : "timestamp");
+  const std::string header = columns.empty() ? std::string(table.row()) : header_of(columns, table.separator());
   std::deque<Lines> pieces;
-  for (const fs::path& file : logs) pieces.emplace_back(file).write(table.row());
+  for (const fs::path& file : logs) pieces.emplace_back(file).write(header);
   std::vector<std::uint64_t> rows(spans.size());
-  std::vector<bool> goes_to(spans.size());  // of the row before
+  std::vector<bool> goes_to(spans.size(), !clock);  // of the row before
   while (table.next()) {
     const bool has_time = table.is_ended() && table.is_whole();
-    if (has_time) {
-      const std::int64_t us = clock.is_by_host() ? table.whole_number_at(time) : std::llround(1e6 * table.number_at(time));
+    if (has_time && clock) {
+      const std::int64_t us = is_by_host ? table.whole_number_at(time) : std::llround(1e6 * table.number_at(time));
       for (std::size_t i = 0; i < spans.size(); ++i) goes_to[i] = spans[i].holds(us);
     }
     for (std::size_t i = 0; i < spans.size(); ++i) {

@@ -28,7 +28,7 @@ std::vector<DeviceSpan> spans_of(const DeviceClock& clock, std::span<const Camer
 /// @param logs  new files, one per piece
 /// @return      rows of each piece
 /// @throws Error  if the log cannot be read, or a file cannot be written
-std::vector<std::uint64_t> cut_robot_log(const std::filesystem::path& log, const DeviceClock& clock,
+std::vector<std::uint64_t> cut_robot_log(const SplitSource& source, const std::optional<DeviceClock>& clock,
                                          std::span<const DeviceSpan> spans, std::span<const std::filesystem::path> logs);
 
 /// Where a piece's film is written.

@@ -40,17 +40,6 @@ DeviceClock by_label(const alignment::FittedClock& fitted) {
   return {.relation = fitted.relation, .within = fitted.uncertainty(), .how = "labels.json of the whole recording"};
 }
 
-std::vector<events::ImuSample> imu_of(events::RecordingReader& recording) {
-  std::vector<events::ImuSample> all;
-  for (const events::PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
-    const std::vector<events::ImuSample> samples = recording.read_imu(packet);
-    all.insert(all.end(), samples.begin(), samples.end());
-  }
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
-  return all;
-}
-
 /// By the motions in log and recording.
 DeviceClockSearch by_motion(const robot::RobotLog& log, const std::vector<alignment::MotionPhase>& motions,
                             events::RecordingReader& recording, const alignment::EventRate& rate,
@@ -95,6 +84,17 @@ void add_moves(const robot::RobotLog& log, const std::vector<alignment::MotionPh
 
 }  // namespace
 
+std::vector<events::ImuSample> imu_of(events::RecordingReader& recording) {
+  std::vector<events::ImuSample> all;
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
+    const std::vector<events::ImuSample> samples = recording.read_imu(packet);
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  return all;
+}
+
 std::int64_t DeviceClock::device_us_at(CameraTime t) const {
   if (!is_by_host()) return relation.clock_us_from(t);
   // The nearest arrival: so the clocks' drift does not add up.
@@ -117,13 +117,13 @@ CameraTime DeviceClock::camera_at(std::int64_t us) const {
 
 DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording,
                                    const alignment::EventRate& rate, const alignment::QuietRate& quiet) {
-  const robot::RobotLogFile log = robot::read_robot_log(*source.robot);
+  const robot::RobotLogFile log = robot::read_robot_log(*source.robot, {.arm = {}, .columns = source.robot_columns});
   if (log.pieces.empty()) return {.clock = {}, .why_not = "the log has no row"};
   std::vector<std::vector<alignment::MotionPhase>> motions;
   for (const robot::RobotLog& piece : log.pieces) motions.push_back(alignment::motion_phases(piece));
   DeviceClockSearch found;
   const auto labels = labels_of(source);
-  if (auto arrivals = arrivals_of(source); !arrivals.empty() && has_host_times(*source.robot)) {
+  if (auto arrivals = arrivals_of(source); !arrivals.empty() && source.robot_columns.empty() && has_host_times(*source.robot)) {
     found.clock = DeviceClock{.arrivals = std::move(arrivals), .within = 100ms, .how = "host times"};
   } else if (log.pieces.size() > 1) {
     found.why_not = "the robot's clock restarts within the log, and there are no host times";

@@ -9,6 +9,7 @@
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/core/clock_relation.hpp"
 #include "tactile/core/time.hpp"
+#include "tactile/events/other_streams.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/touches.hpp"
 #include "tactile/splitting/split_source.hpp"
@@ -37,6 +38,9 @@ struct DeviceClockSearch {
   /// Of a robot with a clock: the lifts and taps of the arm. Nothing if they are not known.
   std::optional<std::vector<labels::ArmMove>> lifts = {}, taps = {};
 };
+
+/// All samples of the camera's IMU, by time.
+std::vector<events::ImuSample> imu_of(events::RecordingReader& recording);
 
 /// The robot's clock, and the arm's motions. In this order: host times of log and camera; labels that were made of the whole
 /// recording; the log's motions against the recording, as `tactile label` relates them (`clock_anchors`). A log whose clock

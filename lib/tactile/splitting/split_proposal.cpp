@@ -11,6 +11,7 @@
 #include "tactile/events/cut_recording.hpp"
 #include "tactile/labels/lit_rate.hpp"
 #include "tactile/labels/run_bursts.hpp"
+#include "tactile/labels/unlogged_lift.hpp"
 
 namespace tactile::splitting {
 namespace {
@@ -90,6 +91,22 @@ std::size_t middle_of_quiet(std::size_t begin, std::size_t end, const Bursts& br
   return best_begin + (best_end - best_begin) / 2;
 }
 
+/// The lift of a run by the IMU, if it shows one.
+std::optional<std::vector<labels::ArmMove>> felt_lift(std::span<const events::ImuSample> imu, const EventRate& rate,
+                                                      const Bursts& run, std::span<const double> undoes) {
+  constexpr microseconds around = 1s;
+  const auto at = [&](CameraTime t) {
+    return std::lower_bound(imu.begin(), imu.end(), t, [](const events::ImuSample& s, CameraTime time) { return s.t < time; });
+  };
+  const std::span<const events::ImuSample> samples(at(before(rate.begin_of(run.front().begin), around)),
+                                                   at(after(rate.begin_of(run.back().end), around)));
+  std::vector<bool> may_slip;
+  for (std::size_t i = 0; i < run.size(); ++i)
+    may_slip.push_back(i > 0 && undoes[i] <= labels::TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run));
+  const auto lift = labels::unlogged_lift(samples, {}, rate, run, may_slip);
+  return lift ? std::optional(std::vector{lift->move}) : std::nullopt;
+}
+
 /// What the bursts of each run are, by the arm's motions, their order and what they change in the picture.
 std::vector<SeenTouch> classified(events::RecordingReader& recording, std::int32_t stream, const EventRate& rate,
                                   const std::vector<Bursts>& runs, const DeviceClockSearch& robot) {
@@ -103,11 +120,13 @@ std::vector<SeenTouch> classified(events::RecordingReader& recording, std::int32
   }
   std::vector<double> undoes;
   for (const labels::LitRate& lit : labels::lit_rates(recording, stream, rate, all, options)) undoes.push_back(lit.undoes);
+  const std::vector<events::ImuSample> imu = robot.lifts ? std::vector<events::ImuSample>() : imu_of(recording);
   std::vector<SeenTouch> touches;
   std::size_t next = 0;
   for (const Bursts& run : runs) {
-    const auto kinds = labels::kinds_of(rate, run, robot.lifts, robot.taps.value_or(std::vector<labels::ArmMove>()),
-                                        std::span(undoes).subspan(next, run.size()));
+    const std::span<const double> undoes_of_run = std::span(undoes).subspan(next, run.size());
+    const auto lifts = robot.lifts ? robot.lifts : felt_lift(imu, rate, run, undoes_of_run);
+    const auto kinds = labels::kinds_of(rate, run, lifts, robot.taps.value_or(std::vector<labels::ArmMove>()), undoes_of_run);
     for (std::size_t i = 0; i < run.size(); ++i)
       touches.push_back({.begin = rate.begin_of(run[i].begin), .end = rate.begin_of(run[i].end), .kind = kinds[i]});
     next += run.size();

@@ -53,7 +53,8 @@ struct ProposeOptions {
 /// Proposes a cut in the middle of each quiet stretch of at least `options.quiet`. The quiet rate follows from the recording
 /// itself (`activity_in`). Bursts are those that `tactile label` finds, slow ones too; a burst that is too brief and small for a
 /// touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Slow rises alone make no run: they belong to the
-/// nearer one. Within each run the bursts are classified, by the arm's lifts if the clock of the robot log is known.
+/// nearer one. Within each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else
+/// by the motions that the IMU felt (`unlogged_lift`).
 ///
 /// Reads the recording up to seven times. Memory: 20 bytes per bin, and 50 KB per burst.
 /// @throws Error  if the recording has no event or no sane sensor, or its events lie more than two days apart; if robot log or

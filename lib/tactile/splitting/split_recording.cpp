@@ -56,8 +56,10 @@ nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, c
   return {{"from", source.origin},
           {"sha256", sha256},
           {"bytes", bytes},
+          {"session", result.session},
           {"robot", result.robot},
           {"robot_sha256", hash_or_null(source.robot)},
+          {"robot_columns", source.robot_columns},
           {"film", result.film},
           {"film_sha256", hash_or_null(source.video)},
           {"film_times_sha256", hash_or_null(source.video_times)}};
@@ -149,7 +151,7 @@ class Splitting {
     const std::string sha256 = sha256_of_file(source_.recording, [&](std::uint64_t bytes) {
       tell(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
     });
-    result_.session = session_of(source_, recording_, sha256);
+    result_.session = options_.session.empty() ? session_of(source_, recording_, sha256) : options_.session;
     place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size()), earlier_pieces(options_.data, sha256));
     if (std::any_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.whole != nullptr; })) {
       write_events(progress);
@@ -220,13 +222,15 @@ class Splitting {
     for (const Piece& piece : pieces_) files.push_back(piece.written.robot());
     if (is_cut(proposal_.robot)) {
       const std::vector<DeviceSpan> spans = spans_of(*proposal_.robot.clock, proposal_.cuts, options_.margin);
-      const std::vector<std::uint64_t> rows = cut_robot_log(*source_.robot, *proposal_.robot.clock, spans, files);
+      const std::vector<std::uint64_t> rows = cut_robot_log(source_, proposal_.robot.clock, spans, files);
       for (std::size_t i = 0; i < pieces_.size(); ++i) {
         result_.runs[i].robot_rows = rows[i];
         if (rows[i] == 0) fs::remove(files[i]);
       }
-    } else {
+    } else if (source_.robot_columns.empty()) {
       for (const fs::path& file : files) copy_whole(*source_.robot, file);
+    } else {
+      cut_robot_log(source_, {}, std::vector<DeviceSpan>(pieces_.size()), files);
     }
     for (Piece& piece : pieces_) {
       if (is_file(piece.written.robot())) piece.files.push_back(piece.written.robot());

@@ -20,6 +20,7 @@ struct SplitOptions {
   std::filesystem::path data = "data";
   std::vector<std::string> objects{"unnamed"};  ///< one for all runs, or one for each
   std::optional<int> first_run{};               ///< 1 to 99; default: the number after the highest existing one
+  std::string session{};                        ///< of all runs; empty: that of `session_of`
   microseconds margin{1'000'000};               ///< robot log and film of a run reach so far beyond its ends, >= 0
 };
 

@@ -16,6 +16,7 @@ struct SplitSource {
   std::string origin;               ///< its name in run.json of the runs: "fan/01", or a file's
   std::optional<RunInfo> info;      ///< its run.json
   std::optional<std::filesystem::path> robot, video, video_times, labels;
+  std::string robot_columns{};  ///< of a robot log without header row, as `robot::column_names` takes them
 };
 
 /// The recording at `what`, a file or a run's folder. The other files are those of the run if the recording has the name that it

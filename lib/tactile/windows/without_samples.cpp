@@ -159,10 +159,10 @@ void refuse_objects_left_out(std::span<const std::string> sentences) {
 
 std::string how_to_lift_flags(const RunFolder& run, const std::string& command) {
   return fmt::format(
-      "Look at it with 'tactile view {}'. If a flagged label is right, set 'confirmed' of its flag in labels.json to true and "
-      "run "
-      "'{}' again. '{} --include-flagged' uses flagged labels as they are.",
-      shell_word(run.folder.string()), command, command);
+      "Look at it with 'tactile view {0}'. If a flagged label is right, confirm it by 'tactile label --confirm {0}' and run "
+      "'{1}' "
+      "again. '{1} --include-flagged' uses flagged labels as they are.",
+      shell_word(run.folder.string()), command);
 }
 
 std::string sentence_on(std::span<const RunWithoutSamples> runs, std::size_t of_all, const fs::path& data,
