@@ -110,7 +110,7 @@ void add_review_command(CLI::App& app) {
   Command command = add_command(
       app, "review", "See runs, correct their labels and compare models, on a local page in the browser",
       [args](const CommonArguments& common) { review_runs(*args, common); }, CtrlC::is_the_end);
-  command.add_option("what", args->places, "Run folders, or folders of runs").type_name("DATA|RUN...").show_default();
+  command.add_option("what", args->places, "Run folders, or folders of runs").type_name("DATA|RUN").show_default();
   command.add_option("--port", args->port, "Port of the page; 0 takes a free port")
       .check(in_range<std::uint16_t>(0, 65535))
       .type_name("N")

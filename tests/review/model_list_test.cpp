@@ -44,6 +44,7 @@ TEST(ModelList, AModelHasItsOtherSettingsItsSizeAndItsTraining) {
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list.at(0).at("error"), nullptr) << list;
   EXPECT_EQ(list.at(0).at("name"), "a");
+  EXPECT_EQ(list.at(0).at("kind"), "lenet");
   EXPECT_EQ(list.at(0).at("settings"), (json{{"split", "single-run"}}));
   EXPECT_EQ(list.at(1).at("settings"), (json{{"split", "single-run"}, {"training.epochs", usual + 5}}));
   EXPECT_EQ(list.at(0).at("parameters"), model::lenet_layers({32, 24}, {}).parameter_count());

@@ -71,6 +71,16 @@ TEST_F(ReviewCommand, PrintsTheAddressAsJsonToo) {
   EXPECT_EQ(command.wait().exit_code, 0);
 }
 
+TEST_F(ReviewCommand, OpensTheAddressInTheBrowser) {
+  // A browser that notes what it is to show, and ends the command.
+  std::ofstream(folder / "xdg-open") << "#!/bin/sh\necho \"$1\" >shown\nkill -INT $PPID\n";
+  std::filesystem::permissions(folder / "xdg-open", std::filesystem::perms::owner_all);
+  const test::CommandResult result =
+      test::run_shell("PATH=\"$PWD:$PATH\" '" + std::string(test::tactile_binary) + "' review --port 0 --open", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(test::text_in_file(folder / "shown"), result.out);
+}
+
 TEST_F(ReviewCommand, OnAnotherAddressTheAddressHasAToken) {
   test::RunningCommand command("review --port 0 --host 0.0.0.0", folder.path());
   const std::uint16_t port = port_of(command);

@@ -357,6 +357,73 @@ TEST_F(ReviewingARun, ProbabilitiesComeFromTheModelThatIsAskedFor) {
   EXPECT_EQ(slip.at("mean"), json::array({0.25, 1.0}));
 }
 
+TEST_F(ReviewingARun, ProbabilitiesOfAModelThatIsTrainedAgainAreComputedAgain) {
+  fs::create_directories(data / "models/net");
+  const auto write_model = [&](const std::string& text) {
+    std::ofstream(data / "models/net/new.json") << text;
+    fs::rename(data / "models/net/new.json", data / "models/net/model.json");
+  };
+  write_model("1");
+  std::atomic<int> asked{0};
+  std::atomic<bool> was_ended{false};
+  review_runs({.classify =
+                   [&](const fs::path&, const fs::path&, const std::function<void(std::size_t)>& advance) {
+                     results::FullRun full;
+                     full.ticks = {.first = after(events.front().t, 40ms), .count = 1, .tick = 2ms};
+                     full.probabilities = {{0.0F, 0.0F, asked == 0 ? 0.25F : 0.5F}};
+                     if (asked++ == 0) {
+                       try {
+                         while (true) {
+                           advance(1);
+                           std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                         }
+                       } catch (...) {
+                         was_ended = true;
+                         throw;
+                       }
+                     }
+                     return full;
+                   },
+               .default_model = {},
+               .draw_labels = {}});
+  read_run("/api/runs/fan/01");
+  const PageRequest slip =
+      request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "3000000"}, {"names", "p_slip"}, {"model", "net"}});
+  ask(slip);
+  ASSERT_TRUE(test::comes_true([&] { return asked == 1; }));
+  write_model("2");
+  ASSERT_TRUE(test::comes_true([&] { return json_of(slip).at("pending").empty(); }));
+  EXPECT_TRUE(was_ended);
+  EXPECT_EQ(json_of(slip).at("series").at("p_slip").at("mean"), json::array({0.5}));
+}
+
+TEST_F(ReviewingARun, OfManyModelsTheLastOnesAreKept) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 12; ++i) {
+    names.push_back("net-" + std::to_string(i));
+    fs::create_directories(data / "models" / names.back());
+    std::ofstream(data / "models" / names.back() / "model.json") << "{}";
+  }
+  std::atomic<int> asked{0};
+  review_runs({.classify =
+                   [&](const fs::path&, const fs::path&, const std::function<void(std::size_t)>&) {
+                     ++asked;
+                     return results::FullRun{};
+                   },
+               .default_model = {},
+               .draw_labels = {}});
+  read_run("/api/runs/fan/01");
+  const auto answered = [&](const std::string& name) {
+    const PageRequest slip =
+        request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "10"}, {"names", "p_slip"}, {"model", name}});
+    return test::comes_true([&] { return json_of(slip).at("pending").empty(); });
+  };
+  for (const std::string& name : names) ASSERT_TRUE(answered(name)) << name;
+  EXPECT_EQ(asked, 12);
+  ASSERT_TRUE(answered(names.back()));
+  EXPECT_EQ(asked, 12);
+}
+
 TEST_F(ReviewingARun, EndsWhileAModelStillPredicts) {
   fs::create_directories(data / "models/net");
   std::ofstream(data / "models/net/model.json") << "{}";

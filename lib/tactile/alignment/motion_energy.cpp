@@ -53,6 +53,7 @@ struct ReadFrames {
 
 std::vector<std::optional<std::int64_t>> times_by_container(const std::vector<FilmFrame>& frames) {
   std::vector<std::optional<std::int64_t>> times;
+  times.reserve(frames.size());
   for (const FilmFrame& frame : frames) times.push_back(frame.us);
   return times;
 }

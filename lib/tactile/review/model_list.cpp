@@ -50,7 +50,8 @@ json history_json(const fs::path& file) {
 }
 
 json model_json(const model::ModelBundle& bundle) {
-  json entry = {{"name", bundle.name()}, {"error", nullptr}, {"eval", nullptr}, {"history", json::array()}};
+  json entry = {
+      {"name", bundle.name()}, {"error", nullptr}, {"parameters", nullptr}, {"eval", nullptr}, {"history", json::array()}};
   try {
     const model::ModelDescription description = model::read_description(bundle);
     entry["settings"] = settings_json(description.settings);
@@ -59,7 +60,9 @@ json model_json(const model::ModelBundle& bundle) {
                         {"runs", description.train_runs},
                         {"samples", description.samples},
                         {"simulated", description.simulated}};
-    entry["parameters"] = model::lenet_layers(description.input, description.settings.network).parameter_count();
+    entry["kind"] = model::name_of(description.settings.kind);
+    if (description.settings.kind == model::ModelKind::lenet)
+      entry["parameters"] = model::lenet_layers(description.input, description.settings.network).parameter_count();
     entry["history"] = history_json(bundle.history());
     entry["eval"] = eval_json(bundle.evaluation());
   } catch (const std::exception& e) {

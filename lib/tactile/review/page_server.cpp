@@ -32,7 +32,7 @@ using SteadyClock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::size_t longest_target = 2048;   // [B] of a request: path and query
-constexpr std::size_t most_head = 32 * 1024;   // [B] of a request before its body
+constexpr std::size_t most_head = 32'768;      // [B] of a request before its body
 constexpr milliseconds look_up_every{100};     // whether the server ends
 constexpr std::size_t most_requests = 10'000;  // of one connection
 constexpr const char* policy =
@@ -335,7 +335,7 @@ std::optional<PageResponse> PageServer::State::refusal_of(const httplib::Request
   if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
     return refusal_response(405, "the request's method is " + shown_text(request.method) + "; expected GET or POST");
   if (request.has_header("Range")) return refusal_response(400, "the request asks for a part; expected one for the whole");
-  if (const auto refused = refusal_of_body(request)) return refused;
+  if (auto refused = refusal_of_body(request)) return refused;
   if (!token.empty() && !has_token(request))
     return refusal_response(401, "the request has no token, or a wrong one; expected the address that 'tactile' printed");
   return std::nullopt;

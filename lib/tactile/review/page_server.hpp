@@ -22,7 +22,7 @@ struct WebFile {
 struct PageServerOptions {
   std::string host = "127.0.0.1";                    ///< to listen on; any but a loopback one needs a token
   std::uint16_t port = 7790;                         ///< 0: a free one
-  std::size_t most_body = 64 * 1024;                 ///< [B] of a request
+  std::size_t most_body = 65'536;                    ///< [B] of a request
   std::size_t most_connections = 256;                ///< at once; more wait
   std::chrono::milliseconds request_within{10'000};  ///< a request must have arrived, from its first byte on
   std::chrono::milliseconds stall{10'000};           ///< a client that takes no byte of an answer for so long is dropped

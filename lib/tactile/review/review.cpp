@@ -102,6 +102,7 @@ struct Review::State {
     std::vector<std::int64_t> times;
     const LabelCache::Shared known = labels_if_read(view.run());
     if (!known || !known->labels.video_clock) return times;
+    times.reserve(film.times().size());
     for (const VideoTime t : film.times())
       times.push_back(between(view.events().facts().first, known->labels.video_clock->relation.camera_from(t)).count());
     return times;
@@ -123,6 +124,7 @@ json Review::State::film_json(const RunView& view) {
 json Review::State::run_json(const RunView& view) {
   const RunFacts& facts = view.events().facts();
   const LabelCache::Shared known = labels_if_read(view.run());
+  runs.facts(view.run());  // the row has them, though the survey has not come to this run
   json object = runs.row(view.run().object, view.run().run);
   const auto default_model = help.default_model ? help.default_model() : std::nullopt;
   object["history_us"] = options.history.count();
@@ -173,6 +175,7 @@ PageResponse Review::State::of_view(const PageRequest& request, const std::strin
     const auto found = events.times_in(at("from_us"), at("to_us"), most_snap_events);
     if (!found) return json_response({{"t_us", json::array()}, {"too_many", true}});
     std::vector<std::int64_t> times;
+    times.reserve(found->size());
     for (const CameraTime t : *found) times.push_back(between(events.facts().first, t).count());
     std::sort(times.begin(), times.end());
     return json_response({{"t_us", times}, {"too_many", false}});

@@ -47,6 +47,7 @@ std::vector<SampledSignal> placed_series(const alignment::RunSignals& signals, c
 
 SampledSignal imu_series(std::span<const events::ImuSample> samples, CameraTime first) {
   std::vector<double> sizes;
+  sizes.reserve(samples.size());
   for (const events::ImuSample& sample : samples) {
     const auto axis = [&](std::size_t k) { return static_cast<double>(sample.acceleration_g[k]); };
     sizes.push_back(standard_gravity * std::hypot(axis(0), axis(1), axis(2)));

@@ -234,34 +234,49 @@ nlohmann::json RunView::windows(const std::vector<std::string>& names, const Win
 
 std::shared_ptr<const RunView::AllSeries> RunView::predicted(const std::filesystem::path& bundle) {
   const std::string key = bundle.string(), stamp = stamp_of(bundle / "model.json");
-  std::thread outdated;
-  std::shared_ptr<const AllSeries> series;
+  std::vector<std::thread> outdated;
   {
     const std::scoped_lock lock(guard_);
     const auto found = predictions_.find(key);
     if (found != predictions_.end() && found->second.stamp == stamp) return found->second.series;
-    if (found != predictions_.end()) outdated = std::move(found->second.thread);
+    const auto forget = [&](const auto& entry) {
+      *entry->second.is_wanted = false;
+      outdated.push_back(std::move(entry->second.thread));
+      predictions_.erase(entry);
+    };
+    if (found != predictions_.end()) forget(found);
+    while (predictions_.size() >= most_models) {
+      const auto done = std::find_if(predictions_.begin(), predictions_.end(),
+                                     [](const auto& entry) { return entry.second.series != nullptr; });
+      if (done == predictions_.end()) break;
+      forget(done);
+    }
     Prediction& prediction = predictions_[key];
-    prediction = {.stamp = stamp, .series = nullptr};
-    prediction.thread = std::thread([this, bundle] { predict(bundle); });
+    prediction.stamp = stamp;
+    prediction.thread = std::thread([this, bundle, is_wanted = prediction.is_wanted] { predict(bundle, *is_wanted); });
   }
-  if (outdated.joinable()) outdated.join();
+  for (std::thread& thread : outdated) thread.join();
   return nullptr;
 }
 
-void RunView::predict(const std::filesystem::path& bundle) {
+void RunView::predict(const std::filesystem::path& bundle, const std::atomic<bool>& is_wanted) {
   auto series = std::make_shared<AllSeries>();
   try {
     const std::scoped_lock one_at_a_time(predicting_);
-    const results::FullRun run = classify_(run_.events(), bundle, [this](std::size_t) { check_wanted(); });
-    for (SampledSignal& signal : probability_series(run, events_->facts().first)) series->push_back(std::move(signal));
+    const auto check = [&](std::size_t) {
+      if (!is_wanted) throw Cancelled{};
+      check_wanted();
+    };
+    check(0);
+    for (SampledSignal& signal : probability_series(classify_(run_.events(), bundle, check), events_->facts().first))
+      series->push_back(std::move(signal));
   } catch (const Cancelled&) {
     return;
   } catch (const std::exception& e) {
     remark("the probabilities of " + bundle.filename().string() + " cannot be shown: " + sentence_of(e));
   }
   const std::scoped_lock lock(guard_);
-  if (const auto found = predictions_.find(bundle.string()); found != predictions_.end())
+  if (const auto found = predictions_.find(bundle.string()); is_wanted && found != predictions_.end())
     found->second.series = std::move(series);
 }
 

@@ -64,6 +64,7 @@ class RunView {
 
   static constexpr microseconds longest_exact{200'000};  ///< a longer window is of whole bins
   static constexpr std::size_t most_exact_events = 8'000'000;
+  static constexpr std::size_t most_models = 8;  ///< whose probabilities are kept
 
  private:
   using AllSeries = std::vector<SampledSignal>;
@@ -72,7 +73,7 @@ class RunView {
   void read_events();
   void read_robot();
   void read_film();
-  void predict(const std::filesystem::path& bundle);
+  void predict(const std::filesystem::path& bundle, const std::atomic<bool>& is_wanted);
   void check_wanted() const;
   void remark(std::string sentence);
   std::shared_ptr<const AllSeries> placed(const labels::Labels& labels) const;
@@ -97,6 +98,7 @@ class RunView {
   struct Prediction {
     std::string stamp;                        ///< of the bundle's model.json
     std::shared_ptr<const AllSeries> series;  ///< nothing while it is computed, and if it failed
+    std::shared_ptr<std::atomic<bool>> is_wanted = std::make_shared<std::atomic<bool>>(true);
     std::thread thread{};
   };
   std::map<std::string, Prediction> predictions_;  ///< by the bundle's folder

@@ -114,7 +114,8 @@ json study_json(const fs::path& folder, const Kind& kind) {
 
 json studies_json(const fs::path& folder) {
   std::vector<fs::path> places{folder};
-  for (const fs::path& below : folders_in(folder)) places.push_back(below);
+  const std::vector<fs::path> below = folders_in(folder);
+  places.insert(places.end(), below.begin(), below.end());
   json list = json::array();
   for (const fs::path& place : places) {
     for (const Kind& kind : kinds) {

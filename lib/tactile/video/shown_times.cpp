@@ -21,6 +21,7 @@ std::vector<std::optional<VideoTime>> shown_times(std::span<const std::optional<
                                                   std::span<const std::int64_t> in_file, std::span<const VideoTime> rows) {
   const std::vector<std::size_t> indices = frame_indices(by_container, in_file);
   std::vector<std::optional<VideoTime>> times;
+  times.reserve(by_container.size());
   for (std::size_t i = 0; i < by_container.size(); ++i) {
     const std::optional<std::int64_t>& us = by_container[i];
     std::optional<VideoTime> t;
