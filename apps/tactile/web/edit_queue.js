@@ -56,15 +56,14 @@ export class EditQueue extends EventTarget {
 
   /// Takes an operation and begins to send.
   add(operation) {
-    const mark = this.#historyMark(operation.op);
-    this.waiting.push({ ...operation, key: `${Date.now()}-${Math.random()}`, of: mark, tried: false });
+    this.waiting.push({ ...operation, tried: false });
     this.#changed();
     return this.pump();
   }
 
   /// The entry that an undo or redo is meant for: it shows later whether it was made.
   #historyMark(op) {
-    if (op === "edit" || this.waiting.length) return null;
+    if (op === "edit") return null;
     const history = this.labels.history ?? [];
     const entry = op === "undo" ? history.findLast((e) => !e.undone) : history.find((e) => e.undone);
     return entry ? { when: entry.when, what: entry.what } : null;
@@ -85,6 +84,7 @@ export class EditQueue extends EventTarget {
 
   async #sendFirst() {
     const [operation] = this.waiting;
+    operation.of ??= this.#historyMark(operation.op);
     operation.tried = true;
     this.#save();
     try {
@@ -140,7 +140,7 @@ export class EditQueue extends EventTarget {
     this.waiting = [];
     for (const operation of waiting) {
       const again = mine ? rebased(operation, current) : null;
-      if (again) this.waiting.push({ ...again, tried: false });
+      if (again) this.waiting.push({ ...again, of: null, tried: false });
       else this.setAside.push({ ...operation, reason: mine ? "what it edits is gone" : "you took the other labels" });
     }
     this.#changed();

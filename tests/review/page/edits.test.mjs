@@ -45,7 +45,8 @@ function server(labels) {
     if (failure === "lost before") throw new Unreachable("no answer");
     if (failure instanceof Refused) throw failure;
     if (version !== state.labels.version) throw new Conflict("changed", state.labels);
-    const after = operation.op === "edit" ? edited(state.labels, operation.edit, operation.why) : state.labels;
+    const after = operation.op === "edit" ? edited(state.labels, operation.edit, operation.why) : structuredClone(state.labels);
+    if (operation.op === "undo") after.history.findLast((entry) => !entry.undone).undone = true;
     for (const [n, i] of after.intervals.entries()) if (i.id.startsWith("new ")) i.id = `${i.touch}-${n + 7}`;
     state.labels = { ...after, version: `v${Number(state.labels.version.slice(1)) + 1}` };
     if (failure === "lost after") throw new Unreachable("no answer");
@@ -235,6 +236,18 @@ test("an undo whose answer was lost is found in the history", () => {
   const undo = { op: "undo", of: { when: "1", what: "x" } };
   assert.equal(alreadyMade(undo, { history: [entry] }), false);
   assert.equal(alreadyMade(undo, { history: [{ ...entry, undone: true }] }), true);
+});
+
+test("an undo whose answer was lost is not made twice", async () => {
+  const history = ["1", "2"].map((when) => ({ when, what: "x", undone: false }));
+  const there = server({ ...made(), history });
+  there.fail = ["lost after"];
+  const queue = new EditQueue({ labels: { ...made(), history: structuredClone(history) }, send: there.send, store: store() });
+  await queue.add({ op: "undo" });
+  assert.equal(queue.state, "lost");
+  await queue.pump();
+  assert.equal(queue.state, "saved");
+  assert.deepEqual(there.labels.history.map((entry) => entry.undone), [false, true]);
 });
 
 test("a conflict waits for the person; mine is made on top of theirs", async () => {
