@@ -38,7 +38,7 @@ export class ModelsPage {
   }
 
   #table(models) {
-    const head = ["Model", "Trained", "Parameters", ...MODEL_FIGURES.map(([, words]) => words), "Settings off the default"];
+    const head = ["Model", "Trained", "Kind", "Parameters", ...MODEL_FIGURES.map(([, words]) => words), "Settings off the default"];
     const row = (model) =>
       el(
         "tr",
@@ -49,6 +49,7 @@ export class ModelsPage {
           el("a", { href: "#/models", onclick: (event) => this.#open(event, model.name) }, model.name),
         ),
         el("td", { "data-label": "Trained" }, whenText(model.trained?.when)),
+        el("td", { "data-label": "Kind" }, model.kind ?? "–"),
         el("td", { "data-label": "Parameters" }, countText(model.parameters)),
         MODEL_FIGURES.map(([key, words, unit]) =>
           el("td", { "data-label": words, class: "figure" }, figureText(figureOf(model.eval, key), unit)),
