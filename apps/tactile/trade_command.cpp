@@ -40,7 +40,7 @@ struct TradeArguments {
   unsigned epochs = 10;
   std::optional<unsigned> trainings;
   std::uint64_t seed = 1;
-  std::vector<std::string> kinds{"lenet", "trees"};
+  std::vector<std::string> kinds{"lenet", "trees", "temporal"};
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
   std::vector<double> factors{0.1, 0.2, 0.25};
@@ -391,7 +391,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
       .check(in_range(0U, 1000U))
       .show_default();
-  add_list("--kind", args->kinds, "Kinds of models: lenet, trees").check(one_of({"lenet", "trees"}));
+  add_list("--kind", args->kinds, "Kinds of models: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
   add_list("--th", args->histories_ms, "Histories t_h [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
   add_list("--factor", args->factors, "Heatmap sizes divided by sensor size").check(in_range(0.001, 1.0));

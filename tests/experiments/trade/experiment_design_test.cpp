@@ -19,8 +19,8 @@ TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
   // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
-  // confirmations, 2 widths, 1 last pooling, 1 other kind.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 1);
+  // confirmations, 2 widths, 1 last pooling, 2 other kinds.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 2);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -59,8 +59,9 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.alarm_costs = {std::nullopt};
   levels.gate = {false};
   const auto settings = all_combinations({}, levels);
-  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. Trees have none of these.
-  EXPECT_EQ(settings.size(), 3U * (1 + 4 + 1));
+  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. The other kinds have none of
+  // these.
+  EXPECT_EQ(settings.size(), 3U * (1 + 4 + 2));
   for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
 }
 
@@ -103,7 +104,7 @@ TEST(OneAtATime, AKindWithoutHeatmapsHasNoneOfTheirValues) {
     }
   }
   trees.width = 0.5;
-  EXPECT_EQ(why_impossible(trees).value_or(""), "trees read no heatmaps, and have one engine and precision");
+  EXPECT_EQ(why_impossible(trees).value_or(""), "a model of kind trees reads no heatmaps, and has one engine and precision");
 }
 
 TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {

@@ -64,6 +64,9 @@ TEST(TradeCommand, TriesTreesAndNamesThem) {
   EXPECT_GT(trees->at("reported").at("accuracy").at("value").get<double>(), 0.6);
   EXPECT_GT(trees->at("reported").at("us").at("p50").at("value").get<double>(), 0);
   EXPECT_EQ(point_of(trade, "trees, int8"), nullptr);
+  const nlohmann::json* temporal = point_of(trade, "temporal convolution");
+  ASSERT_NE(temporal, nullptr);
+  EXPECT_TRUE(temporal->at("models")[0].get<std::string>().starts_with("temporal-th040-single-run-01-s1"));
   EXPECT_TRUE(trade.at("not_measured").empty()) << trade.at("not_measured");
   const std::string csv = read_text(folder / "trade/trade.csv");
   EXPECT_TRUE(csv.starts_with("id,design,trainings,kind,th_ms,")) << csv.substr(0, 60);

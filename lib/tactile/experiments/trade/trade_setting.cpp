@@ -17,6 +17,10 @@ struct SettingValue {
   std::string id, text;
 };
 
+std::string kind_text(model::ModelKind kind) {
+  return kind == model::ModelKind::lenet ? "LeNet" : kind == model::ModelKind::trees ? "trees" : "temporal convolution";
+}
+
 std::vector<SettingValue> values_of(const TradeSetting& setting) {
   const double th_ms = in_ms(setting.rendering.history), tick_ms = in_ms(setting.rendering.tick);
   const double factor = setting.rendering.factor;
@@ -26,7 +30,7 @@ std::vector<SettingValue> values_of(const TradeSetting& setting) {
   const std::string pass = setting.sparse ? "sparse" : "dense", confirm = text_of(setting.confirmation);
   const std::string filter = setting.alarm_cost ? fmt::format("{:g}", *setting.alarm_cost) : "off";
   const std::string kind(name_of(setting.kind));
-  return {{"kind", kind, "", setting.kind == model::ModelKind::lenet ? "LeNet" : kind},
+  return {{"kind", kind, "", kind_text(setting.kind)},
           {"th_ms", th_ms, fmt::format("th{:g}", th_ms), fmt::format("t_h {:g} ms", th_ms)},
           {"tick_ms", tick_ms, fmt::format("tick{:g}", tick_ms), fmt::format("tick {:g} ms", tick_ms)},
           {"factor", factor, fmt::format("f{:.6g}", factor), fmt::format("factor {:g}", factor)},
@@ -96,7 +100,7 @@ std::optional<std::string> why_impossible(const TradeSetting& setting) {
   if (setting.engine == model::EngineKind::libtorch && (setting.precision != model::Precision::fp32 || !setting.sparse))
     return "libtorch computes all, in fp32";
   if (!(setting == without_idle_values(setting)))
-    return fmt::format("{} read no heatmaps, and have one engine and precision", name_of(setting.kind));
+    return fmt::format("a model of kind {} reads no heatmaps, and has one engine and precision", name_of(setting.kind));
   if (setting.alarm_cost && setting.confirmation.of > 1) return "the filter replaces the confirmation";
   return std::nullopt;
 }
