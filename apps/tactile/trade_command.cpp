@@ -22,6 +22,7 @@
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
+#include "tactile/report/budget_plot.hpp"
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/report/trade_plots.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -266,7 +267,8 @@ std::string text_of(const trade::TradeSummary& summary) {
 std::vector<std::string> draw_figures(const fs::path& out) {
   const report::ReportedTrade trade = report::read_trade(out);
   std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
-                                                            {"trade-delay", report::trade_delay_plot(trade)}};
+                                                            {"trade-delay", report::trade_delay_plot(trade)},
+                                                            {"trade-budgets", report::trade_budget_plot(trade)}};
   if (!trade.growth.by_rate.empty()) {
     plots.emplace_back("trade-growth", report::trade_growth_plot(trade));
   } else {

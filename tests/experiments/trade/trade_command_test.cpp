@@ -128,7 +128,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
       EXPECT_EQ(figures.at("accuracy").at("n"), 3);
     }
   }
-  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png"})
+  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png", "trade-budgets.svg", "trade-budgets.png"})
     EXPECT_TRUE(fs::is_regular_file(folder / "trade/figures" / figure)) << figure;
   const std::string csv = read_text(folder / "trade/trade.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + 2 * trade.at("points").size());
@@ -138,6 +138,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   const std::string page = read_text(folder / "trade/report/report.html");
   EXPECT_NE(page.find("Speed against accuracy"), std::string::npos);
   EXPECT_NE(page.find("figure-trade-delay"), std::string::npos);
+  EXPECT_NE(page.find("figure-trade-budgets"), std::string::npos);
 
   // Nothing is done again; a constraint that no setting meets measures nothing.
   const nlohmann::json second = traded(folder.path(), "--no-growth --no-figures");
