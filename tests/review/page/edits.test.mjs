@@ -5,6 +5,14 @@ import { changesBetween, meets, newEdits, rebased } from "../../../apps/tactile/
 import { alreadyMade, edited, limitsOf, withOperations, wordsOf } from "../../../apps/tactile/web/label_edits.js";
 import { Latest } from "../../../apps/tactile/web/latest.js";
 
+// Node 18, of Debian 12, has no CustomEvent; browsers have.
+globalThis.CustomEvent ??= class extends Event {
+  constructor(type, options = {}) {
+    super(type, options);
+    this.detail = options.detail;
+  }
+};
+
 const interval = (id, touch, start_us, end_us, more = {}) => ({
   id,
   touch,
