@@ -37,6 +37,7 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
   add("kind", name_of(settings.kind), name_of(defaults.kind));
   add("rounds", settings.trees.rounds, defaults.trees.rounds);
   add("depth", settings.trees.depth, defaults.trees.depth);
+  add("channels", settings.temporal.channels, defaults.temporal.channels);
   add("shrinkage", settings.trees.learning_rate, defaults.trees.learning_rate);
   add("train-run", settings.split.train_run, defaults.split.train_run);
   add("seed", settings.training.seed, defaults.training.seed);

@@ -12,9 +12,11 @@ namespace tactile::cli {
 
 void add_kind_options(Command command, KindArguments& args) {
   command
-      .add_option("--kind", args.kind,
-                  "Kind of model: lenet, on heatmaps; trees, gradient-boosted trees on 84 numbers of the events of a tick")
-      .check(one_of({"lenet", "trees"}))
+      .add_option(
+          "--kind", args.kind,
+          "Kind of model: lenet, on heatmaps; trees, gradient-boosted trees on 84 numbers of the events of a tick; temporal, a "
+          "convolution over 16 steps of twelve such numbers")
+      .check(one_of({"lenet", "trees", "temporal"}))
       .show_default();
   command.add_option("--rounds", args.trees.rounds, "Of trees: rounds, of one tree for each class")
       .check(in_range(1U, 10'000U))
@@ -24,6 +26,9 @@ void add_kind_options(Command command, KindArguments& args) {
       .show_default();
   command.add_option("--shrinkage", args.trees.learning_rate, "Of trees: share of each tree that counts")
       .check(in_range(1e-6, 1.0))
+      .show_default();
+  command.add_option("--channels", args.temporal.channels, "Of temporal: channels of each layer")
+      .check(in_range(1U, 64U))
       .show_default();
 }
 
@@ -45,15 +50,11 @@ void check_options_of_kind(const model::ModelSettings& settings, bool starts_fro
             {"--shrinkage", settings.trees.learning_rate != usual.trees.learning_rate}},
            "trees");
   }
+  if (settings.kind != model::ModelKind::temporal)
+    refuse({{"--channels", settings.temporal.channels != usual.temporal.channels}}, "temporal");
   if (settings.kind == model::ModelKind::lenet) return;
-  refuse({{"--epochs", training.epochs != usually.epochs},
-          {"--batch", training.batch != usually.batch},
-          {"--lr", training.learning_rate != usually.learning_rate},
-          {"--schedule", training.schedule != usually.schedule},
-          {"--optimizer", training.optimizer != usually.optimizer},
-          {"--engine", training.engine != usually.engine},
+  refuse({{"--engine", training.engine != usually.engine},
           {"--augment", training.augmentation != usually.augmentation},
-          {"--class-weights", training.class_weights != usually.class_weights},
           {"--early-stop", training.early_stop != usually.early_stop},
           {"--validation", training.validation_share != usually.validation_share},
           {"--activation", settings.network.activation != usual.network.activation},
@@ -64,6 +65,14 @@ void check_options_of_kind(const model::ModelSettings& settings, bool starts_fro
           {"--resize", rendering.resize != rendered.resize},
           {"--factor", rendering.factor != rendered.factor},
           {"--from", starts_from_a_model}},
+         "lenet");
+  if (settings.kind == model::ModelKind::temporal) return;
+  refuse({{"--epochs", training.epochs != usually.epochs},
+          {"--batch", training.batch != usually.batch},
+          {"--lr", training.learning_rate != usually.learning_rate},
+          {"--schedule", training.schedule != usually.schedule},
+          {"--optimizer", training.optimizer != usually.optimizer},
+          {"--class-weights", training.class_weights != usually.class_weights}},
          "lenet");
 }
 

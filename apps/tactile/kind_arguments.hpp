@@ -11,9 +11,10 @@ namespace tactile::cli {
 struct KindArguments {
   std::string kind = "lenet";
   model::TreesOptions trees;
+  model::TemporalOptions temporal;
 };
 
-/// `--kind`, `--rounds`, `--depth` and `--shrinkage`.
+/// `--kind`, `--rounds`, `--depth`, `--shrinkage` and `--channels`.
 void add_kind_options(Command command, KindArguments& args);
 
 /// @throws Error  that names the option, if one off its default has no meaning for the kind

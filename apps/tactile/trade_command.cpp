@@ -22,6 +22,7 @@
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
+#include "tactile/report/budget_plot.hpp"
 #include "tactile/report/reported_trade.hpp"
 #include "tactile/report/trade_plots.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -40,6 +41,7 @@ struct TradeArguments {
   unsigned epochs = 10;
   std::optional<unsigned> trainings;
   std::uint64_t seed = 1;
+  std::vector<std::string> kinds{"lenet", "trees", "temporal"};
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
   std::vector<double> factors{0.1, 0.2, 0.25};
@@ -68,7 +70,8 @@ auto each_once(const std::vector<Value>& values, Convert convert) {
 }
 
 trade::TradeLevels levels_of(const TradeArguments& args) {
-  return {.histories = each_once(args.histories_ms, [](double history_ms) { return whole_us(history_ms, "--th"); }),
+  return {.kinds = each_once(args.kinds, [](const auto& name) { return model::kind_named(name); }),
+          .histories = each_once(args.histories_ms, [](double history_ms) { return whole_us(history_ms, "--th"); }),
           .ticks = each_once(args.ticks_us, [](std::int64_t tick_us) { return microseconds{tick_us}; }),
           .factors = each_once(args.factors, [](double factor) { return factor; }),
           .resizes = each_once(
@@ -110,7 +113,8 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.confirmation, levels.confirmations);
   take_usual(usual.alarm_cost, levels.alarm_costs);
   take_usual(usual.gate, levels.gate);
-  return usual;
+  take_usual(usual.kind, levels.kinds);
+  return without_idle_values(usual);
 }
 
 Check is_filter() {
@@ -263,7 +267,8 @@ std::string text_of(const trade::TradeSummary& summary) {
 std::vector<std::string> draw_figures(const fs::path& out) {
   const report::ReportedTrade trade = report::read_trade(out);
   std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
-                                                            {"trade-delay", report::trade_delay_plot(trade)}};
+                                                            {"trade-delay", report::trade_delay_plot(trade)},
+                                                            {"trade-budgets", report::trade_budget_plot(trade)}};
   if (!trade.growth.by_rate.empty()) {
     plots.emplace_back("trade-growth", report::trade_growth_plot(trade));
   } else {
@@ -388,6 +393,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
       .check(in_range(0U, 1000U))
       .show_default();
+  add_list("--kind", args->kinds, "Kinds of models: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
   add_list("--th", args->histories_ms, "Histories t_h [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
   add_list("--factor", args->factors, "Heatmap sizes divided by sensor size").check(in_range(0.001, 1.0));

@@ -66,6 +66,7 @@ model::ModelSettings settings_of(const TrainArguments& args) {
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   settings.kind = model::kind_named(args.kind.kind);
   settings.trees = args.kind.trees;
+  settings.temporal = args.kind.temporal;
   check(settings.training);
   check_options_of_kind(settings, !args.from.empty());
   if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
@@ -368,8 +369,9 @@ void add_model_options(Command& command, TrainArguments& args) {
 
 void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
-  Command command = add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, or trees",
-                                [args](const CommonArguments& common) { train(*args, common); });
+  Command command =
+      add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, trees, or a temporal convolution",
+                  [args](const CommonArguments& common) { train(*args, common); });
   add_split_options(command, *args);
   add_kind_options(command, args->kind);
   add_training_options(command, *args);

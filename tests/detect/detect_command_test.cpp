@@ -123,18 +123,22 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   }
 }
 
-TEST(DetectCommand, AgreesWithEvalAtEveryTickWithTreesToo) {
+/// Models of kinds that read no heatmaps.
+class DetectOtherKinds : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds, testing::Values("trees --rounds 20", "temporal --epochs 4"));
+
+TEST_P(DetectOtherKinds, AgreesWithEvalAtEveryTick) {
   const Trained own;
   const fs::path folder = own.folder.path();
-  const auto train = run_tactile("train --quiet --kind trees --rounds 20 --name trees", folder);
+  const auto train = run_tactile("train --quiet --name other --kind " + GetParam(), folder);
   ASSERT_EQ(train.exit_code, 0) << train.err;
   for (const std::string options : {"", " --gate --filter --alarm-cost 0.1"}) {
-    const auto eval = run_tactile("eval --quiet --model trees --run fan/02 --out offline" + options, folder);
+    const auto eval = run_tactile("eval --quiet --model other --run fan/02 --out offline" + options, folder);
     ASSERT_EQ(eval.exit_code, 0) << eval.err;
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
     ASSERT_GT(offline.size(), 100U);
     const auto live =
-        run_tactile("detect --quiet --json --model trees --from file:data/fan/02 --ticks live.csv --speed 0" + options, folder);
+        run_tactile("detect --quiet --json --model other --from file:data/fan/02 --ticks live.csv --speed 0" + options, folder);
     ASSERT_EQ(live.exit_code, 0) << live.err;
     const std::vector<Row> reported = rows_of(folder / "live.csv");
     ASSERT_EQ(reported.size(), offline.size()) << options;
@@ -147,11 +151,11 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickWithTreesToo) {
     }
     EXPECT_EQ(verdicts.size(), 3U) << "each class occurs";
   }
-  const auto finer = run_tactile("detect --quiet --json --model trees --from file:data/fan/02 --speed 0 --tick-us 1000", folder);
+  const auto finer = run_tactile("detect --quiet --json --model other --from file:data/fan/02 --speed 0 --tick-us 1000", folder);
   ASSERT_EQ(finer.exit_code, 0) << finer.err;
   EXPECT_GT(nlohmann::json::parse(finer.out).at("verdicts").at("slip").get<int>(), 100);
-  const auto refused = run_tactile("detect --model trees --from file:data/fan/02 --speed 0 --precision int8", folder);
-  EXPECT_NE(refused.err.find("a model of kind trees has no precision int8; expected fp32"), std::string::npos) << refused.err;
+  const auto refused = run_tactile("detect --model other --from file:data/fan/02 --speed 0 --precision int8", folder);
+  EXPECT_NE(refused.err.find("has no precision int8; expected fp32"), std::string::npos) << refused.err;
 }
 
 TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {

@@ -51,7 +51,7 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   expect_figure(json.at("accuracy").at("mean"));
   expect_figure(json.at("accuracy").at("objects").at("fan"));
   expect_figure(json.at("false_alarms_per_min"));
-  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees"})
+  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees", "temporal_convolution"})
     expect_figure(json.at("baselines").at(baseline).at("accuracy"));
   for (const char* touch : {"press", "slip"}) {
     for (const char* delays : {"delay_ms", "delay_true_ms"}) {
@@ -267,7 +267,7 @@ TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {
   EXPECT_NE(judged.err.find("another dataset"), std::string::npos) << judged.err;
   const auto json = nlohmann::json::parse(judged.out);
   EXPECT_EQ(json.at("test_runs"), nlohmann::json({"fan/02", "fan/03", "usb-hub/02", "usb-hub/03"}));
-  EXPECT_EQ(json.at("baselines").size(), 5U) << "fitted on the runs it learned from, which are there";
+  EXPECT_EQ(json.at("baselines").size(), 6U) << "fitted on the runs it learned from, which are there";
   EXPECT_FALSE(fs::exists(trained.bundle.evaluation()));
   EXPECT_TRUE(fs::exists(trained.bundle.folder /
                          ("eval-on-" + windows::Dataset(data / "dataset.h5").manifest_hash().substr(0, 8) + ".json")));

@@ -108,6 +108,7 @@ TEST(FullRun, OfTreesPredictsAtASamplesTickWhatTheDatasetsEventsGive) {
   std::map<std::string, double> baselines;
   for (const results::BaselineScore& baseline : evaluation.baselines) baselines[baseline.name] = baseline.accuracy.mean.value;
   EXPECT_GT(baselines.at("boosted_trees"), 0.9);
+  EXPECT_GT(baselines.at("temporal_convolution"), 0.8);
   EXPECT_GT(baselines.at("logistic_position"), 0.5);
   const auto by_samples = sample_confusions(dataset, classifier, runs);
   for (std::size_t i = 0; i < runs.size(); ++i) EXPECT_EQ(by_samples[i].confusion, evaluation.runs[i].confusion);
@@ -135,11 +136,13 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_GT(evaluation.accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.accuracy.objects.size(), 3U);
   EXPECT_EQ(evaluation.confusion.samples(), model::samples_of_runs(dataset, test_runs(dataset)).size());
-  ASSERT_EQ(evaluation.baselines.size(), 5U);
+  ASSERT_EQ(evaluation.baselines.size(), 6U);
   EXPECT_NEAR(evaluation.baselines[0].accuracy.mean.value, 1.0 / 3, 1e-12);
   EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // left or right is told by the centre
   EXPECT_EQ(evaluation.baselines[4].name, "boosted_trees");
   EXPECT_GT(evaluation.baselines[4].accuracy.mean.value, 0.9);
+  EXPECT_EQ(evaluation.baselines[5].name, "temporal_convolution");
+  EXPECT_GT(evaluation.baselines[5].accuracy.mean.value, 0.8);
   EXPECT_EQ(evaluation.network.press.all.intervals, 3U);
   EXPECT_EQ(evaluation.network.slip.all.intervals, 3U);
   EXPECT_EQ(evaluation.trivial.at("always_press").press.all.early, 3U);

@@ -3,25 +3,22 @@
 
     report_page_test.py TACTILE [--keep FOLDER]
 
-Chromium is driven over a pipe, so nothing but Python is needed. Ends with 77 where there is no Chromium. --keep keeps study, report and
+Ends with 77 where there is no Chromium. --keep keeps study, report and
 screenshots.
 """
 
-import base64
 import json
 import os
 import re
-import select
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path += [HERE, os.path.join(HERE, "..", "support")]
+from browser import Browser, chromium  # noqa: E402
 from made_study import write_study  # noqa: E402
-
-PATIENCE_S = 300  # machines may be busy; nothing here waits that long but on an error
 
 LOOK = """(() => {
   const root = document.documentElement;
@@ -52,97 +49,19 @@ LOOK = """(() => {
 })()"""
 
 
-class Browser:
-    def __init__(self, binary, home):
-        to_browser, self._write = os.pipe()
-        self._read, from_browser = os.pipe()
-
-        def as_three_and_four():
-            # The ends may be 3 or 4 themselves: out of the way first.
-            a, b = os.dup(to_browser), os.dup(from_browser)
-            a, b = (os.dup(a) if a in (3, 4) else a), (os.dup(b) if b in (3, 4) else b)
-            os.dup2(a, 3)
-            os.dup2(b, 4)
-
-        arguments = [binary, "--headless=new", "--remote-debugging-pipe", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
-                     "--no-default-browser-check", "--disable-background-networking", "--disable-component-update", "--disable-extensions",
-                     "--hide-scrollbars", "--user-data-dir=" + os.path.join(home, "profile"), "about:blank"]
-        if os.geteuid() == 0:
-            arguments.insert(1, "--no-sandbox")
-        self._said = open(os.path.join(home, "chromium.log"), "wb")
-        self._process = subprocess.Popen(arguments, preexec_fn=as_three_and_four, close_fds=False, stdin=subprocess.DEVNULL,
-                                         stdout=self._said, stderr=self._said, env=dict(os.environ, HOME=home))
-        os.close(to_browser)
-        os.close(from_browser)
-        self._buffer = b""
-        self._number = 0
-        self.events = []
-
-    def _message(self):
-        end = time.monotonic() + PATIENCE_S
-        while b"\0" not in self._buffer:
-            ready, _, _ = select.select([self._read], [], [], max(0, end - time.monotonic()))
-            part = os.read(self._read, 1 << 20) if ready else b""
-            if not part:
-                raise RuntimeError("chromium ended or says nothing; its words are in chromium.log")
-            self._buffer += part
-        message, self._buffer = self._buffer.split(b"\0", 1)
-        return json.loads(message)
-
-    def ask(self, method, session=None, **parameters):
-        self._number += 1
-        message = {"id": self._number, "method": method, "params": parameters}
-        if session:
-            message["sessionId"] = session
-        data = json.dumps(message).encode() + b"\0"
-        while data:
-            data = data[os.write(self._write, data):]
-        while True:
-            answer = self._message()
-            if answer.get("id") == self._number:
-                if "error" in answer:
-                    raise RuntimeError(f"{method}: {answer['error']}")
-                return answer["result"]
-            self.events.append(answer)
-
-    def wait_for(self, method, session):
-        while True:
-            for event in self.events:
-                if event.get("method") == method and event.get("sessionId") == session:
-                    return
-            self.events.append(self._message())
-
-    def close(self):
-        try:
-            self.ask("Browser.close")
-            self._process.wait(60)
-        except Exception:
-            self._process.kill()
-            self._process.wait()
-        self._said.close()
-
-    def look_at(self, page, width, dark, picture):
-        """What is on the page, the requests that it made, and what the console said."""
-        self.events = []
-        target = self.ask("Target.createTarget", url="about:blank")["targetId"]
-        session = self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.ask(domain + ".enable", session)
-        self.ask("Emulation.setDeviceMetricsOverride", session, width=width, height=900, deviceScaleFactor=2 if width < 600 else 1, mobile=width < 600)
-        self.ask("Emulation.setEmulatedMedia", session, features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
-        self.ask("Page.navigate", session, url="file://" + os.path.abspath(page))
-        self.wait_for("Page.loadEventFired", session)
-        self.ask("Runtime.evaluate", session, expression="Promise.all([...document.images].map(i => i.decode().catch(() => 0)))", awaitPromise=True)
-        seen = json.loads(self.ask("Runtime.evaluate", session, expression=LOOK, returnByValue=True)["result"]["value"])
-        shot = self.ask("Page.captureScreenshot", session, format="png", captureBeyondViewport=True,
-                        clip={"x": 0, "y": 0, "width": width, "height": 12000 if width < 600 else 9000, "scale": 0.5 if width < 600 else 1})
-        with open(picture, "wb") as file:
-            file.write(base64.b64decode(shot["data"]))
-        requests = [e["params"]["request"]["url"] for e in self.events if e.get("method") == "Network.requestWillBeSent"]
-        said = [json.dumps(e["params"])[:300] for e in self.events
-                if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")]
-        self.ask("Target.closeTarget", targetId=target)
-        return seen, requests, said
+def look_at(browser, page, width, dark, picture):
+    """What is on the page, the requests that it made, and what the console showed."""
+    target, session = browser.open(width, dark)
+    browser.ask("Page.navigate", session, url="file://" + os.path.abspath(page))
+    browser.wait_for("Page.loadEventFired", session)
+    browser.evaluate(session, "Promise.all([...document.images].map(i => i.decode().catch(() => 0)))")
+    seen = json.loads(browser.evaluate(session, LOOK))
+    browser.screenshot(session, picture, captureBeyondViewport=True,
+                       clip={"x": 0, "y": 0, "width": width, "height": 12000 if width < 600 else 9000, "scale": 0.5 if width < 600 else 1})
+    requests = [e["params"]["request"]["url"] for e in browser.events if e.get("method") == "Network.requestWillBeSent"]
+    said = [words[:300] for words in browser.complaints()]
+    browser.ask("Target.closeTarget", targetId=target)
+    return seen, requests, said
 
 
 def problems_with(seen, requests, said, page, figures):
@@ -190,7 +109,7 @@ def check(condition, words):
 def main():
     tactile = sys.argv[1]
     keep = sys.argv[sys.argv.index("--keep") + 1] if "--keep" in sys.argv else None
-    binary = next((path for name in ("chromium", "chromium-headless-shell", "google-chrome") if (path := shutil.which(name))), None)
+    binary = chromium()
     if not binary:
         print("SKIPPED LOUDLY: there is no Chromium; 'apt install chromium' or scripts/setup installs it")
         return 77
@@ -210,7 +129,7 @@ def main():
             for width, dark in ((1280, False), (390, False), (390, True)):
                 look = f"{name}, {width} px, {'dark' if dark else 'light'}"
                 picture = os.path.join(home, f"{name}-{width}{'-dark' if dark else ''}.png")
-                seen, requests, said = browser.look_at(report["page"], width, dark, picture)
+                seen, requests, said = look_at(browser, report["page"], width, dark, picture)
                 problems = problems_with(seen, requests, said, report["page"], report["figures"])
                 check(not problems, f"{look}: " + "; ".join(problems))
                 check(seen["viewport"] == width, f"{look}: the page is {seen['viewport']} px wide; it does not follow the screen")
@@ -229,7 +148,7 @@ def main():
             html = html.replace("data:image/svg+xml;base64,", "data:image/svg+xml;base64,AAAA", 1)
             file.write(html.replace("</main>", "<div style='width:3000px'>wide</div><table><tbody></tbody></table>"
                                     "<img src='http://127.0.0.1:9/nothing.png'><script>console.error('x')</script></main>"))
-        seen, requests, said = browser.look_at(broken, 390, False, os.path.join(home, "broken.png"))
+        seen, requests, said = look_at(browser, broken, 390, False, os.path.join(home, "broken.png"))
         found = "; ".join(problems_with(seen, requests, said, broken, pages["plain"]["figures"] + ["not-there"]))
         for words in ("has no natural size", "is empty or ragged", "wider than the page", "1 scripts", "request to http://127.0.0.1:9", "console:",
                       "figure not-there is not on the page"):

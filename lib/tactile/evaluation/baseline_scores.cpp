@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <optional>
 
+#include "tactile/core/error.hpp"
 #include "tactile/evaluation/accuracy.hpp"
+#include "tactile/features/step_features.hpp"
 #include "tactile/features/tick_features.hpp"
+#include "tactile/model/definition/model_network.hpp"
+#include "tactile/model/inference/temporal_network.hpp"
+#include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/sample_features.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -32,7 +37,27 @@ struct FittedBaselines {
   EventCountBaseline event_count;
   LogisticBaseline moments, fields;
   std::optional<model::BoostedTrees> trees;
+  std::optional<model::TemporalNetwork> temporal;
 };
+
+/// Whether a kind without heatmaps can read this history.
+bool can_read(model::ModelKind kind, const heatmaps::HeatmapOptions& rendering) {
+  model::ModelSettings settings;
+  settings.kind = kind;
+  settings.rendering = rendering;
+  try {
+    check_history(settings);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::optional<model::TemporalNetwork> temporal_of(const BaselineSamples& training, std::uint64_t seed) {
+  if (training.steps.empty()) return std::nullopt;
+  const model::TemporalOptions options;
+  return model::TemporalNetwork(options, model::fit_temporal(training.steps, training.truth, options, {.seed = seed}).weights);
+}
 
 std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std::uint64_t seed) {
   if (training.features.empty()) return std::nullopt;
@@ -43,9 +68,14 @@ std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std
 
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run) {
-  if (!features::feature_bin(classifier.rendering().tick, classifier.rendering().history)) return;
-  const auto of_run = model::sample_features(dataset, run, model::samples_of_runs(dataset, {&run, 1}), classifier.rendering());
-  samples.features.insert(samples.features.end(), of_run.begin(), of_run.end());
+  const std::vector<std::uint32_t> indexes = model::samples_of_runs(dataset, {&run, 1});
+  const auto add = [&](model::ModelKind kind, const auto& of_run, std::vector<float>& all) {
+    if (!can_read(kind, classifier.rendering())) return;
+    const std::vector<float> more = of_run(dataset, run, indexes, classifier.rendering());
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  add(model::ModelKind::trees, model::sample_features, samples.features);
+  add(model::ModelKind::temporal, model::sample_steps, samples.steps);
 }
 
 void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
@@ -82,7 +112,7 @@ std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamp
     if (training.truth.empty()) return {};
     fitted.push_back({fit_majority(training.truth), fit_event_count(training.events, training.truth),
                       fit_logistic(training.moments, training.truth), fit_logistic(training.fields, training.truth),
-                      trees_of(training, bootstrap.seed)});
+                      trees_of(training, bootstrap.seed), temporal_of(training, bootstrap.seed)});
   }
   const auto score = [&](const std::string& name, auto verdict) {
     std::vector<results::RunConfusion> confusions;
@@ -101,13 +131,20 @@ std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamp
       score("event_count", [](Fitted by, Samples run, std::size_t k) { return by.event_count.verdict(run.events[k]); }),
       score("logistic_moments", [](Fitted by, Samples run, std::size_t k) { return by.moments.verdict(run.moments[k]); }),
       score("logistic_position", [](Fitted by, Samples run, std::size_t k) { return by.fields.verdict(run.fields[k]); })};
-  const bool has_trees =
-      std::all_of(fitted.begin(), fitted.end(), [](Fitted by) { return by.trees.has_value(); }) &&
-      std::none_of(tests.begin(), tests.end(), [](Samples run) { return run.features.empty() && !run.truth.empty(); });
-  if (has_trees) {
+  const auto all_have = [&](auto model, std::vector<float> BaselineSamples::*input) {
+    return std::all_of(fitted.begin(), fitted.end(), [&](Fitted by) { return (by.*model).has_value(); }) &&
+           std::none_of(tests.begin(), tests.end(), [&](Samples run) { return (run.*input).empty() && !run.truth.empty(); });
+  };
+  if (all_have(&FittedBaselines::trees, &BaselineSamples::features)) {
     scores.push_back(score("boosted_trees", [](Fitted by, Samples run, std::size_t k) {
       return model::verdict_of(
           by.trees->logits(std::span(run.features).subspan(k * features::feature_count, features::feature_count)));
+    }));
+  }
+  if (all_have(&FittedBaselines::temporal, &BaselineSamples::steps)) {
+    scores.push_back(score("temporal_convolution", [](Fitted by, Samples run, std::size_t k) {
+      return model::verdict_of(
+          by.temporal->logits(std::span(run.steps).subspan(k * features::step_values, features::step_values)));
     }));
   }
   return scores;

@@ -20,6 +20,7 @@ struct BaselineSamples {
   std::vector<std::uint64_t> events;
   std::vector<Features> moments, fields;
   std::vector<float> features{};  ///< `features::feature_count` of each sample; none if there is no `feature_bin`
+  std::vector<float> steps{};     ///< `features::step_values` of each sample; none if the history is too short for them
 
   void add(Touch touch, std::uint64_t events_in_window, std::span<const std::uint8_t> heatmap, events::SensorSize size) {
     truth.push_back(touch);
@@ -30,7 +31,7 @@ struct BaselineSamples {
 };
 
 /// Adds the features of all samples of a run, which `add` has added in their order.
-/// @throws Error  as `model::sample_features`
+/// @throws Error  if the dataset cannot be read
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run);
 

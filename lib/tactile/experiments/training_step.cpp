@@ -31,6 +31,10 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
   } else {
     add("--epochs", std::to_string(settings.training.epochs));
   }
+  if (settings.kind == model::ModelKind::temporal) {
+    add("--kind", "temporal");
+    if (settings.temporal != model::TemporalOptions{}) add("--channels", std::to_string(settings.temporal.channels));
+  }
   add("--threads", "1");
   add("--models", places.models.string());
   const nlohmann::json rendered = rendering;

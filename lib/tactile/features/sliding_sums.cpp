@@ -84,6 +84,12 @@ void SlidingSums::move_to(CameraTime t) {
   }
 }
 
+EventSums SlidingSums::sum(std::size_t first, std::size_t count) const {
+  EventSums sum = bin(first);
+  for (std::size_t k = first + 1; k < first + count; ++k) sum += bin(k);
+  return sum;
+}
+
 std::uint64_t SlidingSums::events() const {
   std::uint64_t sum = 0;
   for (const EventSums& bin : bins_) sum += bin.of[0].events + bin.of[1].events;

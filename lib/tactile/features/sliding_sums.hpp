@@ -36,6 +36,7 @@ class SlidingSums {
 
   std::uint64_t events() const;  ///< in the history
   std::size_t bins() const { return bins_.size(); }
+  EventSums sum(std::size_t first, std::size_t count) const;  ///< of bins [first, first + count), count > 0
   const EventSums& bin(std::size_t k) const { return bins_[(front_ + k) % bins_.size()]; }  ///< the oldest is 0
 
  private:

@@ -82,9 +82,7 @@ TickFeatures tick_features(const SlidingSums& sums, events::SensorSize sensor) {
   TickFeatures features{};
   const std::size_t each = sums.bins() / windows_of_tick;
   for (std::size_t window = 0; window < windows_of_tick; ++window) {
-    EventSums sum = sums.bin(window * each);
-    for (std::size_t k = 1; k < each; ++k) sum += sums.bin(window * each + k);
-    window_features(sum, sensor,
+    window_features(sums.sum(window * each, each), sensor,
                     std::span<float, features_of_window>(features.data() + window * features_of_window, features_of_window));
   }
   return features;

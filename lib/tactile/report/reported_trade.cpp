@@ -13,9 +13,13 @@ namespace {
 
 ReportedSetting setting_in(const results::JsonView& json) {
   const results::JsonView reported = json["reported"], difference = json["difference"], delay = reported["delay_us"],
-                          probability = json["front"]["probability"];
+                          probability = json["front"]["probability"], choice = json["choice"];
+  const std::string kind = json["setting"]["kind"].text();
   return {.text = json["text"].text(),
           .design = json["design"].text(),
+          .kind = kind.empty() ? "lenet" : kind,
+          .choice_accuracy = choice["accuracy"].get<results::Figure>(),
+          .choice_us_p99 = choice["us"]["p99"].get<results::Figure>(),
           .trainings = json["trainings"].count(),
           .accuracy = reported["accuracy"].get<results::Figure>(),
           .us_p50 = reported["us"]["p50"].get<results::Figure>(),

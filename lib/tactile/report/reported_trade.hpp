@@ -13,8 +13,10 @@ namespace tactile::report {
 
 /// A setting that `tactile trade` measured.
 struct ReportedSetting {
-  std::string text;    ///< in what it differs from the usual one
-  std::string design;  ///< "usual", "one", "corner", "all"
+  std::string text;                                ///< in what it differs from the usual one
+  std::string design;                              ///< "usual", "one", "corner", "all"
+  std::string kind = "lenet";                      ///< of its model
+  results::Figure choice_accuracy, choice_us_p99;  ///< on the runs to choose on
   std::uint64_t trainings = 0;
   results::Figure accuracy;                        ///< in [0, 1], on the reported runs as all that follow
   results::Figure us_p50, us_p99, us_p999;         ///< time per tick

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tactile/report/budget_plot.hpp"
 #include "tactile/report/report_page.hpp"
 #include "tactile/report/trade_plots.hpp"
 
@@ -77,6 +78,12 @@ void add_trade(ReportPage& page, const ReportInput& input) {
               "Median delay of presses and slips, with the time of computing, against false alarms per minute outside labels. "
               "Missed ones "
               "count with the time in which they could be detected; the list has their share.");
+  page.figure(
+      "trade-budgets", trade_budget_plot(trade),
+      "Accuracy, median delay and false alarms of the most accurate setting of each kind of model, within 1, 10, 50, 100 and "
+      "200 us per tick.",
+      "The most accurate setting of each kind of model whose ticks keep a limit of time, with its accuracy, median delay and "
+      "false alarms. It was chosen on the choice runs.");
   add_table(page, trade.settings);
   for (const std::string& sentence : trade.left_out) page.missing.push_back("Speed against accuracy: " + sentence);
   if (trade.growth.by_rate.empty()) return;

@@ -29,7 +29,8 @@ struct DetectorScore {
 
 /// A baseline on the same test samples as the network, fitted on the same training samples.
 struct BaselineScore {
-  std::string name;  ///< "majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees"
+  std::string name;  ///< "majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees",
+                     ///< "temporal_convolution"
   Accuracy accuracy;
 };
 

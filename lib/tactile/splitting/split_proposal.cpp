@@ -202,8 +202,8 @@ SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& 
   const Extent extent = extent_of(recording, proposal.event_stream);
   proposal.first = extent.first;
   proposal.last = extent.last;
-  std::vector<CameraTime> cuts;
-  for (const microseconds t : after_first) cuts.push_back(after(extent.first, t));
+  std::vector<CameraTime> cuts(after_first.size());
+  std::transform(after_first.begin(), after_first.end(), cuts.begin(), [&](microseconds t) { return after(extent.first, t); });
   proposal = with_cuts(std::move(proposal), recording, std::move(cuts));
   if (!source.robot && !source.video) return proposal;
   const EventRate rate = source.robot ? rate_of(recording, proposal.event_stream, options) : EventRate{};

@@ -87,7 +87,7 @@ struct Piece {
   RunFolder target;
   std::unique_ptr<WholeFile> whole;  ///< nothing if it is kept
   RunFolder written;                 ///< where its files are made
-  nlohmann::json origin;
+  nlohmann::json origin = nlohmann::json::object();
   std::vector<fs::path> files;
 };
 

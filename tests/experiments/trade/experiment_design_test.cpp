@@ -19,8 +19,8 @@ TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
   // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
-  // confirmations, 2 widths, 1 last pooling.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1);
+  // confirmations, 2 widths, 1 last pooling, 2 other kinds.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 2);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -59,8 +59,9 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.alarm_costs = {std::nullopt};
   levels.gate = {false};
   const auto settings = all_combinations({}, levels);
-  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each.
-  EXPECT_EQ(settings.size(), 3U * (1 + 4));
+  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. The other kinds have none of
+  // these.
+  EXPECT_EQ(settings.size(), 3U * (1 + 4 + 2));
   for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
 }
 
@@ -81,6 +82,63 @@ TEST(WhyImpossible, AFilterReplacesTheConfirmation) {
   levels.confirmations = {{1, 1}, {2, 3}};
   for (const TradeSetting& one : all_combinations({}, levels))
     EXPECT_FALSE(one.alarm_cost && one.confirmation.of > 1) << id_of(one);
+}
+
+TEST(OneAtATime, AKindWithoutHeatmapsHasNoneOfTheirValues) {
+  TradeSetting usual;
+  usual.rendering.factor = 0.25;
+  usual.rendering.history = 20ms;
+  usual.precision = model::Precision::int8;
+  usual.gate = true;
+  TradeSetting trees;
+  trees.kind = model::ModelKind::trees;
+  trees.rendering.history = 20ms;
+  trees.gate = true;
+  EXPECT_EQ(without_idle_values(usual), usual);
+  const auto settings = one_at_a_time(usual, {});
+  EXPECT_EQ(std::count(settings.begin(), settings.end(), trees), 1);
+  // If trees are usual, no value of a heatmap or a network is tried.
+  for (const TradeSetting& setting : one_at_a_time(trees, {})) {
+    if (setting.kind == model::ModelKind::trees) {
+      EXPECT_EQ(setting, without_idle_values(setting)) << id_of(setting);
+    }
+  }
+  trees.width = 0.5;
+  EXPECT_EQ(why_impossible(trees).value_or(""), "a model of kind trees reads no heatmaps, and has one engine and precision");
+}
+
+TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {
+  TradeLevels levels;
+  levels.histories = {40ms};
+  levels.ticks = {2ms, 4ms};
+  levels.factors = {0.2};
+  levels.resizes = {heatmaps::Resize::area};
+  levels.denoises = {heatmaps::Denoise::mean};
+  levels.widths = {1, 0.5};
+  levels.last_pools = {2};
+  levels.engines = {model::EngineKind::fast};
+  levels.precisions = {model::Precision::fp32};
+  levels.sparse = {true};
+  levels.confirmations = {{1, 1}};
+  levels.alarm_costs = {std::nullopt};
+  levels.gate = {false};
+  std::map<std::string, TradeOutcome> measured;
+  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
+  TradeSetting trees, slower, small;
+  trees.kind = model::ModelKind::trees;
+  slower.rendering.tick = 4ms;
+  small.width = 0.5;
+  measured[id_of(trees)] = {0.93, 12, 5000, 0.8, 0.1};
+  measured[id_of(slower)] = {0.9, 100, 5000, 0.5, 0.1};
+  measured[id_of(small)] = {0.91, 60, 5000, 1.0, 0.1};
+  const auto corners = promising_corners({}, levels, measured, 20);
+  TradeSetting both = trees;
+  both.rendering.tick = 4ms;
+  EXPECT_NE(std::find(corners.begin(), corners.end(), both), corners.end());
+  for (const TradeSetting& corner : corners) {
+    EXPECT_FALSE(why_impossible(corner)) << id_of(corner);
+    EXPECT_FALSE(corner.kind == model::ModelKind::trees && corner.width != 1) << id_of(corner);
+  }
 }
 
 TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
@@ -143,6 +201,11 @@ TEST(TradeSetting, IsNamedByItsDifferences) {
   EXPECT_EQ(id_of(filtered), "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open-filter0.05");
   EXPECT_EQ(nlohmann::json(filtered).at("filter"), "0.05");
   EXPECT_EQ(nlohmann::json(setting).at("filter"), "off");
+  TradeSetting trees;
+  trees.kind = model::ModelKind::trees;
+  EXPECT_EQ(text_of(trees), "trees");
+  EXPECT_EQ(text_of({}, trees), "LeNet");
+  EXPECT_EQ(id_of(trees), "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open-trees");
 }
 
 }  // namespace

@@ -45,19 +45,26 @@ TEST(WriteTimes, ReadsBackTheSame) {
   }
 }
 
+/// A network that every setting shares.
+OpenTimedModel timed_as(const model::ClassifyHeatmap& network) {
+  return [network](const TimedSetting&) -> TimedModel {
+    return [network](events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) {
+      return std::make_unique<model::HeatmapClassifier>(sensor, rendering, network);
+    };
+  };
+}
+
 TEST(TimeTicks, KeepsEveryStallOfEveryTurn) {
   const test::TemporaryFolder folder;
   test::make_run(folder.path(), {.length_us = 600'000});
   std::uint64_t calls = 0, stalls = 0;
-  const auto open = [&](const TimedSetting&) -> TimedNetwork {
-    return [&](std::span<const std::uint8_t>) {
-      if (++calls % 20 == 0) {
-        ++stalls;
-        std::this_thread::sleep_for(5ms);
-      }
-      return model::Logits{};
-    };
-  };
+  const auto open = timed_as([&](std::span<const std::uint8_t>) {
+    if (++calls % 20 == 0) {
+      ++stalls;
+      std::this_thread::sleep_for(5ms);
+    }
+    return model::Logits{};
+  });
   const std::vector<TimedSetting> settings(1);
   const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
   const auto times = time_ticks(settings, recordings, {.ticks = 600, .pieces = 4, .turns = 3}, {}, open);
@@ -79,9 +86,7 @@ TEST(TimeTicks, TakesMoreTurnsWhereARecordingHasFewTicks) {
   test::make_run(folder.path(), {.length_us = 450'000, .mean_gap_us = 1000});
   TimedSetting setting;
   setting.rendering.history = setting.rendering.tick = 100ms;
-  const auto open = [](const TimedSetting&) -> TimedNetwork {
-    return [](std::span<const std::uint8_t>) { return model::Logits{}; };
-  };
+  const auto open = timed_as([](std::span<const std::uint8_t>) { return model::Logits{}; });
   const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
   const auto times = time_ticks({&setting, 1}, recordings, {.ticks = 60, .pieces = 2, .turns = 3}, {}, open);
   EXPECT_GE(times.at(0).at(0).size(), 60U) << "three or four ticks, again and again";

@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 /// Three objects of three simulated runs, an epoch, and few values of few settings.
 const std::string small =
-    "trade --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine "
+    "trade --kind lenet --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool "
+    "2 --engine "
     "fast --pass sparse "
     "--confirm 1/1,2/3 --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ";
 
@@ -44,6 +45,39 @@ const nlohmann::json* point_of(const nlohmann::json& trade, const std::string& t
 nlohmann::json without_times(nlohmann::json trade) {
   for (const char* key : {"steps", "steps_done", "steps_kept", "figures", "recommendation", "settings"}) trade.erase(key);
   return trade;
+}
+
+TEST(TradeCommand, TriesTreesAndNamesThem) {
+  const test::TemporaryFolder folder;
+  simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
+  const nlohmann::json trade = traded(
+      folder.path(), "--no-growth",
+      "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --pass "
+      "sparse --precision fp32,int8 --confirm 1/1 --filter off --gate off --epochs 1 --trainings 2 --timed-ticks 600 "
+      "--corners 2 --no-trial --threads 2 ");
+  ASSERT_TRUE(trade.is_object());
+  const nlohmann::json* trees = point_of(trade, "trees");
+  ASSERT_NE(trees, nullptr);
+  EXPECT_EQ(trees->at("setting").at("kind"), "trees");
+  EXPECT_EQ(trade.at("points")[0].at("setting").at("kind"), "lenet");
+  EXPECT_EQ(trees->at("models")[0], "trees-th040-single-run-01-s1");
+  EXPECT_GT(trees->at("reported").at("accuracy").at("value").get<double>(), 0.6);
+  EXPECT_GT(trees->at("reported").at("us").at("p50").at("value").get<double>(), 0);
+  EXPECT_EQ(point_of(trade, "trees, int8"), nullptr);
+  const nlohmann::json* temporal = point_of(trade, "temporal convolution");
+  ASSERT_NE(temporal, nullptr);
+  EXPECT_TRUE(temporal->at("models")[0].get<std::string>().starts_with("temporal-th040-single-run-01-s1"));
+  EXPECT_TRUE(trade.at("not_measured").empty()) << trade.at("not_measured");
+  const std::string csv = read_text(folder / "trade/trade.csv");
+  EXPECT_TRUE(csv.starts_with("id,design,trainings,kind,th_ms,")) << csv.substr(0, 60);
+  EXPECT_NE(csv.find("-trees,one,2,trees,40,"), std::string::npos) << csv;
+  // The same again keeps all.
+  const nlohmann::json again =
+      traded(folder.path(), "--no-growth",
+             "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 "
+             "--last-pool 2 --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off "
+             "--gate off --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ");
+  EXPECT_EQ(again.at("steps_done"), 0);
 }
 
 TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
@@ -94,7 +128,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
       EXPECT_EQ(figures.at("accuracy").at("n"), 3);
     }
   }
-  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png"})
+  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png", "trade-budgets.svg", "trade-budgets.png"})
     EXPECT_TRUE(fs::is_regular_file(folder / "trade/figures" / figure)) << figure;
   const std::string csv = read_text(folder / "trade/trade.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + 2 * trade.at("points").size());
@@ -104,6 +138,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   const std::string page = read_text(folder / "trade/report/report.html");
   EXPECT_NE(page.find("Speed against accuracy"), std::string::npos);
   EXPECT_NE(page.find("figure-trade-delay"), std::string::npos);
+  EXPECT_NE(page.find("figure-trade-budgets"), std::string::npos);
 
   // Nothing is done again; a constraint that no setting meets measures nothing.
   const nlohmann::json second = traded(folder.path(), "--no-growth --no-figures");

@@ -51,6 +51,11 @@ std::vector<std::size_t> thinned(const std::vector<std::size_t>& indexes, std::s
 
 std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
   return {
+      factor_of("kind", levels.kinds,
+                [](TradeSetting& s, model::ModelKind kind) {
+                  s.kind = kind;
+                  s = without_idle_values(s);
+                }),
       factor_of("tick_ms", levels.ticks, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
       factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
       factor_of("filter", levels.alarm_costs, [](TradeSetting& s, std::optional<double> cost) { s.alarm_cost = cost; }),
@@ -92,10 +97,14 @@ std::vector<TradeSetting> one_at_a_time(const TradeSetting& usual, const TradeLe
 std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const TradeLevels& levels) {
   const std::vector<TradeFactor> factors = factors_of(levels);
   std::vector<TradeSetting> settings;
+  std::set<std::string> known;
   for_all_combinations(factors, [&](const std::vector<std::size_t>& chosen) {
     TradeSetting setting = usual;
     for (std::size_t i = 0; i < factors.size(); ++i) factors[i].levels[chosen[i]].set(setting);
-    if (!why_impossible(setting)) settings.push_back(setting);
+    setting = without_idle_values(setting);
+    // Many combinations are one setting of a kind without heatmaps.
+    const bool is_known = !reads_heatmaps(setting.kind) && !known.insert(id_of(setting)).second;
+    if (!is_known && !why_impossible(setting)) settings.push_back(setting);
   });
   return settings;
 }

@@ -11,6 +11,7 @@ namespace tactile::trade {
 
 /// The values to try of each parameter.
 struct TradeLevels {
+  std::vector<model::ModelKind> kinds{model::ModelKind::lenet, model::ModelKind::trees, model::ModelKind::temporal};
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};
   std::vector<microseconds> ticks{1ms, 2ms, 4ms, 5ms, 10ms};
   std::vector<double> factors{0.1, 0.2, 0.25};
@@ -45,7 +46,8 @@ struct LeftOutPair {
 };
 std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels);
 
-/// The usual setting first, then every other value of each parameter with all others as usual, without impossible settings.
+/// The usual setting first, then every other value of each parameter with all others as usual, without impossible settings. A
+/// kind that reads no heatmaps has `without_idle_values`.
 std::vector<TradeSetting> one_at_a_time(const TradeSetting& usual, const TradeLevels& levels);
 
 /// Every possible combination.

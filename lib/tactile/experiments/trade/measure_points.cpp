@@ -12,6 +12,7 @@
 #include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/bundle/temperature.hpp"
+#include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -27,6 +28,7 @@ constexpr microseconds shortest_prediction_tick{100};  // some 40 000 heatmaps a
 void check_setting(const TradePlan& plan, const TradeSetting& setting) {
   const TradeNetwork network = network_of(plan, setting, 0);
   heatmaps::check_renders(plan.dataset, network.settings.rendering);
+  check_history(network.settings);
   check(setting.rendering);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   if (tick >= shortest_prediction_tick) return;

@@ -86,6 +86,7 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
   network.settings.rendering = setting.rendering;
   // A network sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
   network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
+  network.settings.kind = setting.kind;
   network.settings.network.width = setting.width;
   network.settings.network.last_pool = setting.last_pool;
   network.settings.training.seed = plan.options.seed + training;
@@ -102,6 +103,7 @@ microseconds prediction_tick(const TradeNetwork& network, microseconds tick) {
 std::string text_of(const TradePlan& plan, const TradeNetwork& network, microseconds tick, model::EngineKind engine,
                     model::Precision precision) {
   TradeSetting setting = plan.options.usual, usual = plan.options.usual;
+  setting.kind = network.settings.kind;
   setting.rendering = network.settings.rendering;
   setting.width = network.settings.network.width;
   setting.last_pool = network.settings.network.last_pool;

@@ -20,7 +20,6 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/file_step.hpp"
-#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -29,20 +28,20 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::int64_t warm_up_ticks = 1;
 
-/// Networks, each opened once: several settings may share one.
-class Networks {
+/// Models, each opened once: several settings may share one.
+class Models {
  public:
-  explicit Networks(OpenTimedNetwork open) : open_(std::move(open)) {}
+  explicit Models(OpenTimedModel open) : open_(std::move(open)) {}
 
-  TimedNetwork of(const TimedSetting& setting) {
+  TimedModel of(const TimedSetting& setting) {
     const auto key = std::tuple(setting.model, setting.engine, setting.precision, setting.sparse);
-    const auto found = networks_.find(key);
-    return found != networks_.end() ? found->second : networks_[key] = open_(setting);
+    const auto found = models_.find(key);
+    return found != models_.end() ? found->second : models_[key] = open_(setting);
   }
 
  private:
-  OpenTimedNetwork open_;
-  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedNetwork> networks_;
+  OpenTimedModel open_;
+  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedModel> models_;
 };
 
 struct Recorded {
@@ -86,28 +85,26 @@ Piece piece_of(const TickRange& all, unsigned piece, std::uint64_t wanted, const
 }
 
 /// One turn of one setting over a piece.
-void take_turn(const TimedSetting& setting, const TimedNetwork& network, const Recorded& recorded, const Piece& piece,
+void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded, const Piece& piece,
                std::vector<TickTime>& times) {
   const heatmaps::HeatmapOptions& options = setting.rendering;
-  heatmaps::HeatmapRenderer renderer(recorded.sensor, options);
-  std::vector<std::uint8_t> heatmap(static_cast<std::size_t>(renderer.size().width) *
-                                    static_cast<std::size_t>(renderer.size().height));
+  const std::unique_ptr<model::EventClassifier> model = open(recorded.sensor, options);
   CameraTime given = before(piece.first, options.history + options.tick * warm_up_ticks);
   for (std::int64_t i = -warm_up_ticks; i < piece.ticks; ++i) {
     const CameraTime t = after(piece.first, options.tick * i);
     const std::span<const events::Event> events = recorded.between(given, t);
     given = t;
     const auto begin = Clock::now();
-    renderer.add(events);
-    renderer.move_to(t);
+    model->add(events);
+    model->move_to(t);
     const auto counted = Clock::now();
-    renderer.render(std::span(heatmap));
+    model->prepare();
     const auto rendered = Clock::now();
-    network(heatmap);
+    model->classify();
     const auto end = Clock::now();
     if (i < 0) continue;
     times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end),
-                     static_cast<std::uint32_t>(renderer.events())});
+                     static_cast<std::uint32_t>(model->events())});
   }
 }
 
@@ -122,9 +119,9 @@ std::vector<std::size_t> any_order(std::size_t count, Random& random) {
 /// All turns of all settings in one piece of a recording.
 class PieceTimes {
  public:
-  PieceTimes(std::span<const TimedSetting> settings, std::span<const TimedNetwork> networks, const Recorded& recorded,
-             unsigned piece, std::uint64_t wanted, const TickTimesOptions& options)
-      : settings_(settings), networks_(networks), recorded_(recorded) {
+  PieceTimes(std::span<const TimedSetting> settings, std::span<const TimedModel> models, const Recorded& recorded, unsigned piece,
+             std::uint64_t wanted, const TickTimesOptions& options)
+      : settings_(settings), models_(models), recorded_(recorded) {
     const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
     for (const TimedSetting& setting : settings) {
       const TickRange all = full_ticks(first, last, setting.rendering.history, setting.rendering.tick);
@@ -144,12 +141,12 @@ class PieceTimes {
   }
 
   void take(std::size_t setting, std::vector<TickTime>& times) const {
-    take_turn(settings_[setting], networks_[setting], recorded_, pieces_[setting], times);
+    take_turn(settings_[setting], models_[setting], recorded_, pieces_[setting], times);
   }
 
  private:
   std::span<const TimedSetting> settings_;
-  std::span<const TimedNetwork> networks_;
+  std::span<const TimedModel> models_;
   const Recorded& recorded_;
   std::vector<Piece> pieces_;
 };
@@ -158,27 +155,21 @@ constexpr std::size_t bytes_of_tick = 16;
 
 }  // namespace
 
-TimedNetwork open_timed_network(const TimedSetting& setting) {
-  if (setting.engine == model::EngineKind::libtorch) {
-    const auto classifier =
-        std::make_shared<model::Classifier>(model::open_classifier(setting.model, 1, model::EngineKind::libtorch));
-    return [classifier](std::span<const std::uint8_t> heatmap) { return classifier->classify(heatmap, 1).front(); };
-  }
-  const model::ModelBundle bundle{setting.model};
-  const model::ModelDescription description = model::read_description(bundle);
-  const auto engine = std::make_shared<model::LeNetEngine>(
-      description.input, model::read_bundle_weights(bundle, description), description.settings.network,
-      model::EngineOptions{.precision = setting.precision, .skip_empty = setting.sparse});
-  return [engine](std::span<const std::uint8_t> heatmap) { return engine->classify(heatmap); };
+TimedModel open_timed_model(const TimedSetting& setting) {
+  const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(
+      setting.model, 1, setting.engine, {.precision = setting.precision, .skip_empty = setting.sparse}));
+  return [classifier](events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) {
+    return classifier->on_events(sensor, rendering);
+  };
 }
 
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std::span<const std::filesystem::path> recordings,
                                     const TickTimesOptions& options, const ProgressCallback& progress,
-                                    const OpenTimedNetwork& open) {
+                                    const OpenTimedModel& open) {
   Random random(1);
-  Networks networks(open);
-  std::vector<TimedNetwork> network_of;
-  for (const TimedSetting& setting : settings) network_of.push_back(networks.of(setting));
+  Models models(open);
+  std::vector<TimedModel> model_of;
+  for (const TimedSetting& setting : settings) model_of.push_back(models.of(setting));
   std::vector<TimesOfRuns> times(settings.size(), TimesOfRuns(recordings.size()));
   const std::uint64_t all_pieces = std::uint64_t{recordings.size()} * options.pieces;
   const std::uint64_t wanted = (options.ticks + all_pieces - 1) / std::max<std::uint64_t>(all_pieces, 1);
@@ -186,7 +177,7 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
   for (std::size_t run = 0; run < recordings.size(); ++run) {
     const Recorded recorded = events_of(recordings[run]);
     for (unsigned index = 0; index < options.pieces; ++index) {
-      const PieceTimes piece(settings, network_of, recorded, index, wanted, options);
+      const PieceTimes piece(settings, model_of, recorded, index, wanted, options);
       for (unsigned turn = 0; piece.any_due(turn); ++turn) {
         for (const std::size_t i : any_order(settings.size(), random)) {
           if (piece.due(i, turn)) piece.take(i, times[i][run]);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,8 +24,8 @@ inline float us_between(std::chrono::steady_clock::time_point begin, std::chrono
 /// Duration of one tick on one thread [us].
 struct TickTime {
   float counting = 0;        ///< of moving the window: adding new events, removing old ones
-  float rendering = 0;       ///< of the heatmap
-  float network = 0;         ///< of the logits
+  float rendering = 0;       ///< of the model's input: a heatmap, or features
+  float network = 0;         ///< of the logits, of any kind of model
   std::uint32_t events = 0;  ///< in [t_c - t_h, t_c)
 
   /// The whole duration, or only that of counting if the gate closes. The pieces that are timed are too short to know the
@@ -54,22 +55,23 @@ struct TickTimesOptions {
 /// The times of one setting, by recording.
 using TimesOfRuns = std::vector<std::vector<TickTime>>;
 
-/// The logits of a heatmap.
-using TimedNetwork = std::function<model::Logits(std::span<const std::uint8_t> heatmap)>;
-using OpenTimedNetwork = std::function<TimedNetwork(const TimedSetting&)>;
+/// A model on the events of a sensor, on one thread.
+using TimedModel =
+    std::function<std::unique_ptr<model::EventClassifier>(events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering)>;
+using OpenTimedModel = std::function<TimedModel(const TimedSetting&)>;
 
-/// Opens the network of a setting with one thread. @throws Error  if the model cannot be read
-TimedNetwork open_timed_network(const TimedSetting& setting);
+/// Opens the model of a setting. @throws Error  if it cannot be read
+TimedModel open_timed_model(const TimedSetting& setting);
 
 /// Times all settings in this process on this thread. In each piece of a recording, every setting takes one turn before any takes
 /// the next, in another order each time: other load on the machine affects all settings alike. A turn begins with a full history
 /// and a tick to warm up. Every tick of every turn is in the result, however long it took; a recording in which no history fits
 /// has none.
-/// @param open  called once for each setting with another network
+/// @param open  called once for each setting with another model
 /// @throws Error  if a recording or a model cannot be read, or does not fit the other
 std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std::span<const std::filesystem::path> recordings,
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {},
-                                    const OpenTimedNetwork& open = open_timed_network);
+                                    const OpenTimedModel& open = open_timed_model);
 
 /// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 16 bytes for each tick (three float32
 /// and one uint32 as in `TickTime`, little-endian).

@@ -16,6 +16,7 @@ namespace tactile::trade {
 /// All parameters of a detector that trade speed for accuracy. The defaults are the paper's; those that change no verdict are the
 /// fastest.
 struct TradeSetting {
+  model::ModelKind kind = model::ModelKind::lenet;
   heatmaps::HeatmapOptions rendering{};        ///< its tick is the detector's; the model may have another
   double width = model::LeNetOptions{}.width;  ///< of the network, as its `last_pool`
   int last_pool = model::LeNetOptions{}.last_pool;
@@ -29,12 +30,16 @@ struct TradeSetting {
   friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
 };
 
-/// {"th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
+/// The same with the defaults of all parameters that only a network on heatmaps has, if the kind reads none: factor, resize,
+/// denoise, width, last pooling, engine, precision and pass.
+TradeSetting without_idle_values(TradeSetting setting);
+
+/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
 /// "filter" ("off", or its alarm cost as a text), "gate"}
 void to_json(nlohmann::json& json, const TradeSetting& setting);
 
 /// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
-/// "-p4", a filter "-filter0.01".
+/// "-p4", a filter "-filter0.01", another kind than LeNet "-trees".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.

@@ -1,6 +1,7 @@
 #include "tactile/model/bundle/model_bundle.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +10,6 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/features/tick_features.hpp"
 #include "tactile/model/definition/model_network.hpp"
 
 namespace tactile::model {
@@ -70,8 +70,11 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.input = {member<int>(input, "width", where), member<int>(input, "height", where)};
   description.settings = json.get<ModelSettings>();
   if (!reads_heatmaps(description.settings.kind)) {
-    if (const auto count = member<std::size_t>(input, "features", where); count != features::feature_count)
-      throw Error(fmt::format("{}: reads {} features; expected {}", where, count, features::feature_count));
+    const std::vector<std::size_t> expected = features_shape(description.settings.kind);
+    std::vector<std::size_t> shape{member<std::size_t>(input, "features", where)};
+    if (expected.size() == 2) shape.insert(shape.begin(), member<std::size_t>(input, "steps", where));
+    if (shape != expected)
+      throw Error(fmt::format("{}: reads {} features; expected {}", where, fmt::join(shape, " x "), fmt::join(expected, " x ")));
   }
   const auto dataset = member<nlohmann::json>(json, "dataset", where);
   description.dataset = member<std::string>(dataset, "file", where);
@@ -121,7 +124,7 @@ void check_description(const ModelDescription& description) {
     throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
                             std::chrono::microseconds(longest_history).count()));
   within("training", [&] { check(description.settings.training); });
-  within("network", [&] { check(description.settings.trees); });
+  within("network", [&] { check(description.settings.trees), check(description.settings.temporal); });
   if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
   if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
     throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
@@ -169,8 +172,9 @@ std::map<std::string, std::string> weights_metadata(const ModelDescription& desc
   const events::SensorSize input = description.input;
   const nlohmann::json of_heatmaps{
       {"shape", {1, input.height, input.width}}, {"type", "float32"}, {"scale", "heatmap / 255, in [0, 1]"}};
-  const nlohmann::json of_features{
-      {"shape", {features::feature_count}}, {"type", "float32"}, {"sensor", {{"height", input.height}, {"width", input.width}}}};
+  const nlohmann::json of_features{{"shape", features_shape(description.settings.kind)},
+                                   {"type", "float32"},
+                                   {"sensor", {{"height", input.height}, {"width", input.width}}}};
   return {{"format", "pt"},  // PyTorch's order of a tensor's values
           {"classes", class_names().dump()},
           {"input", (reads_heatmaps(description.settings.kind) ? of_heatmaps : of_features).dump()},

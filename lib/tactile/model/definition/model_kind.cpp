@@ -7,7 +7,7 @@
 namespace tactile::model {
 
 namespace {
-constexpr std::array<std::string_view, 2> names{"lenet", "trees"};
+constexpr std::array<std::string_view, 3> names{"lenet", "trees", "temporal"};
 }  // namespace
 
 std::string_view name_of(ModelKind kind) { return names.at(static_cast<std::size_t>(kind)); }

@@ -7,11 +7,12 @@ namespace tactile::model {
 
 /// What predicts.
 enum class ModelKind : std::uint8_t {
-  lenet,  ///< LeNet on heatmaps
-  trees,  ///< gradient-boosted trees on `features::TickFeatures`
+  lenet,     ///< LeNet on heatmaps
+  trees,     ///< gradient-boosted trees on `features::TickFeatures`
+  temporal,  ///< a causal convolution over time on `features::StepFeatures`
 };
 
-std::string_view name_of(ModelKind kind);        ///< "lenet", "trees"
+std::string_view name_of(ModelKind kind);        ///< "lenet", "trees", "temporal"
 ModelKind kind_named(std::string_view name);     ///< @throws Error
 constexpr bool reads_heatmaps(ModelKind kind) {  ///< the others read features of the events
   return kind == ModelKind::lenet;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "tactile/features/step_features.hpp"
 #include "tactile/features/tick_features.hpp"
 
 namespace tactile::model {
@@ -15,8 +16,23 @@ std::string input_text(ModelKind kind, events::SensorSize input) {
                               : fmt::format("events of a sensor of {} x {} px", input.width, input.height);
 }
 
+std::vector<std::size_t> features_shape(ModelKind kind) {
+  if (kind == ModelKind::temporal) return {features::steps_of_history, features::features_of_step};
+  return {features::feature_count};
+}
+
+void check_history(const ModelSettings& settings) {
+  const heatmaps::HeatmapOptions& rendering = settings.rendering;
+  if (settings.kind == ModelKind::trees) features::bin_of(rendering.tick, rendering.history);
+  if (settings.kind == ModelKind::temporal) features::step_windows(rendering.history, rendering.tick, rendering.tick);
+}
+
 std::vector<ParameterShape> parameters_of(const ModelSettings& settings, events::SensorSize input) {
   if (settings.kind == ModelKind::lenet) return lenet_layers(input, settings.network).parameters();
+  if (settings.kind == ModelKind::temporal) {
+    check(settings.temporal);
+    return temporal_parameters(settings.temporal);
+  }
   check(settings.trees);
   return tree_parameters(settings.trees);
 }
@@ -25,11 +41,13 @@ nlohmann::json network_json(const ModelSettings& settings, events::SensorSize in
   if (settings.kind == ModelKind::lenet) return json_of(lenet_layers(input, settings.network), settings.network);
   std::size_t parameters = 0;
   for (const ParameterShape& shape : parameters_of(settings, input)) parameters += shape.count();
-  nlohmann::json json = {{"name", "boosted-trees"},
-                         {"kind", name_of(settings.kind)},
-                         {"input", {{"height", input.height}, {"width", input.width}, {"features", features::feature_count}}},
-                         {"parameters", parameters}};
-  json.update(nlohmann::json(settings.trees));
+  const bool is_trees = settings.kind == ModelKind::trees;
+  nlohmann::json json = {
+      {"name", is_trees ? "boosted-trees" : "temporal-convolution"},
+      {"input", {{"height", input.height}, {"width", input.width}, {"features", features_shape(settings.kind).back()}}},
+      {"parameters", parameters}};
+  if (!is_trees) json["input"]["steps"] = features_shape(settings.kind).front();
+  json.update(nlohmann::json(settings).at("network"));
   return json;
 }
 

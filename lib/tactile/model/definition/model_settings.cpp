@@ -3,22 +3,49 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "tactile/core/json.hpp"
 
 namespace tactile::model {
 namespace {
 
+/// Only LeNet's training has these.
+constexpr std::array<const char*, 4> of_lenet{"augment", "engine", "validation_share", "early_stop"};
+
 nlohmann::json network_options(const ModelSettings& settings) {
   if (settings.kind == ModelKind::lenet) return settings.network;  // as before there were other kinds
-  nlohmann::json json = settings.trees;
+  nlohmann::json json = settings.kind == ModelKind::trees ? nlohmann::json(settings.trees) : nlohmann::json(settings.temporal);
   json["kind"] = name_of(settings.kind);
   return json;
 }
 
 nlohmann::json training_options(const ModelSettings& settings) {
-  if (settings.kind == ModelKind::lenet) return settings.training;
-  return {{"seed", settings.training.seed}};
+  if (settings.kind == ModelKind::trees) return {{"seed", settings.training.seed}};
+  nlohmann::json json = settings.training;
+  if (settings.kind == ModelKind::temporal) {
+    for (const char* key : of_lenet) json.erase(key);
+  }
+  return json;
+}
+
+/// Reads what `training_options` and `network_options` give.
+void read_options(const nlohmann::json& network, nlohmann::json training, ModelSettings& settings) {
+  const std::string where = "model settings";
+  settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
+  if (settings.kind == ModelKind::trees) {
+    settings.trees = network.get<TreesOptions>();
+    settings.training.seed = member<std::uint64_t>(training, "seed", where);
+    return;
+  }
+  if (settings.kind == ModelKind::lenet) {
+    settings.network = network.get<LeNetOptions>();
+  } else {
+    settings.temporal = network.get<TemporalOptions>();
+    const nlohmann::json usual = TrainingOptions{};
+    for (const char* key : of_lenet) training[key] = usual.at(key);
+  }
+  settings.training = training.get<TrainingOptions>();
 }
 
 }  // namespace
@@ -45,14 +72,7 @@ void from_json(const nlohmann::json& json, ModelSettings& settings) {
   settings.rendering = member<nlohmann::json>(json, "rendering", where).get<heatmaps::HeatmapOptions>();
   const auto network = member<nlohmann::json>(json, "network", where);
   const auto training = member<nlohmann::json>(json, "training", where);
-  settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
-  if (settings.kind == ModelKind::lenet) {
-    settings.network = network.get<LeNetOptions>();
-    settings.training = training.get<TrainingOptions>();
-  } else {
-    settings.trees = network.get<TreesOptions>();
-    settings.training.seed = member<std::uint64_t>(training, "seed", where);
-  }
+  read_options(network, training, settings);
   if (const auto from = member<nlohmann::json>(training, "from", where); !from.is_null())
     settings.from = StartingPoint{member<std::string>(from, "name", where), member<std::string>(from, "weights_sha256", where)};
   const auto split = member<nlohmann::json>(json, "split", where);

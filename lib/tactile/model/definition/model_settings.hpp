@@ -7,6 +7,7 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/model/definition/model_kind.hpp"
+#include "tactile/model/definition/temporal_options.hpp"
 #include "tactile/model/definition/training_options.hpp"
 #include "tactile/model/definition/trees_options.hpp"
 #include "tactile/windows/split.hpp"
@@ -28,12 +29,14 @@ struct ModelSettings {
   TrainingOptions training;  ///< of trees only the seed
   std::optional<StartingPoint> from;
   ModelKind kind = ModelKind::lenet;
-  TreesOptions trees{};  ///< of trees
+  TreesOptions trees{};        ///< of trees
+  TemporalOptions temporal{};  ///< of a temporal convolution
 };
 
 /// "rendering" as HeatmapOptions, "split" with "kind", "train_run" and, for unseen, "held_out" in alphabetical order, "network"
-/// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model. Of trees,
-/// "network" is {"kind": "trees"} with TreesOptions, and "training" has only "seed" and "from".
+/// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model. Of
+/// another kind, "network" has "kind" and its options. "training" of trees has only "seed" and "from"; that of a temporal
+/// convolution lacks what only LeNet's has: "augment", "engine", "validation_share" and "early_stop".
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 

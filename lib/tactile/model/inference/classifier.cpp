@@ -12,6 +12,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/model/definition/model_network.hpp"
+#include "tactile/model/inference/temporal_classifier.hpp"
 #include "tactile/model/inference/tree_classifier.hpp"
 
 namespace tactile::model {
@@ -87,8 +88,13 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
       network_ = make_network(description_, weights);
       return;
     }
-    if (engine == EngineKind::libtorch) throw Error("trees run without libtorch; expected --engine fast");
-    trees_ = std::make_shared<const BoostedTrees>(features::feature_count, description_.settings.trees, weights);
+    if (engine == EngineKind::libtorch)
+      throw Error(fmt::format("a model of kind {} runs without libtorch; expected --engine fast", name_of(kind())));
+    if (kind() == ModelKind::trees) {
+      trees_ = std::make_shared<const BoostedTrees>(features::feature_count, description_.settings.trees, weights);
+    } else {
+      temporal_ = std::make_shared<const TemporalNetwork>(description_.settings.temporal, weights);
+    }
   } catch (const Error& e) {
     throw Error(bundle_.folder.string() + ": " + e.what());
   }
@@ -101,7 +107,8 @@ std::unique_ptr<EventClassifier> Classifier::on_events(events::SensorSize sensor
                             input_text(kind(), input_size()), bundle().string()));
   }
   if (reads_heatmaps(kind())) return std::make_unique<HeatmapClassifier>(sensor, rendering, network_.for_one_thread());
-  return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
+  if (kind() == ModelKind::trees) return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
+  return std::make_unique<TemporalClassifier>(sensor, rendering, this->rendering().tick, temporal_);
 }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps) const { return classify(heatmaps, threads_); }

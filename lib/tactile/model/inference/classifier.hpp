@@ -17,6 +17,7 @@
 #include "tactile/model/inference/heatmap_classifier.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
+#include "tactile/model/inference/temporal_network.hpp"
 
 namespace tactile::model {
 
@@ -35,12 +36,12 @@ class Classifier {
   /// Opens the model bundle `models/<name>/` with the fast engine; `open_classifier` offers libtorch too.
   /// @param threads  0: one per core; the logits do not depend on it
   /// @throws Error   if it is missing, incomplete or damaged: another format, or weights with another hash, other sizes or values
-  ///                 that are not finite; if the fast engine does not support its layers; if trees get another precision
+  ///                 that are not finite; if the fast engine does not support its layers; if another kind gets another precision
   explicit Classifier(const std::filesystem::path& bundle, unsigned threads = 0, const EngineOptions& options = {});
 
   /// The same with another engine.
   /// @param make_network  makes a network that reads heatmaps from the bundle's description and weights
-  /// @throws Error   also if the engine is libtorch, and the model no network
+  /// @throws Error   also if the engine is libtorch, and the model reads no heatmaps
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
              const std::function<HeatmapNetwork(const ModelDescription&, const Weights&)>& make_network);
 
@@ -79,8 +80,9 @@ class Classifier {
   Temperature temperature_;
   unsigned threads_;
   EngineKind engine_;
-  HeatmapNetwork network_;                     ///< of a kind that reads heatmaps
-  std::shared_ptr<const BoostedTrees> trees_;  ///< of trees
+  HeatmapNetwork network_;                           ///< of a kind that reads heatmaps
+  std::shared_ptr<const BoostedTrees> trees_;        ///< of trees
+  std::shared_ptr<const TemporalNetwork> temporal_;  ///< of a temporal convolution
 };
 
 }  // namespace tactile::model

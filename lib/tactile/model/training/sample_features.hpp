@@ -17,4 +17,10 @@ namespace tactile::model {
 std::vector<float> sample_features(const windows::Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
                                    const heatmaps::HeatmapOptions& rendering);
 
+/// The features of steps of samples of one run (`features::StepFeatures`), with the rendering's tick as step.
+/// @return  [samples, features::step_values]
+/// @throws Error  as `features::step_windows`, or if the dataset cannot be read
+std::vector<float> sample_steps(const windows::Dataset& dataset, std::uint32_t run, std::span<const std::uint32_t> samples,
+                                const heatmaps::HeatmapOptions& rendering);
+
 }  // namespace tactile::model

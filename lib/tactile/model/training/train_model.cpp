@@ -18,6 +18,7 @@
 #include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/follow_samples.hpp"
 #include "tactile/model/training/sample_features.hpp"
@@ -314,39 +315,69 @@ Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settin
   return {{trained.network.weights(), std::move(trained.other)}, trained.summary, threads};
 }
 
-/// Trees are fitted within seconds. Therefore no state is kept.
-Learned learn_trees(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                    CheckpointFolder& kept, const TrainModelOptions& options, const ProgressCallback& progress) {
-  using Clock = std::chrono::steady_clock;
-  kept.clear();
+/// The numbers that a kind without heatmaps learns from, of all training samples.
+/// @param of_run  `sample_features` or `sample_steps`
+template <class OfRun>
+std::vector<float> features_of(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                               const OfRun& of_run) {
   std::vector<float> features;
-  for_runs_of(dataset, samples.training, [&](std::uint32_t run, std::span<const std::uint32_t> of_run) {
-    const std::vector<float> more = sample_features(dataset, run, of_run, settings.rendering);
+  for_runs_of(dataset, samples.training, [&](std::uint32_t run, std::span<const std::uint32_t> chosen) {
+    const std::vector<float> more = of_run(dataset, run, chosen, settings.rendering);
     features.insert(features.end(), more.begin(), more.end());
   });
+  return features;
+}
+
+/// Trees are fitted within seconds. Therefore no state is kept.
+Learned learn_trees(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                    const TrainModelOptions& options, const ProgressCallback& progress) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<float> features = features_of(dataset, settings, samples, sample_features);
   if (options.begins) options.begins(1, 0);
   const Clock::time_point begun = Clock::now();
   const BoostedTrees trees = fit_trees(features, samples.training_truth, settings.trees, settings.training.seed, progress);
-  const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+  EpochResult fit;
+  fit.epoch = 1;
+  fit.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   std::vector<Logits> logits;
   for (std::size_t i = 0; i < samples.training.size(); ++i)
     logits.push_back(trees.logits(std::span(features).subspan(i * trees.features(), trees.features())));
   std::size_t correct = 0;
   for (std::size_t i = 0; i < logits.size(); ++i) correct += verdict_of(logits[i]) == samples.training_truth[i] ? 1 : 0;
   const auto count = static_cast<double>(logits.size());
-  EpochResult fit;
-  fit.epoch = 1;
   fit.loss = loss_at(logits, samples.training_truth, 1);
   fit.accuracy = static_cast<double>(correct) / count;
   fit.learning_rate = settings.trees.learning_rate;
-  fit.images_per_s = count / seconds;
-  fit.seconds = seconds;
+  fit.images_per_s = count / fit.seconds;
   TrainingSummary summary;
   summary.history = {fit};
-  summary.samples = logits.size();
-  summary.seconds = seconds;
   summary.best_epoch = 1;
   return {{trees.weights(), {}}, summary, 1};
+}
+
+/// So is a temporal convolution, within a minute.
+Learned learn_temporal(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                       const TrainModelOptions& options, const ProgressCallback& progress) {
+  const std::vector<float> features = features_of(dataset, settings, samples, sample_steps);
+  if (options.begins) options.begins(1, 0);
+  FittedTemporal fitted = fit_temporal(features, samples.training_truth, settings.temporal, settings.training, progress);
+  TrainingSummary summary;
+  summary.history = std::move(fitted.history);
+  const auto best = std::min_element(summary.history.begin(), summary.history.end(),
+                                     [](const EpochResult& a, const EpochResult& b) { return a.loss < b.loss; });
+  summary.best_epoch = best->epoch;
+  return {{std::move(fitted.weights), {}}, summary, 1};
+}
+
+/// A kind without heatmaps. An interrupted training of it leaves no state.
+Learned learn_features(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
+                       CheckpointFolder& kept, const TrainModelOptions& options, const ProgressCallback& progress) {
+  kept.clear();
+  Learned learned = settings.kind == ModelKind::trees ? learn_trees(dataset, settings, samples, options, progress)
+                                                      : learn_temporal(dataset, settings, samples, options, progress);
+  learned.summary.samples = samples.training.size();
+  for (const EpochResult& epoch : learned.summary.history) learned.summary.seconds += epoch.seconds;
+  return learned;
 }
 
 }  // namespace
@@ -359,6 +390,7 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   description.settings = settings;
   description.input = input_of(settings, dataset.sensor());
   parameters_of(settings, description.input);  // throws for a heatmap that is too small before any is rendered
+  check_history(settings);
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   for (const std::uint32_t run : split.train_runs)
     description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
@@ -372,7 +404,7 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
   const Learned learned = settings.kind == ModelKind::lenet
                               ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, options, progress)
-                              : learn_trees(dataset, settings, samples, kept, options, progress);
+                              : learn_features(dataset, settings, samples, kept, options, progress);
   description.samples = samples.training.size();
   description.threads = learned.threads;
   describe(description, dataset, split, test_runs);

@@ -7,7 +7,9 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/features/step_features.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/sample_features.hpp"
@@ -87,7 +89,7 @@ TEST(TrainTrees, RefuseWhatOnlyANetworkHas) {
             std::string::npos);
   EXPECT_NE(test::error_of([&] {
               open_classifier(trained.bundle.folder, 1, EngineKind::libtorch);
-            }).find("trees run without libtorch; expected --engine fast"),
+            }).find("a model of kind trees runs without libtorch; expected --engine fast"),
             std::string::npos);
   EXPECT_NE(test::error_of([&] {
               Classifier(trained.bundle.folder, 1, EngineOptions{.precision = Precision::int8});
@@ -122,6 +124,73 @@ TEST(TrainTrees, RefuseABundleThatSomeoneChanged) {
   EXPECT_NE(error_with([](auto& json) { json["network"]["kind"] = "forest"; }).find("kind of model 'forest' is unknown"),
             std::string::npos);
   EXPECT_NE(error_with([](auto& json) { json["weights_sha256"] = "0"; }).find("its hash differs"), std::string::npos);
+}
+
+TEST(TrainTemporal, WritesTheNetworkThatFitsTheSamples) {
+  const TrainedTrees trained;  // for its dataset
+  const windows::Dataset dataset(trained.file);
+  const ModelBundle bundle{trained.folder / "models/temporal"};
+  ModelSettings settings;
+  settings.kind = ModelKind::temporal;
+  settings.temporal.channels = 8;
+  settings.training.seed = 5;
+  settings.training.epochs = 4;
+  const TrainingSummary summary = train_model(dataset, settings, bundle);
+  ASSERT_EQ(summary.history.size(), 4U);
+  EXPECT_GT(summary.history.back().accuracy, 0.9);
+  const ModelDescription model = read_description(bundle);
+  EXPECT_EQ(model.settings.kind, ModelKind::temporal);
+  EXPECT_EQ(model.settings.temporal.channels, 8U);
+  EXPECT_EQ(model.settings.training, settings.training);
+  EXPECT_EQ(model.epoch, 4U);
+  EXPECT_EQ(state_of(bundle, dataset, settings), BundleState::unchanged);
+
+  const auto samples = samples_of_runs(dataset, split_of(dataset, {}).train_runs);
+  std::vector<float> steps;
+  std::vector<Touch> truth;
+  for (const std::uint32_t run : split_of(dataset, {}).train_runs) {
+    const auto more = sample_steps(dataset, run, samples_of_runs(dataset, {&run, 1}), {});
+    steps.insert(steps.end(), more.begin(), more.end());
+  }
+  for (const std::uint32_t sample : samples) truth.push_back(dataset.samples()[sample].touch);
+  EXPECT_EQ(read_bundle_weights(bundle, model), fit_temporal(steps, truth, settings.temporal, settings.training).weights);
+  const Classifier classifier(bundle.folder, 1);
+  const auto logits = sample_logits(dataset, classifier, samples, 1);
+  const TemporalNetwork network(settings.temporal, read_bundle_weights(bundle, model));
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    ASSERT_EQ(logits[i], network.logits(std::span(steps).subspan(i * features::step_values, features::step_values))) << i;
+
+  settings.rendering.history = 20ms;
+  EXPECT_NE(test::error_of([&] {
+              train_model(dataset, settings, {trained.folder / "models/short"});
+            }).find("expected one longer than 15 steps"),
+            std::string::npos);
+  nlohmann::json json = read_json(bundle.description());
+  json["network"]["input"]["steps"] = 15;
+  write_json(bundle.description(), json);
+  EXPECT_NE(test::error_of([&] { Classifier(bundle.folder, 1); }).find("reads 15 x 12 features; expected 16 x 12"),
+            std::string::npos);
+}
+
+TEST(TrainCommand, TrainsATemporalConvolution) {
+  const test::TemporaryFolder folder;
+  test::make_runs(folder / "data", {"fan", "usb-hub"}, 3);
+  const auto trained = run_tactile("train --json --kind temporal --epochs 3 --calibrate 02", folder.path());
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  EXPECT_NE(trained.err.find("samples, 3 epochs"), std::string::npos) << trained.err;
+  const auto json = nlohmann::json::parse(trained.out);
+  EXPECT_EQ(json.at("name").get<std::string>().find("temporal-th040-single-run-01-s1-"), 0U) << json.at("name");
+  EXPECT_EQ(json.at("settings").at("network"), nlohmann::json::parse(R"({"kind": "temporal", "channels": 32})"));
+  EXPECT_FALSE(json.at("settings").at("training").contains("augment"));
+  EXPECT_EQ(json.at("history").size(), 3U);
+  EXPECT_GT(json.at("temperature").at("value").get<double>(), 0);
+  const auto error_of = [&](const std::string& options) { return run_tactile("train " + options, folder.path()).err; };
+  EXPECT_NE(error_of("--kind temporal --validation 0.1").find("--validation: a model of kind temporal has none"),
+            std::string::npos);
+  EXPECT_NE(error_of("--kind temporal --rounds 3").find("--rounds: a model of kind temporal has none; expected --kind trees"),
+            std::string::npos);
+  EXPECT_NE(error_of("--channels 3").find("--channels: a model of kind lenet has none; expected --kind temporal"),
+            std::string::npos);
 }
 
 TEST(TrainCommand, TrainsTreesAndRefusesOptionsWithoutMeaning) {

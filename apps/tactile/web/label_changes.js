@@ -1,0 +1,76 @@
+// What differs between two states of a run's labels, for a person who must choose. No document here.
+
+import { secondsText, lengthText } from "./format.js";
+
+const NAMES = { press: "press", slip: "slip" };
+
+function endsThatMoved(before, after) {
+  const moved = [];
+  for (const end of ["start", "end"]) {
+    const [from, to] = [before[`${end}_us`], after[`${end}_us`]];
+    if (from !== to) moved.push(`${end} of ${before.id} moved from ${secondsText(from)} to ${secondsText(to)} (${lengthText(to - from)})`);
+  }
+  return moved;
+}
+
+/// Each difference as {id, words}; `id` is the interval's, or null for flags of the run.
+export function changesBetween(before, after) {
+  const changes = [];
+  const later = new Map(after.intervals.map((interval) => [interval.id, interval]));
+  for (const interval of before.intervals) {
+    const now = later.get(interval.id);
+    later.delete(interval.id);
+    const say = (words) => changes.push({ id: interval.id, words });
+    if (!now) {
+      say(`${interval.id} was removed`);
+      continue;
+    }
+    for (const words of endsThatMoved(interval, now)) say(words);
+    if (now.touch !== interval.touch) say(`${interval.id} became a ${NAMES[now.touch] ?? now.touch}`);
+    if (now.confirmed !== interval.confirmed) say(`${interval.id} was ${now.confirmed ? "confirmed" : "set back to unconfirmed"}`);
+  }
+  for (const added of later.values()) {
+    changes.push({ id: added.id, words: `${added.id} was added, ${secondsText(added.start_us)} to ${secondsText(added.end_us)}` });
+  }
+  return [...changes, ...flagChanges(before, after)];
+}
+
+function flagChanges(before, after) {
+  const changes = [];
+  const same = (a) => (b) => a.what === b.what && (a.interval_id ?? null) === (b.interval_id ?? null);
+  for (const flag of before.flags) {
+    const now = after.flags.find(same(flag));
+    const say = (words) => changes.push({ id: flag.interval_id ?? null, words });
+    if (!now) say(`the flag "${flag.what}" is gone`);
+    else if (now.confirmed !== flag.confirmed) say(`the flag "${flag.what}" was ${now.confirmed ? "lifted" : "raised again"}`);
+  }
+  for (const flag of after.flags) {
+    if (!before.flags.some(same(flag))) changes.push({ id: flag.interval_id ?? null, words: `a flag was raised: "${flag.what}"` });
+  }
+  return changes;
+}
+
+/// The edits of the history of `after` that `before` does not have, by people: [{who, what, when}].
+export function newEdits(before, after) {
+  const known = new Set((before.history ?? []).map((entry) => `${entry.when} ${entry.what} ${entry.undone}`));
+  return (after.history ?? []).filter((entry) => !known.has(`${entry.when} ${entry.what} ${entry.undone}`));
+}
+
+/// The operation changes something that `changes` changed, too.
+export function meets(operation, changes) {
+  if (operation.op !== "edit" || operation.edit.kind === "confirm-run") return changes.length > 0;
+  const id = operation.edit.id ?? operation.edit.flag_interval ?? null;
+  return id !== null && changes.some((change) => change.id === id);
+}
+
+/// The operation as it must be sent after the labels became `current`: a flag keeps its words, not its number. null if what it edits is gone.
+export function rebased(operation, current) {
+  if (operation.op !== "edit") return operation;
+  const { edit } = operation;
+  if (edit.kind === "lift") {
+    const flag = current.flags.find((f) => f.what === edit.flag_what && (f.interval_id ?? null) === (edit.flag_interval ?? null));
+    return flag ? { ...operation, edit: { ...edit, flag: flag.index } } : null;
+  }
+  if (edit.id && !edit.id.startsWith("new ") && !current.intervals.some((interval) => interval.id === edit.id)) return null;
+  return operation;
+}

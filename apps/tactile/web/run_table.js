@@ -1,0 +1,244 @@
+// The list of all runs: what needs a person comes first.
+
+import { getRuns } from "./api.js";
+import { announce, button, dialogIsOpen, el, refill } from "./dom.js";
+import { countText, counted, lengthText, secondsText, shortNumber } from "./format.js";
+import { keptChoice } from "./kept.js";
+import { filtered, nextToReview, sorted, stateOf, stillComputing } from "./run_order.js";
+import { runAddress } from "./router.js";
+import { showHelp } from "./keys.js";
+import { Thumbnails } from "./thumbnails.js";
+
+const COMPUTING_EVERY_MS = 2000;
+const QUIET_EVERY_MS = 10_000;
+
+const COLUMNS = [
+  ["name", "Run"],
+  ["state", "State"],
+  ["length", "Length"],
+  ["rate", "Events/s"],
+  ["press", "Press at"],
+  ["slip", "Slip at"],
+  ["clock", "Robot clock"],
+  ["flags", "Flags"],
+];
+const STATES = [
+  ["all", "all runs"],
+  ["flagged", "flagged"],
+  ["unconfirmed", "not confirmed"],
+  ["confirmed", "confirmed"],
+  ["unreadable", "unreadable"],
+  ["simulated", "simulated"],
+];
+const STATE_WORDS = { unreadable: "✕ unreadable", flagged: "⚑ flagged", unconfirmed: "not confirmed", confirmed: "✓ confirmed" };
+
+export class RunTable {
+  constructor() {
+    this.title = "Runs";
+    this.element = el("main", { id: "main", tabindex: -1 });
+    this.abort = new AbortController();
+    this.thumbnails = new Thumbnails();
+    this.order = keptChoice("order", { column: "state", downward: false });
+    this.wish = keptChoice("filter", { search: "", state: "all" });
+  }
+
+  async start() {
+    refill(this.element, el("h1", {}, "Runs"), el("p", { class: "reading" }, "Looking for runs …"));
+    const answer = await getRuns({ signal: this.abort.signal });
+    this.#build(answer);
+    this.#take(answer);
+    this.#again();
+  }
+
+  #build(answer) {
+    document.body.dataset.data = answer.data;
+    const wish = this.wish.load();
+    this.search = el("input", {
+      type: "search",
+      id: "search",
+      value: wish.search,
+      placeholder: "object, run or flag",
+      oninput: () => this.#draw(),
+    });
+    this.state = el(
+      "select",
+      { id: "state", onchange: () => this.#draw() },
+      STATES.map(([value, words]) => el("option", { value, selected: value === wish.state }, words)),
+    );
+    this.bar = el("progress", { max: 1, value: 0, "aria-labelledby": "progress-words" });
+    this.progress = el("span", { id: "progress-words" });
+    this.leftOut = el("ul", { class: "left-out error", "aria-label": "Left out" });
+    this.count = el("p", { class: "count", role: "status" });
+    this.heads = el(
+      "tr",
+      {},
+      el("th", { scope: "col", class: "thumb" }, el("span", { class: "hidden" }, "Picture")),
+      COLUMNS.map(([column, words]) => this.#head(column, words)),
+    );
+    this.rows = el("tbody", {});
+    refill(
+      this.element,
+      el("div", { class: "list-head" }, el("h1", {}, answer.data), el("span", { class: "progress" }, this.bar, this.progress)),
+      el(
+        "div",
+        { class: "filters", role: "search" },
+        el("span", {}, el("label", { for: "search" }, "Search "), this.search),
+        el("span", {}, el("label", { for: "state" }, "Show "), this.state),
+        button("Next to review ›", () => this.#goToNext(), { class: "primary", title: "F" }),
+        button("?", () => showHelp(null), { "aria-label": "Keys", title: "Keys (?)" }),
+      ),
+      this.count,
+      this.leftOut,
+      el(
+        "div",
+        { class: "scroll" },
+        el(
+          "table",
+          { class: "runs" },
+          el("caption", { class: "hidden" }, "Runs: what needs a person comes first"),
+          el("thead", {}, this.heads),
+          this.rows,
+        ),
+      ),
+    );
+  }
+
+  #head(column, words) {
+    return el(
+      "th",
+      { scope: "col", "data-column": column },
+      button(words, () => this.#sortBy(column), { class: "sort" }),
+    );
+  }
+
+  #sortBy(column) {
+    const now = this.order.load();
+    this.order.save({ column, downward: now.column === column ? !now.downward : false });
+    this.#draw();
+  }
+
+  #take(answer) {
+    this.answer = answer;
+    const { runs, confirmed, flagged } = answer.progress;
+    this.bar.value = runs ? confirmed / runs : 0;
+    this.progress.textContent = `${confirmed} of ${counted(runs, "run")} confirmed` + (flagged ? `, ${flagged} flagged` : "");
+    refill(
+      this.leftOut,
+      (answer.left_out ?? []).map((words) => el("li", {}, words)),
+    );
+    this.#draw();
+  }
+
+  /// Looks again now and then: often while something is being computed, seldom otherwise, never in a hidden tab.
+  #again() {
+    const wait = stillComputing(this.answer.runs) ? COMPUTING_EVERY_MS : QUIET_EVERY_MS;
+    this.timer = setTimeout(async () => {
+      if (!document.hidden) {
+        const answer = await getRuns({ signal: this.abort.signal }).catch(() => null);
+        if (answer && answer.revision !== this.answer.revision) this.#take(answer);
+      }
+      if (!this.abort.signal.aborted) this.#again();
+    }, wait);
+  }
+
+  #draw() {
+    const wish = { search: this.search.value, state: this.state.value };
+    this.wish.save(wish);
+    const { column, downward } = this.order.load();
+    for (const head of this.heads.querySelectorAll("[data-column]")) {
+      const here = head.dataset.column === column;
+      head.setAttribute("aria-sort", here ? (downward ? "descending" : "ascending") : "none");
+    }
+    const { runs } = this.answer;
+    const shown = sorted(filtered(runs, wish.search, wish.state), column, downward);
+    this.count.textContent =
+      shown.length === runs.length ? counted(runs.length, "run") : `${shown.length} of ${counted(runs.length, "run")}`;
+    refill(
+      this.rows,
+      shown.map((run) => this.#row(run)),
+    );
+    if (runs.length === 0) this.count.textContent = "There are no runs here. Make some with tactile record or tactile simulate.";
+  }
+
+  #row(run) {
+    const state = stateOf(run);
+    const cell = (label, ...content) => el("td", { "data-label": label }, ...content);
+    const onset = (touch) => {
+      const found = (run.intervals ?? []).filter((i) => i.touch === touch);
+      return found.length ? found.map((i) => secondsText(i.start_us, 5e6)).join(", ") : "–";
+    };
+    const link = el("a", { href: runAddress(run.name), "data-key": run.name }, run.name);
+    const notes = [
+      run.simulated ? "simulated" : null,
+      run.has?.video ? null : "no film",
+      run.has?.robot ? null : "no robot log",
+      run.has?.labels ? null : "no labels",
+    ].filter(Boolean);
+    const name = el("th", { scope: "row" }, link, run.error ? null : el("span", { class: "notes" }, notes.join(", ")));
+    if (run.error) {
+      return el(
+        "tr",
+        { class: state },
+        el("td", { class: "thumb" }),
+        name,
+        cell("State", el("span", { class: "state unreadable" }, STATE_WORDS[state])),
+        el("td", { colspan: 6, class: "error", "data-label": "Error" }, run.error),
+      );
+    }
+    const open = (run.flags ?? []).filter((flag) => !flag.confirmed);
+    return el(
+      "tr",
+      { class: state },
+      el("td", { class: "thumb" }, this.thumbnails.of(run.name)),
+      name,
+      cell("State", el("span", { class: `state ${state}` }, STATE_WORDS[state])),
+      cell("Length", run.length_s === null ? "…" : lengthText(Math.round(run.length_s * 1e6))),
+      cell(
+        "Events/s",
+        run.rate_mean_per_s === null ? "…" : countText(run.rate_mean_per_s),
+        run.rate_peak_per_s ? el("span", { class: "notes" }, `peak ${countText(run.rate_peak_per_s)}`) : null,
+      ),
+      cell("Press at", onset("press")),
+      cell("Slip at", onset("slip")),
+      cell("Robot clock", run.clocks?.robot_residual_ms != null ? `${shortNumber(run.clocks.robot_residual_ms)} ms` : "–"),
+      cell(
+        "Flags",
+        open.length
+          ? el(
+              "ul",
+              { class: "flag-words" },
+              open.map((flag) => el("li", {}, flag.what)),
+            )
+          : "–",
+      ),
+    );
+  }
+
+  #goToNext() {
+    const next = nextToReview(this.answer.runs, "");
+    if (next) location.hash = runAddress(next);
+    else announce("Every run is confirmed and without an open flag.");
+  }
+
+  key(event) {
+    if (dialogIsOpen() || event.altKey || event.ctrlKey || event.metaKey || event.target.matches("input, select, textarea")) return;
+    const links = [...(this.rows?.querySelectorAll("a") ?? [])];
+    const here = links.indexOf(document.activeElement);
+    const action = {
+      "/": () => this.search.focus(),
+      "?": () => showHelp(null),
+      f: () => this.#goToNext(),
+      j: () => links[Math.min(here + 1, links.length - 1)]?.focus(),
+      k: () => links[Math.max(here - 1, 0)]?.focus(),
+    }[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  stop() {
+    this.abort.abort();
+    clearTimeout(this.timer);
+    this.thumbnails.stop();
+  }
+}

@@ -1,0 +1,148 @@
+#include "tactile/report/budget_plot.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tactile/pictures/plot_script.hpp"
+#include "tactile/report/axis_tics.hpp"
+#include "tactile/report/figure_parts.hpp"
+
+namespace tactile::report {
+namespace {
+
+constexpr int left = 70, right = 20, gap = 66, panels = 3, panel_height = 250, below = 76, row = 20;
+constexpr int width = (page_width - left - right - (panels - 1) * gap) / panels;
+
+std::string name_of_kind(const std::string& kind) {
+  return kind == "lenet" ? "LeNet" : kind == "temporal" ? "temporal convolution" : kind;
+}
+
+/// One panel: a figure of a setting, and its axis.
+struct Panel {
+  const char* label;
+  results::Figure (*of)(const ReportedSetting&);
+  bool from_zero;  ///< the axis is linear near 0 and logarithmic beyond
+};
+
+constexpr std::array<Panel, panels> all_panels{
+    Panel{"accuracy [%]", [](const ReportedSetting& setting) { return results::scaled(setting.accuracy, 100); }, false},
+    Panel{"median delay, misses included [ms]",
+          [](const ReportedSetting& setting) { return results::scaled(setting.delay_us, 1e-3); }, false},
+    Panel{"false alarms per minute", [](const ReportedSetting& setting) { return setting.episodes_per_min; }, true}};
+
+double position_of(double value, const Panel& panel) {
+  return panel.from_zero ? log_position_from_zero(std::max(0.0, value)) : value;
+}
+
+/// Rows of place, value, low, high. @param aside  added to the place, so that bars of several kinds do not hide each other
+std::vector<double> rows_of(const BestOfKind& best, const Panel& panel, double aside) {
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
+    const results::Figure figure = best.within[i] == nullptr ? results::Figure{} : panel.of(*best.within[i]);
+    const double value = best.within[i] == nullptr ? NAN : position_of(figure.value, panel);
+    const bool has_interval = best.within[i] != nullptr && figure.has_interval();
+    rows.insert(rows.end(), {static_cast<double>(i) + aside, value, has_interval ? position_of(*figure.low, panel) : value,
+                             has_interval ? position_of(*figure.high, panel) : value});
+  }
+  return rows;
+}
+
+AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
+  double least = INFINITY, most = -INFINITY;
+  for (const BestOfKind& best : all) {
+    for (const ReportedSetting* setting : best.within) {
+      if (setting == nullptr) continue;
+      const double value = position_of(panel.of(*setting).value, panel);
+      if (std::isfinite(value)) least = std::min(least, value), most = std::max(most, value);
+    }
+  }
+  if (least > most) least = most = 0;
+  return range_around(least, most, panel.from_zero ? 0.3 : 4, panel_height);
+}
+
+/// "LeNet, from 50 us on: width 0.25, int8", one for each setting of a kind.
+std::vector<std::string> names_of(const BestOfKind& best) {
+  std::vector<std::string> names;
+  const ReportedSetting* before = nullptr;
+  for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
+    const ReportedSetting* setting = best.within[i];
+    if (setting == before || setting == nullptr) continue;
+    names.push_back(fmt::format("{}, from {:g} us on: {} ({:.0f} us)", name_of_kind(best.kind), tick_budgets[i], setting->text,
+                                setting->us_p99.value));
+    before = setting;
+  }
+  if (names.empty()) names.push_back(fmt::format("{}: no setting within {:g} us", name_of_kind(best.kind), tick_budgets.back()));
+  return names;
+}
+
+std::string budget_tics() {
+  std::string tics;
+  for (std::size_t i = 0; i < tick_budgets.size(); ++i)
+    tics += fmt::format("{}'{:g}' {}", i == 0 ? "" : ", ", tick_budgets[i], i);
+  return tics;
+}
+
+}  // namespace
+
+std::vector<BestOfKind> best_within_budgets(const ReportedTrade& trade) {
+  std::vector<BestOfKind> all;
+  for (const ReportedSetting& setting : trade.settings) {
+    auto best = std::find_if(all.begin(), all.end(), [&](const BestOfKind& one) { return one.kind == setting.kind; });
+    if (best == all.end()) best = all.insert(all.end(), {.kind = setting.kind});
+    if (!std::isfinite(setting.choice_accuracy.value)) continue;
+    for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
+      if (!(setting.choice_us_p99.value <= tick_budgets[i])) continue;
+      const auto rank = [](const ReportedSetting& of) { return std::pair(of.choice_accuracy.value, -of.choice_us_p99.value); };
+      if (best->within[i] == nullptr || rank(setting) > rank(*best->within[i])) best->within[i] = &setting;
+    }
+  }
+  return all;
+}
+
+pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
+  const std::vector<BestOfKind> all = best_within_budgets(trade);
+  std::vector<std::pair<std::string, std::size_t>> names;  // with the kind
+  for (std::size_t kind = 0; kind < all.size(); ++kind) {
+    for (const std::string& name : names_of(all[kind])) names.emplace_back(name, kind);
+  }
+  constexpr int top = 128;
+  const int list = top + panel_height + below;
+  const std::string title = "The best of each kind of model within a time per tick";
+  pictures::PlotScript script(trade.simulated ? title + " (simulated runs)" : title, page_width,
+                              list + row * static_cast<int>(names.size()) + 10);
+  script.note("The most accurate setting of which 99 % of the ticks take at most this long, chosen on the choice runs.");
+  script.note(
+      "Values are of the reported runs. Bars: 95 % intervals. Below: the settings, with the 99th percentile of their time.");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    script.text(names[i].first, 20, list + row * static_cast<double>(i), "left font ',12'",
+                pictures::line_style(names[i].second).colour);
+  for (std::size_t i = 0; i < all_panels.size(); ++i) {
+    const Panel& panel = all_panels[i];
+    const int begin = left + static_cast<int>(i) * (width + gap);
+    const AxisRange range = range_of(all, panel);
+    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = top + panel_height});
+    script.axes({.begin = -0.5, .end = static_cast<double>(tick_budgets.size()) - 0.5, .tics = budget_tics()},
+                {.begin = range.begin,
+                 .end = range.end,
+                 .tics = panel.from_zero ? decade_tics(range, true, true).text() : std::string()});
+    script.text(panel.label, begin + width / 2.0, top - 14, "center font ',12'");
+    script.text("time per tick, at most [us]", begin + width / 2.0, top + panel_height + 40, "center font ',12'");
+    std::vector<pictures::PlotSeries> series;
+    for (std::size_t kind = 0; kind < all.size(); ++kind) {
+      const double aside = 0.12 * (static_cast<double>(kind) - static_cast<double>(all.size() - 1) / 2);
+      const std::string table = script.table(4, rows_of(all[kind], panel, aside));
+      pictures::LineStyle style = pictures::line_style(kind);
+      series.push_back({table, "1:2:3:4", "yerrorbars", style});
+      style.mark.reset();
+      series.push_back({table, "1:2", "lines", style});
+    }
+    if (series.empty()) series.push_back({script.table(2, {}), "1:2", "lines", {.colour = pictures::figure_colours::others}});
+    script.plot(series);
+  }
+  return std::move(script).finished();
+}
+
+}  // namespace tactile::report

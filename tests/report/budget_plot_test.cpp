@@ -1,0 +1,83 @@
+#include "tactile/report/budget_plot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "report/plot_rows.hpp"
+#include "support/drawn_plot.hpp"
+
+namespace tactile::report {
+namespace {
+
+using test::contains;
+using test::drawn;
+using test::has_row;
+
+/// A setting that has the same values on the runs to choose on.
+ReportedSetting setting(const std::string& kind, const std::string& text, double us, double accuracy) {
+  ReportedSetting made;
+  made.kind = kind;
+  made.text = text;
+  made.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
+  made.choice_accuracy.value = accuracy;
+  made.us_p99.value = made.choice_us_p99.value = us;
+  made.delay_us = {.value = 6000, .low = 4000, .high = 8000, .n = 9};
+  made.episodes_per_min.value = 9;
+  return made;
+}
+
+ReportedTrade three_kinds() {
+  ReportedTrade trade;
+  trade.settings = {setting("lenet", "as usual", 180, 0.94),          setting("lenet", "width 0.25", 45, 0.90),
+                    setting("lenet", "width 0.25, slower", 49, 0.90), setting("trees", "trees", 9, 0.93),
+                    setting("trees", "trees, gate", 30, 0.92),        setting("temporal", "temporal convolution", 900, 0.99)};
+  return trade;
+}
+
+TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
+  ReportedTrade trade = three_kinds();
+  const auto texts = [&] {
+    std::vector<std::vector<std::string>> of_kinds;
+    for (const BestOfKind& best : best_within_budgets(trade)) {
+      of_kinds.push_back({best.kind});
+      for (const ReportedSetting* one : best.within) of_kinds.back().push_back(one == nullptr ? "" : one->text);
+    }
+    return of_kinds;
+  };
+  using Texts = std::vector<std::vector<std::string>>;
+  EXPECT_EQ(texts(), (Texts{{"lenet", "", "", "width 0.25", "width 0.25", "as usual"},
+                            {"trees", "", "trees", "trees", "trees", "trees"},
+                            {"temporal", "", "", "", "", ""}}));
+  // What the runs to report on show chooses nothing.
+  trade.settings[0].accuracy.value = 0.1;
+  trade.settings[0].us_p99.value = 1;
+  EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "width 0.25", "width 0.25", "as usual"}));
+  trade.settings[3].choice_accuracy.value = NAN;
+  EXPECT_EQ(texts()[1], (std::vector<std::string>{"trees", "", "", "trees, gate", "trees, gate", "trees, gate"}));
+}
+
+TEST(TradeBudgetPlot, ShowsAccuracyDelayAndFalseAlarmsOfEachKindAndNamesTheSettings) {
+  const pictures::Plot plot = trade_budget_plot(three_kinds());
+  // Three kinds lie side by side; the last limit is at place 4, 10 us at place 1.
+  EXPECT_TRUE(has_row(plot, {3.88, 94, 93, 95}));
+  EXPECT_TRUE(has_row(plot, {1, 93, 92, 94}));
+  EXPECT_TRUE(has_row(plot, {1, 6, 4, 8}));
+  EXPECT_TRUE(has_row(plot, {1, 1, 1, 1})) << "log10(9 + 1), without an interval";
+  const std::string svg = drawn(plot);
+  for (const char* words :
+       {"accuracy [%]", "median delay, misses included [ms]", "false alarms per minute", "time per tick, at most [us]",
+        "LeNet, from 50 us on: width 0.25 (45 us)", "LeNet, from 200 us on: as usual (180 us)",
+        "trees, from 10 us on: trees (9 us)", "temporal convolution: no setting within 200 us"})
+    EXPECT_TRUE(contains(svg, words)) << words;
+}
+
+TEST(TradeBudgetPlot, IsDrawnWithoutAnySettingToo) {
+  EXPECT_TRUE(contains(drawn(trade_budget_plot({})), "accuracy [%]"));
+  ReportedTrade slow;
+  slow.settings = {setting("lenet", "as usual", 1000, 0.9)};
+  EXPECT_TRUE(contains(drawn(trade_budget_plot(slow)), "LeNet: no setting within 200 us"));
+}
+
+}  // namespace
+}  // namespace tactile::report

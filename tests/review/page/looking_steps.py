@@ -1,0 +1,218 @@
+"""What a person does to look at runs, models and studies: steps of review_page_test.py."""
+
+import os
+import time
+
+from browser import SHIFT, Tab
+from page_checks import problems_of
+from review_world import OTHER, RUN, check, cursor_us, open_run, view
+
+
+def browses(world):
+    tab = Tab(world.browser)
+    tab.go(world.server.url)
+    tab.wait("document.querySelectorAll('tbody tr').length === 2", "both runs are listed")
+    tab.wait("[...document.querySelectorAll('td[data-label=Length]')].every(e => /s$/.test(e.textContent))", "their lengths are known")
+    tab.wait("[...document.querySelectorAll('.thumb img')].every(i => i.naturalWidth > 0)", "their pictures are there")
+    check(tab.text("tbody tr th a") == OTHER, f"first is {tab.text('tbody tr th a')}; expected the flagged run {OTHER}")
+    tab.click("th[data-column=name] button")
+    check(tab.text("tbody tr th a") == RUN, "sorted by name, fan comes first")
+    tab.click("th[data-column=name] button")
+    check(
+        tab.text("tbody tr th a") == OTHER and tab.js("document.querySelector('th[data-column=name]').ariaSort") == "descending",
+        "a second press turns the order",
+    )
+    tab.click("th[data-column=state] button")
+    tab.key("/")
+    tab.type("fan")
+    tab.wait("document.querySelectorAll('tbody tr').length === 1", "the search keeps one")
+    check(tab.text(".count") == "1 of 2 runs", tab.text(".count"))
+    tab.js("(() => { const s = document.getElementById('search'); s.value = ''; s.dispatchEvent(new Event('input')); })()")
+    check("0 of 2 runs confirmed, 1 flagged" in tab.text(".progress"), tab.text(".progress"))
+    world.quiet("browsing")
+    tab.click("tbody tr:nth-child(2) a")
+    tab.wait("document.querySelector('.handle')", "a click opens the run")
+    tab.wait("document.querySelector('.picture.film img')?.naturalWidth > 0", "the film's frame is there")
+    for kind in ("events", "heatmap"):
+        tab.wait(
+            f"(() => {{ const c = document.querySelector('.picture.{kind} canvas'); return c.width > 100 &&"
+            " new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size > 3; })()",
+            f"the {kind} are drawn",
+        )
+    names = tab.js("[...document.querySelectorAll('.strip-name span:first-child')].map(e => e.textContent)")
+    check(len(names) >= 5, f"signals: {names}")
+    tab.wait("[...document.querySelectorAll('.strip .value')].every(e => e.textContent !== '–')", "each signal has a value at the cursor")
+    world.quiet("opening a run")
+    tab.close()
+
+
+def zooms_and_plays(world):
+    tab = Tab(world.browser)
+    open_run(world, tab, at=1.0)
+    left, top, width, height = tab.box(".surface")
+    whole = view(tab)
+    for _ in range(30):
+        tab.wheel(left + width * 0.4, top + 60, -300)
+    check(view(tab)[1] - view(tab)[0] == 1000, f"the wheel zooms to a millisecond; it shows {view(tab)}")
+    under = whole[0] + 0.4 * (whole[1] - whole[0])
+    check(abs(sum(view(tab)) / 2 - under) < 0.02 * (whole[1] - whole[0]), "the time under the pointer stays")
+    before = view(tab)
+    tab.drag(left + width * 0.8, top + 60, left + width * 0.3)
+    check(abs(view(tab)[0] - before[0] - 500) <= 2, f"a drag moves the axis: {before} became {view(tab)}")
+    tab.click_at(left + width / 2, top + 60)
+    tab.wait("Number(document.querySelector('.strip .value').textContent) >= 0", "the rate is known here")
+    tab.key("0")
+    check(view(tab) == whole, "0 shows the whole run")
+    tab.drag(left + width * 0.25, top + 60, left + width * 0.5, SHIFT)
+    check(abs((view(tab)[1] - view(tab)[0]) / (whole[1] - whole[0]) - 0.25) < 0.01, "Shift and drag zooms to a stretch")
+    tab.key("0")
+    tab.click_at(left + width * 0.6, top + 80)
+    check(abs(cursor_us(tab) - (whole[0] + 0.6 * (whole[1] - whole[0]))) < 3 * (whole[1] - whole[0]) / width, "a click puts the cursor")
+    tab.key("ArrowRight")
+    first = cursor_us(tab)
+    origin = world.saved()["provenance"]["first_event_us"]
+    check((first + origin) % 2000 == 0, f"{first} µs is no tick")
+    tab.key("ArrowRight")
+    check(cursor_us(tab) == first + 2000, "→ goes one tick on")
+    tab.key("ArrowLeft")
+    check(cursor_us(tab) == first, "← goes one tick back")
+    frames = tab.js("fetch('/api/runs/%s/frames').then(r => r.json())" % RUN)["t_us"]
+    tab.key(".")
+    check(cursor_us(tab) in frames and cursor_us(tab) > first, "a full stop goes to the next frame")
+    tab.key(",")
+    tab.key(",")
+    check(cursor_us(tab) in frames and cursor_us(tab) < first, "a comma goes to the frame before")
+    start = cursor_us(tab)
+    tab.key(" ")
+    tab.wait(f"parseFloat(document.querySelector('.time-now').textContent) > {start / 1e6 + 0.05}", "Space plays")
+    tab.key(" ")
+    stopped = cursor_us(tab)
+    time.sleep(0.2)
+    check(cursor_us(tab) == stopped, "Space pauses")
+    for _ in range(9):
+        tab.key("<")
+    check(tab.js("document.querySelector('.tools select').value") == "0.05", "the slowest speed is 0.05")
+    tab.key(" ")
+    begun = time.monotonic()
+    time.sleep(0.5)
+    tab.key(" ")
+    moved, passed = (cursor_us(tab) - stopped) / 1e6, time.monotonic() - begun
+    check(0 < moved <= 0.05 * passed + 0.01, f"at 0.05 the cursor moved {moved} s in {passed} s")
+    for _ in range(9):
+        tab.key(">")
+    check(tab.js("document.querySelector('.tools select').value") == "4", "the quickest speed is 4")
+    tab.key(" ")
+    tab.wait("document.querySelector('.play').textContent.includes('Play')", "playing stops at the end")
+    check(abs(cursor_us(tab) - whole[1]) < 2, "the cursor is at the end")
+    world.quiet("zooming and playing")
+    tab.close()
+
+
+def compares_models_and_studies(world):
+    tab = Tab(world.browser)
+    tab.go(world.server.url + "#/models")
+    tab.wait("document.querySelectorAll('table.figures tbody tr').length === 2", "both models are listed")
+    words = tab.js("[...document.querySelectorAll('table.figures tbody tr')].map(r => r.textContent)")
+    check("%" in words[0] and "second" in words[1], f"{words}")
+    tab.click("details[data-model=first] summary")
+    tab.wait("document.querySelectorAll('details[data-model=first] .curve canvas').length >= 2", "the training curves are drawn")
+    check("2 epochs" in tab.js("document.querySelector('details[data-model=first] figure').ariaLabel"), "with their epochs")
+    tab.click(".chooser button")
+    tab.wait(
+        "[...document.querySelectorAll('.compare h3')].map(e => e.textContent).join() === 'first,second'", "both are compared on a run"
+    )
+    tab.wait(
+        "!document.querySelector('.strip.pending') && document.querySelectorAll('.compare .band').length === 2",
+        "their probabilities are computed",
+    )
+    answer = lambda: tab.js(
+        f"fetch('/api/runs/{RUN}/signals?from_us=0&to_us=2000000&points=50&names=p_none,p_press,p_slip&model=first').then(r => r.json())"
+    )  # noqa: E731
+    world.until(lambda: not answer().get("pending"), "they are computed")
+    series = answer()["series"]
+    sums = [sum(values) for values in zip(*(series[name]["mean"] for name in ("p_none", "p_press", "p_slip"))) if None not in values]
+    check(sums and all(abs(total - 1) < 0.02 for total in sums), f"probabilities add to {sums[:5]}")
+    tab.go(world.server.url + "#/studies?first=plain&second=hostile")
+    tab.wait("document.querySelectorAll('table.figures')[0]?.tBodies[0].rows.length > 3", "two studies are side by side")
+    check(tab.js("document.querySelectorAll('main b, main script').length") == 0, "no name becomes markup")
+    check(
+        tab.js(
+            "[...document.querySelectorAll('table.figures')].every(t => [...t.rows].every(r => r.cells.length === t.rows[0].cells.length))"
+        ),
+        "no row is ragged",
+    )
+    open_run(world, tab)
+    tab.js("(() => { const s = document.getElementById('model'); s.value = 'second'; s.dispatchEvent(new Event('change')); })()")
+    tab.wait(
+        "document.querySelectorAll('.strip').length === 6 && !document.querySelector('.strip.pending')",
+        "a run shows a model's probabilities",
+    )
+    tab.wait("document.querySelector('.strip.last .value').textContent.split('·').length === 3", "none, press and slip")
+    world.quiet("models and studies")
+    tab.close()
+
+
+def shows_what_has_no_labels(world):
+    file = os.path.join(world.data, OTHER, "labels.json")
+    os.rename(file, file + ".away")
+    world.allowed = ["status of 404"]
+    tab = Tab(world.browser)
+    tab.go(world.server.url + f"#/run/{OTHER}")
+    tab.wait("document.querySelector('p.error')?.textContent.includes('has no labels')", "the page says that there are no labels")
+    tab.wait("/\\d/.test(document.querySelector('.strip .value')?.textContent)", "the signals are there")
+    tab.go(world.server.url + "#/run/nothing/01")
+    tab.wait("document.querySelector('p.error')?.textContent.includes('no such run')", "a run that is not there is reported")
+    os.rename(file + ".away", file)
+    tab.click("main a[href='#/']")
+    tab.wait("document.querySelectorAll('tbody tr').length === 2", "a link goes to the list")
+    world.quiet("runs without labels")
+    world.allowed = []
+    tab.close()
+
+
+PAGES = [
+    ("runs", "#/", "document.querySelectorAll('.thumb img').length === 2"),
+    ("run", f"#/run/{RUN}", "document.querySelector('.handle') && document.querySelector('.picture.film img')?.naturalWidth"),
+    (
+        "models",
+        "#/models",
+        "(() => { const d = document.querySelector('details[data-model]'); if (d) d.open = true; return document.querySelector('.curve canvas'); })()",
+    ),
+    ("compare", "#/models/first/vs/second", "document.querySelector('.compare .band') && !document.querySelector('.strip.pending')"),
+    ("studies", "#/studies", "document.querySelector('table.figures')"),
+]
+
+
+def is_sound_on_every_screen(world, axe):
+    for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
+        for name, address, ready in PAGES:
+            tab = Tab(world.browser, width, dark)
+            tab.go(world.server.url + address)
+            tab.wait(ready, f"{name} is shown")
+            tab.wait(
+                "[...document.querySelectorAll('.strip .value')].every(e => e.textContent || e.closest('.compare'))", "signals are there"
+            )
+            look = f"{name}, {width} px, {'dark' if dark else 'light'}"
+            problems = problems_of(tab, width, dark, axe)
+            if name == "run":
+                tab.js("document.activeElement.blur()")
+                tab.key("?")
+                tab.wait("document.querySelector('dialog .keys')", "? shows the keys")
+                problems += [f"help: {words}" for words in problems_of(tab, width, dark, axe)]
+                tab.key("Escape")
+            tab.picture(os.path.join(world.home, f"{name}-{width}{'-dark' if dark else ''}.png"))
+            check(not problems, f"{look}: " + "; ".join(problems))
+            world.quiet(look)
+            tab.close()
+    tab = Tab(world.browser, 390)
+    tab.go(world.server.url)
+    tab.wait("document.querySelector('main .count')", "the list is there")
+    tab.js("document.querySelector('main').append(Object.assign(document.createElement('button'), {className: 'wide'}))")
+    tab.js(
+        "Object.assign(document.querySelector('button.wide').style, {width: '900px', maxWidth: 'none', color: 'gray', background: 'gray'})"
+    )
+    found = "; ".join(problems_of(tab, 390, True))
+    for words in ("wider than the screen", "a button without a name", "expected light on dark"):
+        check(words in found, f"a broken page: '{words}' was not found, only: {found}")
+    world.browser.events = []
+    tab.close()
