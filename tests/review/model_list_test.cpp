@@ -17,7 +17,7 @@ using nlohmann::json;
 
 /// models/NAME: an untrained network for heatmaps of 32 x 24 cells.
 model::ModelBundle make_bundle(const std::filesystem::path& models, const std::string& name, unsigned epochs) {
-  const model::ModelBundle bundle{models / name};
+  model::ModelBundle bundle{models / name};
   model::ModelDescription description;
   description.input = {32, 24};
   description.dataset = "data/dataset.h5";

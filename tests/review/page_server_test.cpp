@@ -244,6 +244,7 @@ TEST_F(PageServing, AHundredClientsAtOnceAreAllAnswered) {
   serve({.most_connections = 16});
   std::atomic<int> answered{0};
   std::vector<std::thread> clients;
+  clients.reserve(100);
   for (int i = 0; i < 100; ++i) {
     clients.emplace_back([&, i] {
       const Answer answer = get(port, "/api/" + std::to_string(i), "Connection: close\r\n");

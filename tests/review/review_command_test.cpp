@@ -116,7 +116,7 @@ TEST_F(ReviewCommand, AnEditIsInTheFileAndThePictureFollows) {
 }
 
 TEST_F(ReviewCommand, KilledInTheMidstOfEditsItLosesNoneThatWasAnswered) {
-  for (int round = 0; round < 5; ++round) {
+  for (std::int64_t round = 0; round < 5; ++round) {
     test::RunningCommand command("review --port 0 --no-pictures", folder.path());
     const std::uint16_t port = port_of(command);
     std::string version = get(port, "/api/runs/fan/01/labels").json().at("version");

@@ -182,12 +182,13 @@ TEST_F(ReviewingARun, TheEventsOfAWindowAreCountedAtTheirPixels) {
       ask(request("/api/runs/fan/01/events", {{"at_us", std::to_string(at)}, {"history_us", std::to_string(history)}}));
   ASSERT_EQ(answer.status, 200);
   EXPECT_EQ(answer.type, "application/octet-stream");
-  std::vector<int> on(64 * 48), off(64 * 48);
+  constexpr std::size_t width = 64, height = 48, pixels = width * height;
+  std::vector<int> on(pixels), off(pixels);
   for (const events::Event& event : events) {
     if (since_first(event) >= at - history && since_first(event) < at)
       ++(event.on != 0 ? on : off)[static_cast<std::size_t>(event.y * 64 + event.x)];
   }
-  ASSERT_EQ(answer.body.size(), 16U + 2 * 64 * 48);
+  ASSERT_EQ(answer.body.size(), 16U + 2 * pixels);
   EXPECT_EQ(u32(answer.body, 0), 64U);
   EXPECT_EQ(u32(answer.body, 1), 48U);
   EXPECT_EQ(u32(answer.body, 2) + u32(answer.body, 3), count_in(at - history, at));

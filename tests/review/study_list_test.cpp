@@ -45,7 +45,7 @@ TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
          {"histories", {{{"th_ms", 40}, {"accuracy", {{"reported", {{"mean", figure}, {"objects", json::object()}}}}}}}}});
   const json list = studies_json(folder.path());
   ASSERT_EQ(list.size(), 1U);
-  const json study = list.at(0);
+  const json& study = list.at(0);
   EXPECT_EQ(study.at("error"), nullptr) << study;
   EXPECT_EQ(study.at("name"), "study");
   EXPECT_EQ(study.at("kind"), "study");
@@ -54,7 +54,7 @@ TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
   EXPECT_EQ(study.at("claims").at(0).at("claim"), "2 ms is the worst history");
   EXPECT_EQ(study.at("claims").at(0).at("outcome"), "holds");
   EXPECT_EQ(study.at("claims").at(0).at("measured").at("low"), -5);
-  const json accuracy = study.at("figures").at(0);
+  const json& accuracy = study.at("figures").at(0);
   EXPECT_EQ(accuracy, (json{{"label", "Accuracy, t_h 40 ms"}, {"value", 87.5}, {"low", 75.0}, {"high", nullptr}, {"unit", "%"}}));
 }
 
