@@ -234,8 +234,10 @@ TEST_F(SplitCommand, LeavesWholeRunsOrNoneWhenItIsKilled) {
     fs::remove_all(folder / "data");
     test::RunningCommand killed("split take --object fan", folder.path());
     moments.sleep(0.2, 1);
-    if (killed.has_ended()) moments.were_too_late();
-    killed.signal(SIGKILL);
+    if (killed.has_ended())
+      moments.were_too_late();
+    else
+      killed.signal(SIGKILL);
     killed.wait();
     for (const RunFolder& whole : find_runs_if_there())
       EXPECT_TRUE(check_files(whole, read_run_info(whole), FileComparison::contents).changed.empty());

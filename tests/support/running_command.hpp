@@ -69,7 +69,10 @@ class RunningCommand {
     }
     return false;
   }
-  void signal(int number) const { ::kill(pid_, number); }
+  /// Does nothing once `has_ended` was true: `kill` of 0 would end the test itself.
+  void signal(int number) const {
+    if (pid_ > 0) ::kill(pid_, number);
+  }
   std::string out() const { return text_in_file(out_file()); }
   std::string err() const { return text_in_file(err_file()); }
 
