@@ -1,42 +1,18 @@
 # The libraries of the project. All are Debian packages; scripts/setup installs them.
-find_package(Threads REQUIRED)
-find_package(PkgConfig REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(spdlog REQUIRED)
-find_package(fmt REQUIRED)
-find_package(pugixml REQUIRED)
-find_package(OpenSSL REQUIRED COMPONENTS Crypto)
-find_package(Eigen3 REQUIRED NO_MODULE)
+macro(needs)
+  find_package(${ARGN} REQUIRED)
+endmacro()
+include(library_dependencies)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
-find_package(HDF5 REQUIRED COMPONENTS C)
-find_package(ZLIB REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
 find_package(BZip2 REQUIRED)
-pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
-pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3)
-pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
-pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 
-# Asio without Boost consists of headers only. Only the stages that link this target include them.
-find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)
-add_library(tactile_asio INTERFACE)
-target_include_directories(tactile_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
-target_compile_definitions(tactile_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
-target_link_libraries(tactile_asio INTERFACE Threads::Threads)
 if(TACTILE_SANITIZE MATCHES "thread")
   # The sanitizer ignores fences, and GCC warns of those of asio. There is always a lock as well.
   target_compile_options(tactile_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
 endif()
-
-# Only the messages of ONNX are used, without its CMake package, whose targets have different names in Debian 12 and 13.
-find_package(Protobuf REQUIRED)
-find_path(ONNX_INCLUDE_DIR onnx/onnx_pb.h REQUIRED)
-find_library(ONNX_PROTO_LIBRARY onnx_proto REQUIRED)
-add_library(tactile_onnx INTERFACE)
-target_include_directories(tactile_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIR})
-target_compile_definitions(tactile_onnx INTERFACE ONNX_ML=1 ONNX_NAMESPACE=onnx)
-target_link_libraries(tactile_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf)
 
 # Only the C interface of XGBoost is used, and only to fit trees.
 find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h REQUIRED)

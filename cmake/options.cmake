@@ -62,7 +62,9 @@ function(add_stage name)
   target_sources(tactile_${name}
     PRIVATE ${STAGE_SOURCES}
     PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/lib FILES ${STAGE_HEADERS})
-  target_link_libraries(tactile_${name} PUBLIC tactile::options ${STAGE_LINKS} PRIVATE ${STAGE_PRIVATE_LINKS})
+  # Programs that link an installed library choose their own warnings.
+  target_link_libraries(tactile_${name} PUBLIC $<BUILD_INTERFACE:tactile::options> ${STAGE_LINKS} PRIVATE ${STAGE_PRIVATE_LINKS})
+  target_compile_features(tactile_${name} PUBLIC cxx_std_20)
   set_target_properties(tactile_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   if(name STREQUAL "core")
     target_precompile_headers(tactile_core PRIVATE ${TACTILE_PRECOMPILED_HEADERS})

@@ -35,6 +35,7 @@ void add_trade_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_pages_command(CLI::App& app);
 
 // Loading libtorch, OpenCV and libav takes more time and memory than many commands need. Therefore there are three programs. Each
 // has its own commands and those of the programs before it.
@@ -77,6 +78,7 @@ consteval auto command_table() {
       CommandEntry{"report", Program::runs, add_report_command},
       CommandEntry{"export", Program::runs, add_export_command},
       CommandEntry{"doctor", Program::model, add_doctor_command},
+      CommandEntry{"pages", Program::model, add_pages_command},
   };
 }
 

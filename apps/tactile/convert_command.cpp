@@ -15,6 +15,7 @@
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
+#include "suggested_words.hpp"
 #include "tactile/bags/bag.hpp"
 #include "tactile/conversion/bag_import.hpp"
 #include "tactile/conversion/convert.hpp"
@@ -368,7 +369,8 @@ void add_convert_command(CLI::App& app) {
   command
       .add_option("--stress", args->stress,
                   "Worsen the events: recipes with their severities, such as noise:100,loss:20, or a .json file of them")
-      .type_name("RECIPE,...");
+      .type_name("RECIPE,...")
+      .suggest(recipe_names());
   command.add_option("--seed", args->seed, "Seed of --stress").check(is_seed()).show_default();
   command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
   command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states; 'none' leaves them out")

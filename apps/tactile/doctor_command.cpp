@@ -1,10 +1,7 @@
-#include <H5public.h>
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <fmt/format.h>
-#include <lz4.h>
 #include <unistd.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,18 +10,18 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/core/version.hpp>
 #include <optional>
 #include <set>
 #include <thread>
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "library_versions.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/core/text.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/model/training/torch_version.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -125,17 +122,8 @@ std::optional<double> disk_write_speed(const fs::path& folder) {
   return written ? std::optional(chunks * 1.048576 / seconds) : std::nullopt;
 }
 
-const std::string cv_version = CV_VERSION;
-
-std::string hdf5_version() {
-  unsigned major = 0, minor = 0, release = 0;
-  H5get_libversion(&major, &minor, &release);
-  return fmt::format("{}.{}.{}", major, minor, release);
-}
-
 void examine_machine(const CommonArguments& common, const fs::path& data) {
   const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
-  const std::string torch = model::torch_version();  // loads libtorch, and with it its BLAS
   const Blas blas = blas_in_use();
   const std::vector<std::string> features = cpu_features();
   stop_if_interrupted();
@@ -160,15 +148,12 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
     warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs about 100 MB/s uncompressed",
                                    folder.string(), *disk_mb_s));
 
+  nlohmann::json versions;
+  for (const LibraryVersion& library : library_versions()) versions[lower_case(library.name)] = library.version;
   const nlohmann::json result = {
       {"version", version()},
       {"revision", revision()},
-      {"libraries",
-       {{"libtorch", torch},
-        {"opencv", cv_version},
-        {"hdf5", hdf5_version()},
-        {"lz4", LZ4_versionString()},
-        {"zstd", ZSTD_versionString()}}},
+      {"libraries", versions},
       {"blas", {{"name", blas.name}, {"file", blas.file}}},
       {"cpu", {{"name", cpu_name()}, {"cores", std::thread::hardware_concurrency()}, {"features", features}}},
       {"timer_step_ns", step_ns},
@@ -177,17 +162,17 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
       {"libcaer", has_libcaer},
       {"warnings", warnings}};
   std::string text = fmt::format("tactile {} ({})\n\n", version(), revision());
-  text += text_list({{"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
-                     {"CPU features", fmt::format("{}", fmt::join(features, ", "))},
-                     {"libtorch", torch},
-                     {"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
-                     {"OpenCV", cv_version},
-                     {"HDF5", hdf5_version()},
-                     {"LZ4, zstd", fmt::format("{}, {}", LZ4_versionString(), ZSTD_versionString())},
-                     {"timer step", fmt::format("{:.0f} ns", step_ns)},
-                     {"wake-up delay", fmt::format("{:.0f} µs after a sleep of 2 ms", delay_us)},
-                     {"disk write", disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *disk_mb_s, folder.string()) : "not writable"},
-                     {"camera driver", has_libcaer ? "libcaer" : "built without libcaer"}});
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
+      {"CPU features", fmt::format("{}", fmt::join(features, ", "))}};
+  for (const LibraryVersion& library : library_versions()) lines.emplace_back(library.name, library.version);
+  lines.insert(lines.end(),
+               {{"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
+                {"timer step", fmt::format("{:.0f} ns", step_ns)},
+                {"wake-up delay", fmt::format("{:.0f} µs after a sleep of 2 ms", delay_us)},
+                {"disk write", disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *disk_mb_s, folder.string()) : "not writable"},
+                {"camera driver", has_libcaer ? "libcaer" : "built without libcaer"}});
+  text += text_list(lines);
   for (const std::string& warning : warnings) text += "\nwarning: " + warning + "\n";
   if (warnings.empty()) text += "\nNo problem was found.\n";
   print_result(common, result, text);

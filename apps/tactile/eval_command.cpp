@@ -258,6 +258,7 @@ void add_eval_command(CLI::App& app) {
           .add_option("--run", args->runs,
                       "Write every tick of these runs as CSV, PNG and SVG instead; object/run or folders, separated by commas")
           .delimiter(',')
+          .type_name("RUN,...")
           .excludes(unseen);
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
 }

@@ -33,16 +33,6 @@ std::string entry(const std::string& typed, const std::string& meaning) {
   return text + wrapped(meaning, text_column, columns()) + '\n';
 }
 
-std::string typed_of(const CLI::Option& option) {
-  const std::string value = value_text(option).name;
-  std::string text = option.get_positional()         ? value
-                     : option.get_name() == "--help" ? "-h, --help"
-                     : value.empty()                 ? option.get_name()
-                                                     : option.get_name() + " " + value;
-  if (option.get_expected_max() == CLI::detail::expected_max_vector_size && !text.ends_with("...")) text += " ...";
-  return text;
-}
-
 /// "; not with --a, --b or --c"; empty if the option goes with all others.
 std::string excluded_by(const CLI::Option& option) {
   std::vector<std::string> others;
@@ -53,24 +43,10 @@ std::string excluded_by(const CLI::Option& option) {
   return text;
 }
 
-std::string meaning_of(const CLI::Option& option) {
-  std::string text = option.get_description();
-  if (const std::string right = value_text(option).right; !right.empty()) text += "; " + right;
-  text += excluded_by(option);
-  std::string usual = option.get_default_str();
-  if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);
-  if (!usual.empty()) text += " (default " + usual + ")";
-  return text;
-}
-
 std::string group(const std::string& title, const std::vector<const CLI::Option*>& options) {
   std::string text;
   for (const CLI::Option* option : options) text += entry(typed_of(*option), meaning_of(*option));
   return text.empty() ? text : "\n" + title + ":\n" + text;
-}
-
-bool is_common(const CLI::Option& option) {
-  return std::find(common_names.begin(), common_names.end(), option.get_name()) != common_names.end();
 }
 
 }  // namespace
@@ -95,6 +71,38 @@ ValueText value_text(const CLI::Option& option) {
   return text;
 }
 
+std::string typed_of(const CLI::Option& option) {
+  const std::string value = value_text(option).name;
+  std::string text = option.get_positional()         ? value
+                     : option.get_name() == "--help" ? "-h, --help"
+                     : value.empty()                 ? option.get_name()
+                                                     : option.get_name() + " " + value;
+  if (option.get_expected_max() == CLI::detail::expected_max_vector_size && !text.ends_with("...")) text += " ...";
+  return text;
+}
+
+std::string meaning_of(const CLI::Option& option) {
+  std::string text = option.get_description();
+  if (const std::string right = value_text(option).right; !right.empty()) text += "; " + right;
+  text += excluded_by(option);
+  std::string usual = option.get_default_str();
+  if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);
+  if (!usual.empty()) text += " (default " + usual + ")";
+  return text;
+}
+
+bool is_common(const CLI::Option& option) {
+  return std::find(common_names.begin(), common_names.end(), option.get_name()) != common_names.end();
+}
+
+std::vector<CLI::App*> listed_commands(CLI::App& app) {
+  return app.get_subcommands([](CLI::App* command) { return !command->get_group().empty(); });
+}
+
+std::vector<const CLI::App*> listed_commands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+}
+
 std::string label_of(const CLI::Option& option) { return option.get_positional() ? value_text(option).name : option.get_name(); }
 
 std::string usage_text(const CLI::App& app) {
@@ -114,7 +122,7 @@ std::string HelpText::make_help(const CLI::App* app, std::string, CLI::AppFormat
   std::string text = wrapped(app->get_description(), 0, columns()) + "\n\nUsage: " + usage_text(*app) + "\n";
   const auto those = [app](const auto& wanted) { return app->get_options(wanted); };
   text += group("Arguments", those([](const CLI::Option* o) { return o->get_positional(); }));
-  const std::vector<const CLI::App*> commands = app->get_subcommands({});
+  const std::vector<const CLI::App*> commands = listed_commands(*app);
   if (!commands.empty()) text += "\nCommands:\n";
   for (const CLI::App* command : commands) text += entry(command->get_name(), command->get_description());
   text += group("Options", those([](const CLI::Option* o) { return !o->get_positional() && !is_common(*o); }));

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace tactile::cli {
 
@@ -22,6 +23,19 @@ ValueText value_text(const CLI::Option& option);
 
 /// "tactile convert [OPTIONS] IN OUT"
 std::string usage_text(const CLI::App& app);
+
+/// An option with its value: "--th X", "-h, --help", "FILE|RUN ...".
+std::string typed_of(const CLI::Option& option);
+
+/// What an option means, its right values, what it excludes, and its default.
+std::string meaning_of(const CLI::Option& option);
+
+/// Whether every command has this option.
+bool is_common(const CLI::Option& option);
+
+/// The commands that the help lists, in their order.
+std::vector<CLI::App*> listed_commands(CLI::App& app);
+std::vector<const CLI::App*> listed_commands(const CLI::App& app);
 
 /// An option as a user writes it: "--th", or the word for a positional argument, "OUT".
 std::string label_of(const CLI::Option& option);

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const std::string& command = words[1];
-  const Program program = command == "--version" ? Program::tactile : program_of(command).value_or(Program::model);
+  const Program program = program_of(command).value_or(Program::model);  // --version, too: it names every library
   if (program == Program::tactile)
     return run_program(static_cast<int>(words.size()), arguments.data(), commands_of<Program::tactile>());
   return hand_over_to(program == Program::runs ? "tactile-runs" : "tactile-model", arguments.data());

@@ -1,8 +1,9 @@
 #include "commands.hpp"
+#include "library_versions.hpp"
 #include "program.hpp"
 
 /// `tactile-model`: every command.
 int main(int argc, char** argv) {
   using namespace tactile::cli;
-  return run_program(argc, argv, commands_of<Program::model>());
+  return run_program(argc, argv, commands_of<Program::model>(), libraries_text);
 }

@@ -47,7 +47,7 @@ Check one_of(std::initializer_list<const char*> words) {
                             ? std::string()
                             : fmt::format("'{}' is unknown; expected {}", text, alternatives(known));
                },
-               alternatives(known)};
+               alternatives(known), known};
 }
 
 Check is_run() {

@@ -1,5 +1,7 @@
 #include "options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -7,9 +9,20 @@
 #include <vector>
 
 namespace tactile::cli {
+namespace {
+
+/// The words as the name of a check, from which `words_of` reads them.
+std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, "|")); }
+
+}  // namespace
 
 Option& Option::check(const Check& check) {
-  option_->check(CLI::Validator(check.wrong, check.right));
+  option_->check(CLI::Validator(check.wrong, check.right, joined(check.words)));
+  return *this;
+}
+
+Option& Option::suggest(const std::vector<std::string>& words) {
+  option_->check(CLI::Validator([](std::string&) { return std::string(); }, "", joined(words)));
   return *this;
 }
 

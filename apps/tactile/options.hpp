@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -15,6 +16,7 @@ namespace tactile::cli {
 struct Check {
   std::function<std::string(std::string&)> wrong;
   std::string right;
+  std::vector<std::string> words{};  ///< every right value, if they are few words: the shells complete them
 };
 
 /// A declared option. Copies refer to the same option.
@@ -23,9 +25,10 @@ class Option {
   explicit Option(CLI::Option& option) : option_(&option) {}
 
   Option& check(const Check& check);
-  Option& show_default();                         ///< the help shows the variable's present value
-  Option& default_text(const std::string& text);  ///< the help shows this text as the default
-  Option& type_name(const std::string& name);     ///< stands for the value in the help: "FILE.json"
+  Option& suggest(const std::vector<std::string>& words);  ///< the shells complete these; other values are right, too
+  Option& show_default();                                  ///< the help shows the variable's present value
+  Option& default_text(const std::string& text);           ///< the help shows this text as the default
+  Option& type_name(const std::string& name);              ///< stands for the value in the help: "FILE.json"
   Option& required();
   Option& delimiter(char separator);                      ///< between the values of a list
   Option& repeatable();                                   ///< one value each time; all are kept

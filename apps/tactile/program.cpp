@@ -58,14 +58,20 @@ int fail_for_lack_of_memory() noexcept {
   std::abort();
 }
 
-int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
+int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std::string (*libraries)()) {
   hold_signals();
   spdlog::set_default_logger(spdlog::stderr_color_mt("tactile"));
   spdlog::set_pattern("%^%l%$: %v");
 
   CLI::App app("Detects press and slip with an event-camera tactile sensor, in recordings and live.", "tactile");
   app.set_help_flag("-h,--help", "Show this help");
-  app.set_version_flag("--version", fmt::format("tactile {} ({})", version(), revision()), "Show version and revision");
+  app.set_version_flag(
+      "--version",
+      [libraries] {
+        const std::string program = fmt::format("tactile {} ({})", version(), revision());
+        return libraries == nullptr ? program : program + '\n' + libraries();
+      },
+      "Show version, revision, libraries and CPU features");
   app.require_subcommand(1);
   app.formatter(std::make_shared<HelpText>());
   for (const auto add_command : commands) add_command(app);
@@ -81,7 +87,7 @@ int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
       return 0;
     }
     std::vector<std::string> names;
-    for (const CLI::App* command : std::as_const(app).get_subcommands({})) names.push_back(command->get_name());
+    for (const CLI::App* command : listed_commands(std::as_const(app))) names.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
       const std::string nearest = nearest_name(argv[1], names);
       print_error(fmt::format("'{}' is not a command; {}'tactile --help' lists all", argv[1],
@@ -96,12 +102,12 @@ int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
 
 }  // namespace
 
-int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands) {
+int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std::string (*libraries)()) {
   open_missing_streams();
   std::set_terminate(end_uncaught);
   int exit_code = 0;
   try {
-    exit_code = run(argc, argv, commands);
+    exit_code = run(argc, argv, commands, libraries);
   } catch (const CheckFailed&) {
     exit_code = 2;
   } catch (const Interrupted&) {
@@ -143,14 +149,22 @@ bool can_be_loaded(const std::string& program) {
   return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+/// The folder with the other programs: that of this program, or the one where an installation puts them.
+std::filesystem::path folder_of(const char* program) {
+  std::error_code failed;
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  if (std::filesystem::exists(here / program, failed)) return here;
+  const std::filesystem::path installed = (here / "../libexec/tactile").lexically_normal();  // as in cmake/install.cmake
+  return std::filesystem::exists(installed / program, failed) ? installed : here;
+}
+
 }  // namespace
 
 int hand_over_to(const char* program, char** argv) {
   open_missing_streams();
   hold_signals();
   std::error_code failed;
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
-  const std::string file = (here / program).string();
+  const std::string file = (folder_of(program) / program).string();
   // OpenCV loads OpenBLAS, which starts a thread with 128 MB for each core. Without this memory the threads spin, and the process
   // waits for them in the end. One thread is enough: libtorch has its own threads.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
@@ -163,8 +177,9 @@ int hand_over_to(const char* program, char** argv) {
     return 1;
   }
   ::execv(file.c_str(), argv);
-  print_error(fmt::format("{}: cannot be run ({}); expected this part of tactile in the folder of the program", file,
-                          std::strerror(errno)));
+  print_error(
+      fmt::format("{}: cannot be run ({}); expected this part of tactile in the folder of the program, or in ../libexec/tactile",
+                  file, std::strerror(errno)));
   return 1;
 }
 

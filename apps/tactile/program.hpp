@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 namespace CLI {
 class App;
@@ -9,10 +10,12 @@ class App;
 namespace tactile::cli {
 
 /// Declares these commands, runs the requested one, and turns an exception into a sentence and an exit code.
-int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands);
+/// @param libraries  the lines that --version prints after the first; none if null
+int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std::string (*libraries)() = nullptr);
 
-/// Starts another tactile program from the same folder in place of this one, with the same arguments. Returns only if that fails:
-/// 1, after printing the reason.
+/// Starts another tactile program in place of this one, with the same arguments. It is in the folder of this program, as after a
+/// build, or in `../libexec/tactile` from there, as after an installation. Returns only if that fails: 1, after printing the
+/// reason.
 int hand_over_to(const char* program, char** argv);
 
 }  // namespace tactile::cli

@@ -17,6 +17,7 @@
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
+#include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
@@ -260,6 +261,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
+      .suggest(simulated_objects())
       .show_default();
   command.add_option("--runs", args->runs, "Simulated runs per object; default: the preset's")
       .check(in_range(1, 99))

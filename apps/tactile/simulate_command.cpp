@@ -13,6 +13,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
+#include "suggested_words.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "text_table.hpp"
 
@@ -160,6 +161,7 @@ void add_simulate_command(CLI::App& app) {
   command.add_option("--objects", args->objects, "Objects, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
+      .suggest(simulated_objects())
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the whole data set").check(is_seed()).show_default();
   command.add_flag("--one-camera", args->one_camera, "The same camera in all sessions; otherwise each session has its own");

@@ -18,6 +18,7 @@
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
+#include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -255,6 +256,12 @@ void run(const StressArguments& args, const CommonArguments& common) {
   if (made) end_with(made->errors);
 }
 
+std::vector<std::string> world_names() {
+  std::vector<std::string> names{"all"};
+  for (const stress::SimulatedWorld& world : stress::world_list()) names.emplace_back(world.name);
+  return names;
+}
+
 }  // namespace
 
 void add_stress_command(CLI::App& app) {
@@ -267,13 +274,15 @@ void add_stress_command(CLI::App& app) {
                   "A recipe of 'convert --stress' with severities: noise, noise:50,200, vibration:1,3:hz=120; or a JSON file of "
                   "recipes. May be repeated. Default: all, at their usual severities")
       .repeatable()
-      .type_name("NAME[:SEVERITY,...]|FILE.json");
+      .type_name("NAME[:SEVERITY,...]|FILE.json")
+      .suggest(recipe_names());
   command
       .add_option("--world", args->worlds,
                   "Simulate the runs again in another world: camera-noisy, light-dim, light-flicker, motion-fast, motion-slow, "
                   "motion-ringing or all, with severities as --recipe. May be repeated")
       .repeatable()
-      .type_name("NAME[:SEVERITY,...]");
+      .type_name("NAME[:SEVERITY,...]")
+      .suggest(world_names());
   command.add_option("--quiet-recording", args->quiet, "Recordings without a touch: every alarm is false. May be repeated")
       .repeatable()
       .type_name("FILE");

@@ -353,7 +353,7 @@ void add_model_options(Command& command, TrainArguments& args) {
           "Fit a temperature of the probabilities on these runs of each object, separated by commas; 'eval' leaves them out")
       .delimiter(',')
       .check(is_run())
-      .type_name("RUN,...");
+      .type_name("NN,...");
   add_rendering_options(command, args.rendering);
   command.add_option("--models", args.models, "Folder of models").show_default();
   command.add_option("--name", args.name, "Name of the model's folder; default: made from history, split, run and seed")

@@ -25,10 +25,14 @@ const std::vector<std::string> commands{"simulate", "record",    "serve",   "inf
                                         "label",    "review",    "windows", "heatmaps", "view",   "train",        "eval",
                                         "detect",   "reproduce", "trade",   "report",   "export", "doctor"};
 
-TEST(CommandLine, VersionNamesTheGitRevision) {
+TEST(CommandLine, VersionNamesTheGitRevisionTheLibrariesAndTheCpuFeatures) {
   const auto result = run_tactile("--version");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(std::regex_search(result.out, std::regex(R"(^tactile \d+\.\d+\.\d+ \(.+\)\n$)"))) << result.out;
+  EXPECT_TRUE(std::regex_match(result.out, std::regex(R"(tactile \d+\.\d+\.\d+ \(.+\)\n)"
+                                                      R"(libtorch +\d+\.\d+\..+\nOpenCV +\d+\.\d+\..+\nHDF5 +\d+\.\d+\.\d+\n)"
+                                                      R"(FFmpeg +\d+\..+\nXGBoost +\d+\..+\nLZ4 +\d+\..+\nzstd +\d+\..+\n)"
+                                                      R"(CPU features +[A-Z0-9_]+ in use(, also [A-Z0-9_, ]+)?\n)")))
+      << result.out;
 }
 
 TEST(CommandLine, HelpListsEveryCommandInTheOrderOfUse) {

@@ -1,0 +1,22 @@
+# Runs during an installation: the program TACTILE_PROGRAM writes its man pages and completions, which are then installed.
+string(RANDOM LENGTH 12 random)
+set(pages /tmp/tactile-pages-${random})
+if(DEFINED ENV{TMPDIR})
+  set(pages $ENV{TMPDIR}/tactile-pages-${random})
+endif()
+execute_process(COMMAND ${TACTILE_PROGRAM} pages ${pages} COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB manual ${pages}/man1/*.1)
+execute_process(COMMAND gzip -9n ${manual} COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB manual ${pages}/man1/*.1.gz)
+
+set(share ${CMAKE_INSTALL_PREFIX}/share)
+# Debian's zsh looks for the completions of packages in a folder of its own.
+set(of_zsh ${share}/zsh/site-functions)
+if(CMAKE_INSTALL_PREFIX MATCHES "/usr$")
+  set(of_zsh ${share}/zsh/vendor-completions)
+endif()
+file(INSTALL ${manual} DESTINATION ${share}/man/man1)
+file(INSTALL ${pages}/bash/tactile DESTINATION ${share}/bash-completion/completions)
+file(INSTALL ${pages}/zsh/_tactile DESTINATION ${of_zsh})
+file(INSTALL ${pages}/fish/tactile.fish DESTINATION ${share}/fish/vendor_completions.d)
+file(REMOVE_RECURSE ${pages})
