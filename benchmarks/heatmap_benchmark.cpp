@@ -1,5 +1,5 @@
 // Measures the heatmap of a tick, and the same steps by dense calls of OpenCV, by event rate and by history.
-// `scripts/bench --heatmaps` runs it and makes the table and the picture of docs/performance.md.
+// `scripts/bench --heatmaps` runs it and makes the table and the picture of docs/performance/.
 //
 //   heatmap_benchmark RECORDING… [--benchmark_…]
 //

@@ -1,4 +1,4 @@
-"""Prints the tables of docs/performance.md from the JSON of heatmap_benchmark, and draws their picture with gnuplot.
+"""Prints the tables of docs/performance/ from the JSON of heatmap_benchmark, and draws their picture with gnuplot.
 
     heatmap_table.py RESULT.json [PICTURE.svg]
 """

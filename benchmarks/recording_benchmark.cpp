@@ -1,5 +1,5 @@
 // Measures reading and writing of recordings, and their lower limits: decompression alone, and reading of the bytes alone.
-// `scripts/bench` runs it and makes the table of docs/performance.md.
+// `scripts/bench` runs it and makes the table of docs/performance/.
 //
 // recording_benchmark FOLDER RECORDING… [--benchmark_…]
 //   Compares on files in FOLDER, which it writes with the events of the recordings.

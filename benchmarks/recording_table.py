@@ -1,4 +1,4 @@
-"""Prints the table of docs/performance.md from the JSON of recording_benchmark.
+"""Prints the table of docs/performance/ from the JSON of recording_benchmark.
 
     recording_table.py RESULT.json
 """

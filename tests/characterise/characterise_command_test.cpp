@@ -101,7 +101,7 @@ TEST(CharacteriseCommand, FindsTheSameInRunsThatWereSimulatedWithItsPhysics) {
               "/unusual_pixels/hot_share_of_events", "/refractory_us", "/dead_pixels/count"});
 }
 
-/// docs/cli.md names the values that differ.
+/// docs/cli/ names the values that differ.
 TEST(CharacteriseCommand, FindsTheSameInRunsThatWereSimulatedAsARealSensor) {
   const char* const still = "derived/dvxplorer640_libcaer_rollover.aedat4";
   if (test::real_recording(still).empty()) GTEST_SKIP() << test::not_tested_without(still);

@@ -39,7 +39,7 @@ TEST(Installation, HasWhatEachReaderLooksFor) {
   const std::set<std::string> files = test::files_below(folder.path());
   for (const char* file :
        {"bin/tactile", "libexec/tactile/tactile-runs", "libexec/tactile/tactile-model", "share/tactile/configs/scenes/hard.json",
-        "share/tactile/scripts/dv-bridge", "share/doc/tactile/README.md", "share/doc/tactile/docs/cli.md",
+        "share/tactile/scripts/dv-bridge", "share/doc/tactile/README.md", "share/doc/tactile/docs/cli/README.md",
         "share/doc/tactile/docs/pictures/run.png", "share/doc/tactile/copyright", "share/man/man1/tactile.1.gz",
         "share/man/man1/tactile-label.1.gz", "share/bash-completion/completions/tactile", "share/zsh/site-functions/_tactile",
         "share/fish/vendor_completions.d/tactile.fish"})

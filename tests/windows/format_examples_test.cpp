@@ -14,9 +14,10 @@ namespace {
 
 using test::run_tactile;
 
-/// The ```python blocks of docs/format.md, in its order.
+/// The ```python blocks of the pages on formats.
 std::vector<std::string> examples() {
-  std::istringstream page(read_text(std::string(test::data_folder) + "/../../docs/format.md"));
+  const std::string pages = std::string(test::data_folder) + "/../../docs/format/";
+  std::istringstream page(read_text(pages + "dataset.md") + read_text(pages + "recordings.md"));
   std::vector<std::string> blocks;
   bool inside = false;
   for (std::string line; std::getline(page, line);) {

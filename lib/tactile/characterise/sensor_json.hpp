@@ -6,7 +6,7 @@
 
 namespace tactile::characterise {
 
-/// As `sensor.json` has it; docs/format.md describes the members.
+/// As `sensor.json` has it; docs/format/ describes the members.
 nlohmann::json json_of(const Sensor& sensor);
 
 std::string_view name_of(UnusualPixel::Kind kind);  ///< "warm", "hot", "stuck"

@@ -16,7 +16,7 @@
 
 // A recording as plain HDF5, readable by h5py: `/events` (t_us, x, y, on), `/imu` (t_us, temperature_c, acceleration_g,
 // angular_rate_dps, magnetic_field_ut) and `/triggers` (t_us, type). Each column is a table with compressed chunks. The first
-// stream of a type has the plain name; further streams append their id, `/events_4`. docs/format.md lists the types.
+// stream of a type has the plain name; further streams append their id, `/events_4`. docs/format/ lists the types.
 namespace tactile::conversion {
 
 /// Writes such a file. Memory follows the chunk. Not thread-safe.

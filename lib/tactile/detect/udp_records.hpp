@@ -13,7 +13,7 @@ namespace tactile::detect {
 inline constexpr std::size_t verdict_record_size = 64;
 using VerdictRecord = std::array<std::byte, verdict_record_size>;
 
-/// One tick as a UDP record: 64 bytes, little-endian; docs/format.md has the table.
+/// One tick as a UDP record: 64 bytes, little-endian; docs/format/ has the table.
 /// @param sent  host time; also determines how long ago the tick closed
 VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent);
 

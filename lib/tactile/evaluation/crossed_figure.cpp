@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t fewest_units = 3;
 constexpr std::size_t fewest_to_subtract = 3;  // trainings; the one difference of two says too little of what is noise
 // Of the misses that are allowed, the share that Student's distribution gets. The rest is for what is not normal: figures near a
-// limit are skewed further than the scale corrects. Chosen by the study of docs/numerics.md.
+// limit are skewed further than the scale corrects. Chosen by the study of docs/numerics/.
 constexpr double share_of_misses = 0.7;
 constexpr double rough = 1.1 * 1.1;  // the variance of draws, over that of the jackknife, from which on the draws count
 

@@ -81,7 +81,7 @@ struct Range {
 /// Source: B. Efron and C. Stein, The jackknife estimate of variance, Annals of Statistics 9 (1981); A. B. Owen, The pigeonhole
 /// bootstrap, Annals of Applied Statistics 1 (2007), for V of crossed trainings and runs; S. Banerjee, Approximate confidence
 /// interval for linear functions of means of k populations when the population variances are not equal, Sankhya 22 (1960), for
-/// the sum of t^2 V. How often such an interval contains the true value is in docs/numerics.md.
+/// the sum of t^2 V. How often such an interval contains the true value is in docs/numerics/.
 results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
                                  const results::BootstrapOptions& options = {}, const Range& range = {});
 

@@ -9,7 +9,7 @@ namespace tactile::events {
 /// `{"value": v, "uncertainty": u}`; null for what is not finite.
 nlohmann::json json_of(const Measured& measured);
 
-/// As `sensor.json` and `info --json` have it; docs/format.md describes the members.
+/// As `sensor.json` and `info --json` have it; docs/format/ describes the members.
 nlohmann::json json_of(const Readout& readout);
 
 std::string_view name_of(Scan scan);           ///< "none", "columns", "rows"

@@ -119,7 +119,7 @@ HeatmapRenderer::HeatmapRenderer(events::SensorSize sensor, const HeatmapOptions
 }
 
 /// D of each count in the window, relative to the largest. The exponents are differences of whole numbers, divided once, so no
-/// value exceeds the range of double: docs/numerics.md.
+/// value exceeds the range of double: docs/numerics/.
 void HeatmapRenderer::weigh() {
   const CountHistogram& histogram = counts_.histogram();
   const std::uint32_t largest = histogram.largest();

@@ -48,7 +48,7 @@ events::SensorSize heatmap_size(events::SensorSize sensor, double factor);
 ///
 ///   b = mean of E over pixels with E > 0;   D = denoised E;   H = resize(255 * D / max D)
 ///
-/// Valid for every input; docs/numerics.md lists where the plain equations are not. Without events all values are 0. Recordings
+/// Valid for every input; docs/numerics/ lists where the plain equations are not. Without events all values are 0. Recordings
 /// and live detection use the same renderer. Advancing costs time in proportion to the events that enter and leave the window,
 /// rendering in proportion to the cells with events. Neither allocates memory, except for a window with more events than ever
 /// before. A heatmap depends only on the counts, to the last bit.

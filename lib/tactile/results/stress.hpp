@@ -73,7 +73,7 @@ struct Stress {
 
 inline constexpr std::string_view stress_format = "tactile-stress-1";
 
-/// As stress.json has it; docs/format.md lists its keys.
+/// As stress.json has it; docs/format/ lists its keys.
 void to_json(nlohmann::json& json, const Stress& stress);
 void from_json(const JsonView& json, Stress& stress);  ///< @throws Error  if it is of another format
 

@@ -13,7 +13,7 @@ namespace tactile::study {
 
 /// The outcome of a study.
 struct StudySummary {
-  nlohmann::json study;  ///< the contents of study.json; docs/format.md lists its keys
+  nlohmann::json study;  ///< the contents of study.json; docs/format/ lists its keys
   std::filesystem::path file;
   std::size_t done = 0;             ///< number of steps done now
   std::size_t kept = 0;             ///< number of steps found done

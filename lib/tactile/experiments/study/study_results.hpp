@@ -12,7 +12,7 @@ namespace tactile::study {
 
 /// What a study writes.
 struct StudyResults {
-  nlohmann::json study;                ///< study.json; docs/format.md lists its keys
+  nlohmann::json study;                ///< study.json; docs/format/ lists its keys
   std::vector<AccuracyRow> accuracy;   ///< accuracy.csv; points into the `TrainedModels` of the study
   std::vector<UnseenRow> unseen;       ///< unseen.csv
   std::vector<results::Claim> claims;  ///< claims.csv

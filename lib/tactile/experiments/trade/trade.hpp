@@ -11,7 +11,7 @@ namespace tactile::trade {
 
 /// The outcome of `run_trade`.
 struct TradeSummary {
-  nlohmann::json trade;  ///< the contents of trade.json; docs/format.md lists its keys
+  nlohmann::json trade;  ///< the contents of trade.json; docs/format/ lists its keys
   std::filesystem::path file;
   std::size_t done = 0, kept = 0;  ///< number of steps done now, and found done
 };

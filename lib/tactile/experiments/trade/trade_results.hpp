@@ -22,7 +22,7 @@ struct TradeFindings {
   std::span<const experiments::StepRecord> steps;
 };
 
-/// The contents of trade.json; docs/format.md lists its keys.
+/// The contents of trade.json; docs/format/ lists its keys.
 nlohmann::json trade_json(const TradePlan& plan, const TradeFindings& findings);
 
 /// Writes trade.csv and trade.json, each complete or not at all. @param trade  the contents of trade.json
