@@ -27,6 +27,7 @@ void add_windows_command(CLI::App& app);
 void add_heatmaps_command(CLI::App& app);
 void add_view_command(CLI::App& app);
 void add_train_command(CLI::App& app);
+void add_models_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_detect_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
@@ -70,6 +71,7 @@ consteval auto command_table() {
       CommandEntry{"heatmaps", Program::runs, add_heatmaps_command},
       CommandEntry{"view", Program::runs, add_view_command},
       CommandEntry{"train", Program::model, add_train_command},
+      CommandEntry{"models", Program::model, add_models_command},
       CommandEntry{"eval", Program::model, add_eval_command},
       CommandEntry{"detect", Program::model, add_detect_command},
       CommandEntry{"reproduce", Program::model, add_reproduce_command},

@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -145,6 +146,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
+  if (args.model.empty()) spdlog::info("model {}: {}", bundle.folder.string(), why_chosen(bundle, args.models));
   const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
   detect::DetectionOptions options = session_options(args, bundle, model);

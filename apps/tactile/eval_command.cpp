@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "eval_models.hpp"
@@ -26,6 +27,7 @@
 #include "tactile/evaluation/evaluation_table.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
+#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -94,7 +96,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
         fmt::format("{}: no such dataset; expected one with a model, run '{}' first", file.string(), train_command(args, {})));
   }
   const windows::Dataset dataset(file);
-  const auto bundle = args.model.empty() ? newest_of(args, dataset, windows::SplitKind::single_run) : bundle_named(args);
+  auto bundle = args.model.empty() ? model::pinned_bundle(args.models) : bundle_named(args);
+  if (!bundle) bundle = newest_of(args, dataset, windows::SplitKind::single_run);
   if (!bundle) {
     const auto other = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
       return model.settings.split.kind == windows::SplitKind::single_run;
@@ -107,7 +110,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
                             train_command(args, {}), way_out));
   }
   check_writable(bundle->folder);
-  spdlog::info("evaluating {}", bundle->folder.string());
+  spdlog::info("evaluating {}{}", bundle->folder.string(),
+               args.model.empty() ? ", " + why_chosen(*bundle, args.models) : std::string());
   const model::Classifier classifier = model::open_classifier(bundle->folder, common.threads, model::engine_named(args.engine));
   auto runs = model::test_runs_of(dataset, classifier.model());
   evaluation::leave_out_calibration_runs(runs, dataset, classifier);

@@ -18,6 +18,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
+#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/pictures/prediction_picture.hpp"
@@ -55,8 +56,8 @@ ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const 
 
 model::ModelBundle model_for_runs(const EvalArguments& args, const std::optional<windows::Dataset>& dataset) {
   if (!args.model.empty()) return bundle_named(args);
-  std::optional<model::ModelBundle> found;
-  if (dataset) found = newest_of(args, *dataset, windows::SplitKind::single_run);
+  std::optional<model::ModelBundle> found = model::pinned_bundle(args.models);
+  if (!found && dataset) found = newest_of(args, *dataset, windows::SplitKind::single_run);
   if (!found) found = model::newest_bundle(args.models, [](const model::ModelDescription&) { return true; });
   if (!found) throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
   return *found;

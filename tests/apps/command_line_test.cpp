@@ -21,9 +21,9 @@ namespace {
 
 using test::run_tactile;
 
-const std::vector<std::string> commands{"simulate", "record",    "serve",   "info",     "repair", "characterise", "convert",
-                                        "label",    "review",    "windows", "heatmaps", "view",   "train",        "eval",
-                                        "detect",   "reproduce", "trade",   "report",   "export", "doctor"};
+const std::vector<std::string> commands{"simulate", "record", "serve",     "info",     "repair", "characterise", "convert",
+                                        "label",    "review", "windows",   "heatmaps", "view",   "train",        "models",
+                                        "eval",     "detect", "reproduce", "trade",    "report", "export",       "doctor"};
 
 TEST(CommandLine, VersionNamesTheGitRevisionTheLibrariesAndTheCpuFeatures) {
   const auto result = run_tactile("--version");

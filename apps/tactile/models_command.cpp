@@ -1,0 +1,208 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "option_checks.hpp"
+#include "quantity_text.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/bundle/pinned_bundle.hpp"
+#include "tactile/review/model_list.hpp"
+#include "text_table.hpp"
+
+namespace tactile::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct ModelsArguments {
+  std::string action = "list";
+  std::vector<std::string> names;
+  std::string models = "models";
+};
+
+std::uint64_t bytes_below(const fs::path& folder) {
+  std::uint64_t bytes = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  return bytes;
+}
+
+/// As `review::models_json`, with the size of each bundle and whether it is pinned.
+json listed(const fs::path& models) {
+  const auto pinned = model::pinned_bundle(models);
+  json list = review::models_json(models);
+  for (json& entry : list) {
+    const std::string name = entry.at("name");
+    entry["bytes"] = bytes_below(models / name);
+    entry["pinned"] = pinned && pinned->name() == name;
+  }
+  return list;
+}
+
+const json& entry_of(const json& list, const std::string& name, const std::string& models) {
+  const auto found = std::find_if(list.begin(), list.end(), [&](const json& entry) { return entry.at("name") == name; });
+  if (found == list.end()) throw Error(models + "/" + name + ": is no model; expected a name that 'tactile models' lists");
+  return *found;
+}
+
+/// "94.6 [91.3, 96.7]", or "-"
+std::string figure_text(const json& figure, double scale) {
+  if (!figure.at("value").is_number()) return "-";
+  std::string text = fmt::format("{:.1f}", scale * figure.at("value").get<double>());
+  if (figure.at("low").is_number() && figure.at("high").is_number())
+    text += fmt::format(" [{:.1f}, {:.1f}]", scale * figure.at("low").get<double>(), scale * figure.at("high").get<double>());
+  return text;
+}
+
+/// What a model was found to do: names and texts, the same for every model.
+std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
+  const json& eval = entry.at("eval");
+  const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_text(eval.at(key), scale); };
+  return {{"accuracy [%]", text("accuracy", 100)},
+          {"press delay, median [ms]", text("press_delay_ms", 1)},
+          {"slip delay, median [ms]", text("slip_delay_ms", 1)},
+          {"presses missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("press"), 100)},
+          {"slips missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("slip"), 100)},
+          {"false alarms [1/min]", text("false_alarms_per_min", 1)},
+          {"size", bytes_text(entry.at("bytes").get<std::uint64_t>())}};
+}
+
+std::string text_of(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+std::string list_text(const json& list, const std::string& models) {
+  if (list.empty()) return models + ": no model; 'tactile train' makes one\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const json& entry : list) {
+    if (!entry.at("error").is_null()) {
+      rows.push_back({entry.at("name"), "", "", "", "", text_of(entry.at("error"))});
+      continue;
+    }
+    const auto figures = figures_of(entry);
+    rows.push_back({entry.at("name"), figures[0].second, figures[1].second, figures[2].second, figures[5].second,
+                    entry.at("pinned").get<bool>() ? "pinned" : ""});
+  }
+  return text_table({"model", "accuracy [%]", "press [ms]", "slip [ms]", "alarms/min", ""}, rows) +
+         "In brackets: 95 % intervals; -: 'tactile eval --model NAME' has not judged it.\n";
+}
+
+std::string show_text(const json& entry) {
+  if (!entry.at("error").is_null()) return text_of(entry.at("error")) + "\n";
+  std::string text = entry.at("name").get<std::string>() + (entry.at("pinned").get<bool>() ? ", pinned" : "") + "\n\n";
+  const json& trained = entry.at("trained");
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"kind", text_of(entry.at("kind"))},
+      {"trained",
+       fmt::format("{} on {}, {} {} runs, {} samples", text_of(trained.at("when")).substr(0, 16), text_of(trained.at("dataset")),
+                   trained.at("runs").size(), trained.at("simulated").get<bool>() ? "simulated" : "real",
+                   trained.at("samples").get<std::uint64_t>())}};
+  for (const auto& [path, value] : entry.at("settings").items()) lines.emplace_back(path, text_of(value));
+  for (const auto& figure : figures_of(entry)) lines.push_back(figure);
+  return text + text_list(lines);
+}
+
+/// Settings that differ between the models, and what they were found to do, side by side.
+std::string comparison_text(const std::vector<json>& entries) {
+  std::vector<std::string> header{""};
+  std::set<std::string> paths;
+  for (const json& entry : entries) {
+    if (!entry.at("error").is_null()) throw Error(text_of(entry.at("error")));
+    header.push_back(entry.at("name"));
+    for (const auto& [path, value] : entry.at("settings").items()) paths.insert(path);
+  }
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& name, const auto& text_in) {
+    std::vector<std::string> row{name};
+    for (const json& entry : entries) row.push_back(text_in(entry));
+    const bool differs = std::any_of(row.begin() + 1, row.end(), [&](const std::string& cell) { return cell != row[1]; });
+    if (differs) rows.push_back(std::move(row));
+  };
+  add("kind", [](const json& entry) { return text_of(entry.at("kind")); });
+  for (const std::string& path : paths) {
+    add(path, [&](const json& entry) {
+      return entry.at("settings").contains(path) ? text_of(entry.at("settings").at(path)) : std::string("default");
+    });
+  }
+  add("dataset", [](const json& entry) { return text_of(entry.at("trained").at("dataset")); });
+  const std::size_t settings = rows.size();
+  for (std::size_t i = 0; i < figures_of(entries.front()).size(); ++i) {
+    std::vector<std::string> row{figures_of(entries.front())[i].first};
+    for (const json& entry : entries) row.push_back(figures_of(entry)[i].second);
+    rows.push_back(std::move(row));
+  }
+  return text_table(header, rows) + (settings == 0 ? "All settings are the same.\n" : "");
+}
+
+/// Removes whole bundles, results included. @throws Error  before anything is removed, if one is no model or is pinned
+void remove(const ModelsArguments& args, const json& list) {
+  for (const std::string& name : args.names) {
+    if (entry_of(list, name, args.models).at("pinned").get<bool>())
+      throw Error(name + ": is pinned; run 'tactile models unpin' first");
+  }
+  for (const std::string& name : args.names) fs::remove_all(fs::path(args.models) / name);
+}
+
+/// How many names an action takes.
+void check_names(const ModelsArguments& args) {
+  const std::size_t given = args.names.size();
+  const auto expect = [&](bool right, const char* expected) {
+    if (!right) throw Error(fmt::format("{}: takes {}; {} given", args.action, expected, given));
+  };
+  if (args.action == "list" || args.action == "unpin") expect(given == 0, "no name");
+  if (args.action == "show" || args.action == "pin") expect(given == 1, "one name");
+  if (args.action == "compare") expect(given >= 2, "two names or more");
+  if (args.action == "rm") expect(given >= 1, "one name or more");
+}
+
+void run_models(const ModelsArguments& args, const CommonArguments& common) {
+  check_names(args);
+  if (args.action == "unpin") {
+    const std::string name = model::unpin_bundle(args.models);
+    return print_result(common, {{"unpinned", name.empty() ? json() : json(name)}},
+                        name.empty() ? "No model is pinned.\n" : name + ": no longer pinned\n");
+  }
+  if (args.action == "pin") {
+    model::pin_bundle(args.models, args.names.front());
+    return print_result(
+        common, {{"pinned", args.names.front()}},
+        wrapped(args.names.front() + ": pinned; detect, eval, export and stress take it if no --model is given") + "\n");
+  }
+  const json list = listed(args.models);
+  if (args.action == "list") return print_result(common, {{"models", list}}, list_text(list, args.models));
+  std::vector<json> entries;
+  for (const std::string& name : args.names) entries.push_back(entry_of(list, name, args.models));
+  if (args.action == "rm") {
+    remove(args, list);
+    return print_result(common, {{"removed", args.names}}, fmt::format("removed {}\n", fmt::join(args.names, ", ")));
+  }
+  print_result(common, {{"models", entries}}, args.action == "show" ? show_text(entries.front()) : comparison_text(entries));
+}
+
+}  // namespace
+
+void add_models_command(CLI::App& app) {
+  auto args = std::make_shared<ModelsArguments>();
+  Command command = add_command(app, "models", "List, compare, pin and remove models",
+                                [args](const CommonArguments& common) { run_models(*args, common); });
+  command
+      .add_option("action", args->action,
+                  "list: all models; show: one; compare: two or more; pin: the model that commands take; unpin; rm: remove")
+      .check(one_of({"list", "show", "compare", "pin", "unpin", "rm"}))
+      .show_default();
+  command.add_option("names", args->names, "Names of models, as 'list' shows them").type_name("MODEL");
+  command.add_option("--models", args->models, "Folder of models").show_default();
+}
+
+}  // namespace tactile::cli
