@@ -78,7 +78,9 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
       .check(is_existing_file());
   command.add_flag("--json", common->json, "Print the result as JSON");
   command.add_flag("--quiet", common->quiet, "Hide progress and all log messages below warnings");
-  command.add_option("--threads", common->threads, "Number of worker threads").check(in_range(1U, 1024U)).default_text("one per core");
+  command.add_option("--threads", common->threads, "Number of worker threads")
+      .check(in_range(1U, 1024U))
+      .default_text("one per core");
   declared->callback([declared, common, run = std::move(run), ctrl_c] {
     if (!common->config.empty()) fill_in_from(common->config, *declared);
     catch_ctrl_c();

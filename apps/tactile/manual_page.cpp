@@ -97,6 +97,7 @@ std::string manual_page(const CLI::App& app) {
   page += section(is_program ? "HELP" : "OPTIONS OF EVERY COMMAND",
                   those([](const CLI::Option* o) { return !o->get_positional() && is_common(*o); }));
   std::vector<std::string> others;
+  others.reserve(commands.size() + 1);
   for (const CLI::App* command : commands) others.push_back(page_name(*command));
   if (!is_program) others.push_back(page_name(*app.get_parent()));
   return page + references(others);

@@ -152,9 +152,9 @@ bool can_be_loaded(const std::string& program) {
 /// The folder with the other programs: that of this program, or the one where an installation puts them.
 std::filesystem::path folder_of(const char* program) {
   std::error_code failed;
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
   if (std::filesystem::exists(here / program, failed)) return here;
-  const std::filesystem::path installed = (here / "../libexec/tactile").lexically_normal();  // as in cmake/install.cmake
+  std::filesystem::path installed = (here / "../libexec/tactile").lexically_normal();  // as in cmake/install.cmake
   return std::filesystem::exists(installed / program, failed) ? installed : here;
 }
 
