@@ -93,7 +93,9 @@ TEST(StepFeatures, ReadAWindowAgainOnceEventsCameLater) {
       given = end;
       steps.move_to(t);
       const auto features = steps.features();
-      if (missing == 0us) ASSERT_EQ(features, by_definition(events, t, windows)) << ms;
+      if (missing == 0us) {
+        ASSERT_EQ(features, by_definition(events, t, windows)) << ms;
+      }
     }
   }
 }
