@@ -172,7 +172,7 @@ std::string difference_of(const model::ModelBundle& bundle, const windows::Datas
 void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
                              const model::TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
-  if (settings.kind != model::ModelKind::lenet || summary.history.empty() || summary.history.back().loss < of_a_guess) return;
+  if (settings.kind == model::ModelKind::trees || summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
       "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
       "than {}",

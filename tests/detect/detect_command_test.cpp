@@ -125,7 +125,7 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
 
 /// Models of kinds that read no heatmaps.
 class DetectOtherKinds : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds, testing::Values("trees --rounds 20", "temporal --epochs 4"));
+INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds, testing::Values("trees --rounds 20", "temporal --epochs 40"));
 
 TEST_P(DetectOtherKinds, AgreesWithEvalAtEveryTick) {
   const Trained own;

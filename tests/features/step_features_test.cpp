@@ -20,7 +20,6 @@ std::array<float, step_values> by_definition(const std::vector<events::Event>& e
   std::array<float, step_values> values{};
   for (std::size_t k = 0; k < steps_of_history; ++k) {
     const CameraTime end = before(tick, windows.step * static_cast<std::int64_t>(steps_of_history - 1 - k));
-    SlidingSums sums(sensor, windows.window, windows.window);
     const auto first = std::lower_bound(events.begin(), events.end(), before(end, windows.window),
                                         [](const events::Event& event, CameraTime t) { return event.t < t; });
     const auto last =
@@ -85,12 +84,14 @@ TEST(StepFeatures, ReadAWindowAgainOnceEventsCameLater) {
   auto given = events.begin();
   for (std::int64_t ms = 40; ms < 180; ms += 2) {
     const CameraTime t{microseconds{1000 * ms}};
-    // The features are asked for once before the last events of the tick are there, as a rehearsal does.
+    // As the detector does: it counts ahead, rehearses before all events of the tick are there, and rehearses again before those
+    // that came are counted.
     for (const microseconds missing : {700us, 0us}) {
       const auto end = std::lower_bound(given, events.end(), before(t, missing),
                                         [](const events::Event& event, CameraTime time) { return event.t < time; });
       steps.add(std::span(given, end));
       given = end;
+      steps.features();
       steps.move_to(t);
       const auto features = steps.features();
       if (missing == 0us) {

@@ -29,14 +29,15 @@ StepFeatures::StepFeatures(events::SensorSize sensor, const StepWindows& windows
 
 void StepFeatures::add(std::span<const events::Event> events) {
   sums_.add(events);
-  if (events.empty()) return;
-  for (Known& known : known_) {
-    if (known.end > events.front().t) known.end = CameraTime::min();
-  }
+  if (!events.empty()) uncounted_ = std::min(uncounted_, events.front().t);
 }
 
 void StepFeatures::move_to(CameraTime tick) {
   sums_.move_to(tick);
+  for (Known& known : known_) {
+    if (known.end > uncounted_) known.end = CameraTime::min();
+  }
+  uncounted_ = CameraTime::max();  // what waits lies after every window that is known
   tick_ = tick;
 }
 

@@ -55,6 +55,7 @@ class StepFeatures {
   StepWindows windows_;
   SlidingSums sums_;
   CameraTime tick_ = CameraTime::min();
+  CameraTime uncounted_ = CameraTime::max();         ///< the first event that was added since the last `move_to`
   std::array<Known, 4 * steps_of_history> known_{};  ///< of windows read before; ticks may be shorter than steps
   std::array<float, step_values> features_{};
 };

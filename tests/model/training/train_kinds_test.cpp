@@ -132,17 +132,17 @@ TEST(TrainTemporal, WritesTheNetworkThatFitsTheSamples) {
   const ModelBundle bundle{trained.folder / "models/temporal"};
   ModelSettings settings;
   settings.kind = ModelKind::temporal;
-  settings.temporal.channels = 8;
+  settings.temporal.channels = 16;
   settings.training.seed = 5;
-  settings.training.epochs = 4;
+  settings.training.epochs = 40;
   const TrainingSummary summary = train_model(dataset, settings, bundle);
-  ASSERT_EQ(summary.history.size(), 4U);
+  ASSERT_EQ(summary.history.size(), 40U);
   EXPECT_GT(summary.history.back().accuracy, 0.9);
   const ModelDescription model = read_description(bundle);
   EXPECT_EQ(model.settings.kind, ModelKind::temporal);
-  EXPECT_EQ(model.settings.temporal.channels, 8U);
+  EXPECT_EQ(model.settings.temporal.channels, 16U);
   EXPECT_EQ(model.settings.training, settings.training);
-  EXPECT_EQ(model.epoch, 4U);
+  EXPECT_EQ(model.epoch, 40U);
   EXPECT_EQ(state_of(bundle, dataset, settings), BundleState::unchanged);
 
   const auto samples = samples_of_runs(dataset, split_of(dataset, {}).train_runs);
