@@ -134,10 +134,11 @@ pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       const double aside = 0.12 * (static_cast<double>(kind) - static_cast<double>(all.size() - 1) / 2);
       const std::string table = script.table(4, rows_of(all[kind], panel, aside));
-      pictures::LineStyle style = pictures::line_style(kind);
-      series.push_back({table, "1:2:3:4", "yerrorbars", style});
-      style.mark.reset();
-      series.push_back({table, "1:2", "lines", style});
+      pictures::LineStyle bars = pictures::line_style(kind), plain = bars;
+      bars.dashes = 1;
+      plain.mark.reset();
+      series.push_back({table, "1:2:3:4", "yerrorbars", bars});
+      series.push_back({table, "1:2", "lines", plain});
     }
     if (series.empty()) series.push_back({script.table(2, {}), "1:2", "lines", {.colour = pictures::figure_colours::others}});
     script.plot(series);
