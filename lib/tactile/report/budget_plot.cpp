@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "tactile/pictures/plot_script.hpp"
@@ -42,7 +43,7 @@ std::vector<double> rows_of(const BestOfKind& best, const Panel& panel, double a
   std::vector<double> rows;
   for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
     const results::Figure figure = best.within[i] == nullptr ? results::Figure{} : panel.of(*best.within[i]);
-    const double value = best.within[i] == nullptr ? NAN : position_of(figure.value, panel);
+    const double value = best.within[i] == nullptr ? std::numeric_limits<double>::quiet_NaN() : position_of(figure.value, panel);
     const bool has_interval = best.within[i] != nullptr && figure.has_interval();
     rows.insert(rows.end(), {static_cast<double>(i) + aside, value, has_interval ? position_of(*figure.low, panel) : value,
                              has_interval ? position_of(*figure.high, panel) : value});
