@@ -44,7 +44,7 @@ TEST(ModelsCommand, ListsComparesPinsAndRemovesModels) {
 
   EXPECT_EQ(run_tactile("models pin " + first, folder).exit_code, 0);
   const auto evaluated = nlohmann::json::parse(run_tactile("eval --json", folder).out);
-  EXPECT_EQ(evaluated.at("models").at(0).at("name"), first) << "although the other is newer";
+  EXPECT_EQ(evaluated.at("model").at("name"), first) << "although the other is newer";
   EXPECT_TRUE(has(run_tactile("eval", folder).err, first + ", pinned"));
   const auto kept = run_tactile("models rm second " + first, folder);
   EXPECT_EQ(kept.exit_code, 1);
