@@ -9,7 +9,7 @@ namespace tactile::cli {
 namespace {
 
 /// Functions that offer what begins with $current. They are independent of the commands.
-constexpr std::string_view offers = R"sh(
+constexpr std::string_view bash_functions = R"sh(
 # Offers those of the arguments that begin with $current.
 _tactile_offer() {
   local typed=${COMP_WORDS[COMP_CWORD]-} lead= before= word
@@ -140,7 +140,7 @@ _tactile() {
 complete -F _tactile tactile
 )sh";
 
-std::string_view offer_of(Completion what) {
+std::string_view bash_offer_of(Completion what) {
   switch (what) {
     case Completion::nothing:
       return "";
@@ -175,7 +175,7 @@ std::string case_of(const CLI::App& command, CLI::Option& option, int& number) {
   }
   const CompletedValue value = completed_value(option);
   if (value.what == Completion::nothing) return "";
-  std::string call(offer_of(value.what));
+  std::string call(bash_offer_of(value.what));
   for (const std::string& word : value.words) call += " " + shell_word(word);
   if (!value.extension.empty()) call += " " + value.extension;
   return fmt::format("    {}\\ {}) {} ;;\n", command.get_name(), key, call);
@@ -202,7 +202,7 @@ std::string bash_completion(CLI::App& program) {
       "# The options of a command; = where a value follows.\n_tactile_options() {{\n  case $1 in\n{}  esac\n}}\n\n"
       "# Offers what completes the value of an option, or an argument by its number.\n_tactile_value() {{\n"
       "  case \"$1 $2\" in\n{}  esac\n}}\n{}",
-      offers, names, options, values, main_function);
+      bash_functions, names, options, values, main_function);
 }
 
 }  // namespace tactile::cli

@@ -7,7 +7,7 @@
 namespace tactile::cli {
 namespace {
 
-constexpr std::string_view offers = R"sh(
+constexpr std::string_view fish_functions = R"sh(
 # Whether the line has this command.
 function __tactile_command
     set -l words (commandline -opc)
@@ -71,7 +71,7 @@ std::string quoted(const std::string& text) {
 }
 
 /// What offers a value: "-x -a 'tiny quick'", where -x permits no files, and -r -F all.
-std::string offer_of(const CompletedValue& value) {
+std::string fish_offer_of(const CompletedValue& value) {
   const std::string words = fmt::format("{}", fmt::join(value.words, " "));
   switch (value.what) {
     case Completion::nothing:
@@ -104,12 +104,12 @@ std::string line_of(const CLI::App& command, CLI::Option& option) {
   std::string line = fmt::format("complete -c tactile -n '__tactile_command {}'", command.get_name());
   if (option.get_positional()) {
     if (value.what == Completion::nothing) return "";
-    std::string offer = offer_of(value);
+    std::string offer = fish_offer_of(value);
     offer.erase(0, offer.find(' ') + 1);  // -x and -r are for the values of options
     return fmt::format("{} {}\n", line, offer);
   }
   line += option.get_name() == "--help" ? " -s h -l help" : " -l " + option.get_name().substr(2);
-  if (!value_text(option).name.empty()) line += " " + offer_of(value);
+  if (!value_text(option).name.empty()) line += " " + fish_offer_of(value);
   return fmt::format("{} -d {}\n", line, quoted(option.get_description()));
 }
 
@@ -118,7 +118,7 @@ std::string line_of(const CLI::App& command, CLI::Option& option) {
 std::string fish_completion(CLI::App& program) {
   std::string text = fmt::format(
       "# Completion of tactile for fish. The program made it from the declarations of its options.\n{}\ncomplete -c tactile -f\n",
-      offers);
+      fish_functions);
   for (CLI::App* command : listed_commands(program)) {
     text += fmt::format("complete -c tactile -n __tactile_no_command -a {} -d {}\n", command->get_name(),
                         quoted(command->get_description()));

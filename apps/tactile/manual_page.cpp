@@ -22,7 +22,7 @@ unsigned code_point(std::string_view character) {
 }
 
 /// `text` as a line of roff, in which no character has another meaning. Hyphens stay as they are typed.
-std::string escaped(std::string_view text) {
+std::string in_roff(std::string_view text) {
   std::string line = !text.empty() && (text.front() == '.' || text.front() == '\'') ? "\\&" : "";
   while (!text.empty()) {
     const std::size_t length = std::clamp<std::size_t>(character_at(text), 1, text.size());
@@ -46,15 +46,15 @@ std::string escaped(std::string_view text) {
 /// The option in bold, its value in italics.
 std::string tag_of(const CLI::Option& option) {
   const std::string typed = typed_of(option);
-  if (option.get_positional()) return fmt::format("\\fI{}\\fR", escaped(typed));
+  if (option.get_positional()) return fmt::format("\\fI{}\\fR", in_roff(typed));
   const std::size_t name_end = value_text(option).name.empty() ? typed.size() : std::min(typed.find(' '), typed.size());
   const std::string value = typed.substr(name_end);
-  return fmt::format("\\fB{}\\fR{}", escaped(typed.substr(0, name_end)),
-                     value.empty() ? "" : fmt::format("\\fI{}\\fR", escaped(value)));
+  return fmt::format("\\fB{}\\fR{}", in_roff(typed.substr(0, name_end)),
+                     value.empty() ? "" : fmt::format("\\fI{}\\fR", in_roff(value)));
 }
 
 std::string entry(const std::string& tag, const std::string& meaning) {
-  return fmt::format(".TP\n{}\n{}\n", tag, escaped(meaning));
+  return fmt::format(".TP\n{}\n{}\n", tag, in_roff(meaning));
 }
 
 std::string section(const std::string& title, const std::vector<const CLI::Option*>& options) {
@@ -67,7 +67,7 @@ std::string section(const std::string& title, const std::vector<const CLI::Optio
 std::string references(const std::vector<std::string>& pages) {
   std::string text = ".SH SEE ALSO\n";
   for (std::size_t i = 0; i < pages.size(); ++i)
-    text += fmt::format(".BR {} (1){}\n", escaped(pages[i]), i + 1 < pages.size() ? "," : "");
+    text += fmt::format(".BR {} (1){}\n", in_roff(pages[i]), i + 1 < pages.size() ? "," : "");
   return text;
 }
 
@@ -83,16 +83,16 @@ std::string manual_page(const CLI::App& app) {
   std::string title = name;
   std::transform(title.begin(), title.end(), title.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   // Lines are not filled up to the right margin: option names cannot be divided.
-  std::string page = fmt::format(".TH {} 1 \"\" \"tactile {}\" \"tactile\"\n.nh\n.ad l\n", escaped(title), version());
-  page += fmt::format(".SH NAME\n{} \\- {}\n", escaped(name), escaped(app.get_description()));
+  std::string page = fmt::format(".TH {} 1 \"\" \"tactile {}\" \"tactile\"\n.nh\n.ad l\n", in_roff(title), version());
+  page += fmt::format(".SH NAME\n{} \\- {}\n", in_roff(name), in_roff(app.get_description()));
   const std::string call = is_program ? app.get_name() : app.get_parent()->get_name() + " " + app.get_name();
-  page += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR{}\n", escaped(call), escaped(usage.substr(call.size())));
+  page += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR{}\n", in_roff(call), in_roff(usage.substr(call.size())));
   const auto those = [&app](const auto& wanted) { return app.get_options(wanted); };
   page += section("ARGUMENTS", those([](const CLI::Option* o) { return o->get_positional(); }));
   const std::vector<const CLI::App*> commands = listed_commands(app);
   if (is_program) page += ".SH COMMANDS\n";
   for (const CLI::App* command : commands)
-    page += entry("\\fB" + escaped(command->get_name()) + "\\fR", command->get_description());
+    page += entry("\\fB" + in_roff(command->get_name()) + "\\fR", command->get_description());
   page += section("OPTIONS", those([](const CLI::Option* o) { return !o->get_positional() && !is_common(*o); }));
   page += section(is_program ? "HELP" : "OPTIONS OF EVERY COMMAND",
                   those([](const CLI::Option* o) { return !o->get_positional() && is_common(*o); }));

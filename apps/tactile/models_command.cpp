@@ -59,7 +59,7 @@ const json& entry_of(const json& list, const std::string& name, const std::strin
 }
 
 /// "94.6 [91.3, 96.7]", or "-"
-std::string figure_text(const json& figure, double scale) {
+std::string figure_cell(const json& figure, double scale) {
   if (!figure.at("value").is_number()) return "-";
   std::string text = fmt::format("{:.1f}", scale * figure.at("value").get<double>());
   if (figure.at("low").is_number() && figure.at("high").is_number())
@@ -70,24 +70,24 @@ std::string figure_text(const json& figure, double scale) {
 /// What a model was found to do: names and texts, the same for every model.
 std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
   const json& eval = entry.at("eval");
-  const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_text(eval.at(key), scale); };
+  const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_cell(eval.at(key), scale); };
   return {{"accuracy [%]", text("accuracy", 100)},
           {"press delay, median [ms]", text("press_delay_ms", 1)},
           {"slip delay, median [ms]", text("slip_delay_ms", 1)},
-          {"presses missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("press"), 100)},
-          {"slips missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("slip"), 100)},
+          {"presses missed [%]", eval.is_null() ? "-" : figure_cell(eval.at("missed").at("press"), 100)},
+          {"slips missed [%]", eval.is_null() ? "-" : figure_cell(eval.at("missed").at("slip"), 100)},
           {"false alarms [1/min]", text("false_alarms_per_min", 1)},
           {"size", bytes_text(entry.at("bytes").get<std::uint64_t>())}};
 }
 
-std::string text_of(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+std::string shown_value(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
 std::string list_text(const json& list, const std::string& models) {
   if (list.empty()) return models + ": no model; 'tactile train' makes one\n";
   std::vector<std::vector<std::string>> rows;
   for (const json& entry : list) {
     if (!entry.at("error").is_null()) {
-      rows.push_back({entry.at("name"), "", "", "", "", text_of(entry.at("error"))});
+      rows.push_back({entry.at("name"), "", "", "", "", shown_value(entry.at("error"))});
       continue;
     }
     const auto figures = figures_of(entry);
@@ -99,16 +99,16 @@ std::string list_text(const json& list, const std::string& models) {
 }
 
 std::string show_text(const json& entry) {
-  if (!entry.at("error").is_null()) return text_of(entry.at("error")) + "\n";
+  if (!entry.at("error").is_null()) return shown_value(entry.at("error")) + "\n";
   std::string text = entry.at("name").get<std::string>() + (entry.at("pinned").get<bool>() ? ", pinned" : "") + "\n\n";
   const json& trained = entry.at("trained");
   std::vector<std::pair<std::string, std::string>> lines{
-      {"kind", text_of(entry.at("kind"))},
+      {"kind", shown_value(entry.at("kind"))},
       {"trained",
-       fmt::format("{} on {}, {} {} runs, {} samples", text_of(trained.at("when")).substr(0, 16), text_of(trained.at("dataset")),
-                   trained.at("runs").size(), trained.at("simulated").get<bool>() ? "simulated" : "real",
-                   trained.at("samples").get<std::uint64_t>())}};
-  for (const auto& [path, value] : entry.at("settings").items()) lines.emplace_back(path, text_of(value));
+       fmt::format("{} on {}, {} {} runs, {} samples", shown_value(trained.at("when")).substr(0, 16),
+                   shown_value(trained.at("dataset")), trained.at("runs").size(),
+                   trained.at("simulated").get<bool>() ? "simulated" : "real", trained.at("samples").get<std::uint64_t>())}};
+  for (const auto& [path, value] : entry.at("settings").items()) lines.emplace_back(path, shown_value(value));
   for (const auto& figure : figures_of(entry)) lines.push_back(figure);
   return text + text_list(lines);
 }
@@ -118,7 +118,7 @@ std::string comparison_text(const std::vector<json>& entries) {
   std::vector<std::string> header{""};
   std::set<std::string> paths;
   for (const json& entry : entries) {
-    if (!entry.at("error").is_null()) throw Error(text_of(entry.at("error")));
+    if (!entry.at("error").is_null()) throw Error(shown_value(entry.at("error")));
     header.push_back(entry.at("name"));
     for (const auto& [path, value] : entry.at("settings").items()) paths.insert(path);
   }
@@ -129,13 +129,13 @@ std::string comparison_text(const std::vector<json>& entries) {
     const bool differs = std::any_of(row.begin() + 1, row.end(), [&](const std::string& cell) { return cell != row[1]; });
     if (differs) rows.push_back(std::move(row));
   };
-  add("kind", [](const json& entry) { return text_of(entry.at("kind")); });
+  add("kind", [](const json& entry) { return shown_value(entry.at("kind")); });
   for (const std::string& path : paths) {
     add(path, [&](const json& entry) {
-      return entry.at("settings").contains(path) ? text_of(entry.at("settings").at(path)) : std::string("default");
+      return entry.at("settings").contains(path) ? shown_value(entry.at("settings").at(path)) : std::string("default");
     });
   }
-  add("dataset", [](const json& entry) { return text_of(entry.at("trained").at("dataset")); });
+  add("dataset", [](const json& entry) { return shown_value(entry.at("trained").at("dataset")); });
   const std::size_t settings = rows.size();
   for (std::size_t i = 0; i < figures_of(entries.front()).size(); ++i) {
     std::vector<std::string> row{figures_of(entries.front())[i].first};

@@ -7,7 +7,7 @@
 namespace tactile::cli {
 namespace {
 
-constexpr std::string_view offers = R"sh(
+constexpr std::string_view zsh_functions = R"sh(
 _tactile_recordings() {
   local -a runs=(data/*/[0-9][0-9]/events.aedat4(N:h))
   _alternative 'runs:run:compadd -a runs' 'files:file:_files'
@@ -44,7 +44,7 @@ _tactile_sources() {
 )sh";
 
 /// `text` within single quotes, after a backslash before each of `special`.
-std::string escaped(const std::string& text, std::string_view special) {
+std::string with_backslashes(const std::string& text, std::string_view special) {
   std::string out;
   for (const char c : text) {
     if (c == '\'') {
@@ -87,13 +87,13 @@ std::string action_of(const CompletedValue& value) {
 /// What _arguments reads: '--preset=[tiny: ...]:NAME:(paper quick tiny)'.
 std::string argument_of(CLI::Option& option, int& number) {
   const std::string value = value_text(option).name;
-  const std::string of_value = value.empty() ? "" : ":" + escaped(value, ":") + ":" + action_of(completed_value(option));
+  const std::string of_value = value.empty() ? "" : ":" + with_backslashes(value, ":") + ":" + action_of(completed_value(option));
   if (option.get_positional()) {
     const std::string place = option.get_expected_max() > 1 ? "*" : std::to_string(number++);
     return fmt::format("'{}{}'", place, of_value);
   }
-  return fmt::format("'*{}{}[{}]{}'", option.get_name(), value.empty() ? "" : "=", escaped(option.get_description(), "[]"),
-                     of_value);
+  return fmt::format("'*{}{}[{}]{}'", option.get_name(), value.empty() ? "" : "=",
+                     with_backslashes(option.get_description(), "[]"), of_value);
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ std::string argument_of(CLI::Option& option, int& number) {
 std::string zsh_completion(CLI::App& program) {
   std::string names, cases;
   for (CLI::App* command : listed_commands(program)) {
-    names += fmt::format("    '{}:{}'\n", command->get_name(), escaped(command->get_description(), ":"));
+    names += fmt::format("    '{}:{}'\n", command->get_name(), with_backslashes(command->get_description(), ":"));
     cases += fmt::format("    {})\n      _arguments", command->get_name());
     int number = 1;
     for (CLI::Option* option : command->get_options({})) cases += " \\\n        " + argument_of(*option, number);
@@ -114,7 +114,7 @@ std::string zsh_completion(CLI::App& program) {
       "  if (( CURRENT == 2 )) || [[ $command == help ]]; then\n    _describe -t commands command commands\n    return\n  fi\n"
       "  shift words\n  (( CURRENT-- ))\n  case $command in\n{}  esac\n}}\n\n"
       "if [[ $funcstack[1] == _tactile ]]; then _tactile \"$@\"; else compdef _tactile tactile; fi\n",
-      offers, names, cases);
+      zsh_functions, names, cases);
 }
 
 }  // namespace tactile::cli

@@ -14,8 +14,8 @@
 namespace tactile::report {
 namespace {
 
-constexpr int left = 70, right = 20, gap = 66, panels = 3, panel_height = 250, below = 76, row = 20;
-constexpr int width = (page_width - left - right - (panels - 1) * gap) / panels;
+constexpr int left_margin = 70, right_margin = 20, gap = 66, panels = 3, plot_height = 250, under_plot = 76, list_row = 20;
+constexpr int width = (page_width - left_margin - right_margin - (panels - 1) * gap) / panels;
 
 std::string name_of_kind(const std::string& kind) {
   return kind == "lenet" ? "LeNet" : kind == "temporal" ? "temporal convolution" : kind;
@@ -61,7 +61,7 @@ AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
     }
   }
   if (least > most) least = most = 0;
-  return range_around(least, most, panel.from_zero ? 0.3 : 4, panel_height);
+  return range_around(least, most, panel.from_zero ? 0.3 : 4, plot_height);
 }
 
 /// "LeNet, from 50 us on: width 0.25, int8", one for each setting of a kind.
@@ -110,27 +110,27 @@ pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
     for (const std::string& name : names_of(all[kind])) names.emplace_back(name, kind);
   }
   constexpr int top = 128;
-  const int list = top + panel_height + below;
+  const int list = top + plot_height + under_plot;
   const std::string title = "The best of each kind of model within a time per tick";
   pictures::PlotScript script(trade.simulated ? title + " (simulated runs)" : title, page_width,
-                              list + row * static_cast<int>(names.size()) + 10);
+                              list + list_row * static_cast<int>(names.size()) + 10);
   script.note("The most accurate setting of which 99 % of the ticks take at most this long, chosen on the choice runs.");
   script.note(
       "Values are of the reported runs. Bars: 95 % intervals. Below: the settings, with the 99th percentile of their time.");
   for (std::size_t i = 0; i < names.size(); ++i)
-    script.text(names[i].first, 20, list + row * static_cast<double>(i), "left font ',12'",
+    script.text(names[i].first, 20, list + list_row * static_cast<double>(i), "left font ',12'",
                 pictures::line_style(names[i].second).colour);
   for (std::size_t i = 0; i < all_panels.size(); ++i) {
     const Panel& panel = all_panels[i];
-    const int begin = left + static_cast<int>(i) * (width + gap);
+    const int begin = left_margin + static_cast<int>(i) * (width + gap);
     const AxisRange range = range_of(all, panel);
-    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = top + panel_height});
+    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = top + plot_height});
     script.axes({.begin = -0.5, .end = static_cast<double>(tick_budgets.size()) - 0.5, .tics = budget_tics()},
                 {.begin = range.begin,
                  .end = range.end,
                  .tics = panel.from_zero ? decade_tics(range, true, true).text() : std::string()});
     script.text(panel.label, begin + width / 2.0, top - 14, "center font ',12'");
-    script.text("time per tick, at most [us]", begin + width / 2.0, top + panel_height + 40, "center font ',12'");
+    script.text("time per tick, at most [us]", begin + width / 2.0, top + plot_height + 40, "center font ',12'");
     std::vector<pictures::PlotSeries> series;
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       const double aside = 0.12 * (static_cast<double>(kind) - static_cast<double>(all.size() - 1) / 2);

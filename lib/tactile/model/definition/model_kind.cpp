@@ -7,10 +7,10 @@
 namespace tactile::model {
 
 namespace {
-constexpr std::array<std::string_view, 3> names{"lenet", "trees", "temporal"};
+constexpr std::array<std::string_view, 3> kind_names{"lenet", "trees", "temporal"};
 }  // namespace
 
-std::string_view name_of(ModelKind kind) { return names.at(static_cast<std::size_t>(kind)); }
-ModelKind kind_named(std::string_view name) { return enumerator_named<ModelKind>(name, names, "kind of model"); }
+std::string_view name_of(ModelKind kind) { return kind_names.at(static_cast<std::size_t>(kind)); }
+ModelKind kind_named(std::string_view name) { return enumerator_named<ModelKind>(name, kind_names, "kind of model"); }
 
 }  // namespace tactile::model
