@@ -51,7 +51,8 @@ TEST(EvalCommand, WritesAllKeysIntoTheNewestSingleRunModel) {
   expect_figure(json.at("accuracy").at("mean"));
   expect_figure(json.at("accuracy").at("objects").at("fan"));
   expect_figure(json.at("false_alarms_per_min"));
-  for (const char* baseline : {"majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees", "temporal_convolution"})
+  for (const char* baseline :
+       {"majority", "event_count", "logistic_moments", "logistic_position", "boosted_trees", "temporal_convolution"})
     expect_figure(json.at("baselines").at(baseline).at("accuracy"));
   for (const char* touch : {"press", "slip"}) {
     for (const char* delays : {"delay_ms", "delay_true_ms"}) {

@@ -1,5 +1,5 @@
-// The table of docs/numerics/heatmaps.md: the plain equations 2 to 5 in float32, compared with the rendered values, for inputs that break
-// the former. Each of its rows is worked out here, so that the page stays true.
+// The table of docs/numerics/heatmaps.md: the plain equations 2 to 5 in float32, compared with the rendered values, for inputs
+// that break the former. Each of its rows is worked out here, so that the page stays true.
 
 #include <gtest/gtest.h>
 

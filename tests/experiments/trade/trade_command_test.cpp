@@ -128,7 +128,8 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
       EXPECT_EQ(figures.at("accuracy").at("n"), 3);
     }
   }
-  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png", "trade-budgets.svg", "trade-budgets.png"})
+  for (const char* figure : {"trade-accuracy.svg", "trade-accuracy.png", "trade-delay.svg", "trade-delay.png",
+                             "trade-budgets.svg", "trade-budgets.png"})
     EXPECT_TRUE(fs::is_regular_file(folder / "trade/figures" / figure)) << figure;
   const std::string csv = read_text(folder / "trade/trade.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + 2 * trade.at("points").size());

@@ -156,8 +156,8 @@ constexpr std::size_t bytes_of_tick = 16;
 }  // namespace
 
 TimedModel open_timed_model(const TimedSetting& setting) {
-  const auto classifier = std::make_shared<const model::Classifier>(model::open_classifier(
-      setting.model, 1, setting.engine, {.precision = setting.precision, .skip_empty = setting.sparse}));
+  const auto classifier = std::make_shared<const model::Classifier>(
+      model::open_classifier(setting.model, 1, setting.engine, {.precision = setting.precision, .skip_empty = setting.sparse}));
   return [classifier](events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) {
     return classifier->on_events(sensor, rendering);
   };

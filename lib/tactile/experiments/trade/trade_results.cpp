@@ -167,7 +167,8 @@ void write_trade(const json& trade, const fs::path& folder) {
 
 std::string trade_csv(const json& trade) {
   std::string csv =
-      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,width,last_pool,engine,precision,pass,confirm,filter,gate,runs,"
+      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,width,last_pool,engine,precision,pass,confirm,filter,gate,"
+      "runs,"
       "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
       "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
       "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay\n";
