@@ -196,7 +196,7 @@ void SceneRanges::add_run(std::span<const Scene> windows) {
     widen(flicker_depth, scene.flicker_depth, is_first && backgrounds.size() == 1);
     if (!scene.readout_us) continue;
     const bool is_known = readout_us.has_value();
-    if (!is_known) readout_us.emplace();
+    if (!is_known) readout_us.emplace(Range{});
     widen(*readout_us, *scene.readout_us, !is_known);
   }
   widen(background_hz, lower_median(backgrounds), is_first);
