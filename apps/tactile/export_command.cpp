@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,6 +66,29 @@ std::string input_words(const model::ModelDescription& model) {
   return fmt::format("Input: float32 [n, 1, {}, {}], a heatmap / 255", model.input.height, model.input.width);
 }
 
+/// What `--json` prints. @param has_onnx  a file was written as ONNX
+nlohmann::json export_json(const model::ModelBundle& bundle, const model::ModelDescription& model,
+                           const std::map<std::string, std::string>& metadata, double temperature,
+                           const std::vector<ExportedFile>& files, bool has_onnx) {
+  nlohmann::json json = {
+      {"model", bundle.folder.string()},
+      {"name", bundle.name()},
+      {"simulated", model.simulated},
+      {"weights_sha256", model.weights_sha256},
+      {"temperature", temperature},
+      {"classes", nlohmann::json::parse(metadata.at("classes"))},
+      {"input", nlohmann::json::parse(metadata.at("input"))},
+      {"settings", {{"rendering", model.settings.rendering}, {"network", nlohmann::json(model.settings).at("network")}}},
+      {"parameters", model::network_json(model.settings, model.input).at("parameters")},
+      {"files", json_of(files)}};
+  json["onnx"] = !has_onnx ? nlohmann::json()
+                           : nlohmann::json{{"ir_version", model::onnx_ir_version},
+                                            {"opset", model::onnx_opset},
+                                            {"input", "heatmaps"},
+                                            {"outputs", {"logits", "probabilities"}}};
+  return json;
+}
+
 void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
   const model::ModelBundle bundle = chosen_model(args.model, args.models);
@@ -106,22 +130,7 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   if (onnx) onnx->commit();
   if (safetensors) safetensors->commit();
 
-  nlohmann::json json = {
-      {"model", bundle.folder.string()},
-      {"name", bundle.name()},
-      {"simulated", model.simulated},
-      {"weights_sha256", model.weights_sha256},
-      {"temperature", temperature},
-      {"classes", nlohmann::json::parse(metadata.at("classes"))},
-      {"input", nlohmann::json::parse(metadata.at("input"))},
-      {"settings", {{"rendering", model.settings.rendering}, {"network", nlohmann::json(model.settings).at("network")}}},
-      {"parameters", model::network_json(model.settings, model.input).at("parameters")},
-      {"files", json_of(files)}};
-  json["onnx"] = !onnx ? nlohmann::json()
-                       : nlohmann::json{{"ir_version", model::onnx_ir_version},
-                                        {"opset", model::onnx_opset},
-                                        {"input", "heatmaps"},
-                                        {"outputs", {"logits", "probabilities"}}};
+  const nlohmann::json json = export_json(bundle, model, metadata, temperature, files, onnx.has_value());
   std::vector<std::vector<std::string>> rows;
   for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
