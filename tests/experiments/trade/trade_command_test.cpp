@@ -195,7 +195,7 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const std::string few =
       "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 "
       "--pass sparse --confirm 1/1 "
-      "--filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
+      "--kind lenet --filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("a larger --budget-minutes"), std::string::npos) << none.err;
