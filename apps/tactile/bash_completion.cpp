@@ -140,7 +140,7 @@ _tactile() {
 complete -F _tactile tactile
 )sh";
 
-std::string_view bash_offer_of(Completion what) {
+std::string bash_offer_of(Completion what) {
   switch (what) {
     case Completion::nothing:
       return "";
@@ -152,18 +152,9 @@ std::string_view bash_offer_of(Completion what) {
       return "_tactile_files";
     case Completion::folders:
       return "_tactile_folders";
-    case Completion::recordings:
-      return "_tactile_recordings";
-    case Completion::run_folders:
-      return "_tactile_run_folders";
-    case Completion::runs:
-      return "_tactile_runs";
-    case Completion::models:
-      return "_tactile_models";
-    case Completion::sources:
-      return "_tactile_sources";
+    default:
+      return function_of(what);
   }
-  return "";
 }
 
 /// A line of `case` for the value of an option; empty if nothing completes it.
@@ -175,7 +166,7 @@ std::string case_of(const CLI::App& command, CLI::Option& option, int& number) {
   }
   const CompletedValue value = completed_value(option);
   if (value.what == Completion::nothing) return "";
-  std::string call(bash_offer_of(value.what));
+  std::string call = bash_offer_of(value.what);
   for (const std::string& word : value.words) call += " " + shell_word(word);
   if (!value.extension.empty()) call += " " + value.extension;
   return fmt::format("    {}\\ {}) {} ;;\n", command.get_name(), key, call);

@@ -9,6 +9,23 @@ bool takes_many(const CLI::Option& option) { return option.get_expected_max() ==
 
 }  // namespace
 
+std::string function_of(Completion what) {
+  switch (what) {
+    case Completion::recordings:
+      return "_tactile_recordings";
+    case Completion::run_folders:
+      return "_tactile_run_folders";
+    case Completion::runs:
+      return "_tactile_runs";
+    case Completion::models:
+      return "_tactile_models";
+    case Completion::sources:
+      return "_tactile_sources";
+    default:
+      return "";
+  }
+}
+
 std::vector<std::string> words_of(CLI::Option& option) {
   std::vector<std::string> words;
   for (int i = 0;; ++i) {

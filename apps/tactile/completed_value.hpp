@@ -27,6 +27,9 @@ struct CompletedValue {
   std::string extension{};           ///< of `files`: "csv"; empty: all
 };
 
+/// The function that lists these values in bash and zsh: "_tactile_runs"; empty if another way completes them.
+std::string function_of(Completion what);
+
 /// The words that the checks of an option declare; none if any value is right.
 std::vector<std::string> words_of(CLI::Option& option);
 

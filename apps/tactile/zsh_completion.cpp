@@ -70,18 +70,9 @@ std::string action_of(const CompletedValue& value) {
       return value.extension.empty() ? "_files" : "_files -g \"*." + value.extension + "\"";
     case Completion::folders:
       return "_files -/";
-    case Completion::recordings:
-      return "_tactile_recordings";
-    case Completion::run_folders:
-      return "_tactile_run_folders";
-    case Completion::runs:
-      return "_tactile_runs";
-    case Completion::models:
-      return "_tactile_models";
-    case Completion::sources:
-      return "_tactile_sources";
+    default:
+      return function_of(value.what);
   }
-  return "";
 }
 
 /// What _arguments reads: '--preset=[tiny: ...]:NAME:(paper quick tiny)'.

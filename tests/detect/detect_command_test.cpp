@@ -216,19 +216,20 @@ TEST(DetectCommand, WritesBitsThatFollowTheFilter) {
           std::to_string(controller.port()),
       folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::vector<Row> told = rows_of(folder / "filtered.csv");
+  const std::vector<Row> ticks = rows_of(folder / "filtered.csv");
   const auto rises = [&](const char* column) {
     int count = 0;
-    for (std::size_t i = 0; i < told.size(); ++i) {
-      const std::string& now = told[i].at(column);
-      count += now != "none" && (i == 0 || told[i - 1].at(column) != now);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      const std::string& now = ticks[i].at(column);
+      count += now != "none" && (i == 0 || ticks[i - 1].at(column) != now);
     }
     return count;
   };
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_GE(rises("verdict"), 2);
   EXPECT_EQ(json.at("robot").at("raised"), rises("verdict"));
-  const bool differs = std::any_of(told.begin(), told.end(), [](const Row& row) { return row.at("verdict") != row.at("said"); });
+  const bool differs =
+      std::any_of(ticks.begin(), ticks.end(), [](const Row& row) { return row.at("verdict") != row.at("said"); });
   EXPECT_TRUE(differs) << "the filter changes no tick";
 }
 

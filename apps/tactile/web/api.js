@@ -58,7 +58,7 @@ const pause = (ms) =>
     setTimeout(resolve, ms);
   });
 
-/// Asks until the server has read the run. `reading(share)` tells how far it is.
+/// Asks until the server has read the run. `reading(share)` gets how far it is.
 async function whenRead(path, { signal, reading } = {}) {
   for (;;) {
     const answer = await ask(path, { signal });

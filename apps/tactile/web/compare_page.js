@@ -2,7 +2,7 @@
 
 import * as api from "./api.js";
 import { MODEL_SIGNALS, SignalStrips } from "./signal_strips.js";
-import { button, el, refill } from "./dom.js";
+import { button, el, figuresTable, refill } from "./dom.js";
 import { figureText } from "./format.js";
 import { MODEL_FIGURES, comparison, figureOf } from "./figures.js";
 import { compareAddress, runAddress } from "./router.js";
@@ -61,21 +61,7 @@ export class ComparePage {
         el("td", { "data-label": "Difference" }, comparison(a, b) || "–"),
       );
     };
-    return el(
-      "table",
-      { class: "figures" },
-      el("caption", {}, "Figures with 95 % intervals"),
-      el(
-        "thead",
-        {},
-        el(
-          "tr",
-          {},
-          ["Figure", ...this.names, "Difference"].map((words) => el("th", { scope: "col" }, words)),
-        ),
-      ),
-      el("tbody", {}, MODEL_FIGURES.map(row)),
-    );
+    return figuresTable("Figures with 95 % intervals", ["Figure", ...this.names, "Difference"], MODEL_FIGURES.map(row));
   }
 
   async #plot(name, options) {

@@ -15,6 +15,12 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
+/// A table of figures: `heads` are the words above its columns.
+export function figuresTable(caption, heads, rows) {
+  const columns = heads.map((words) => el("th", { scope: "col" }, words));
+  return el("table", { class: "figures" }, el("caption", {}, caption), el("thead", {}, el("tr", {}, columns)), el("tbody", {}, rows));
+}
+
 /// Replaces what is in `container`. The element with the same data-key has the focus afterwards, as far as there is one.
 export function refill(container, ...children) {
   const key = container.contains(document.activeElement) ? document.activeElement.dataset.key : null;

@@ -2,7 +2,7 @@
 
 import { getModels } from "./api.js";
 import { chart, onScheme, seriesColours, themed } from "./chart.js";
-import { button, el, refill } from "./dom.js";
+import { button, el, figuresTable, refill } from "./dom.js";
 import { counted, countText, figureText, whenText } from "./format.js";
 import { MODEL_FIGURES, curvesOf, figureOf, settingRows } from "./figures.js";
 import { compareAddress } from "./router.js";
@@ -65,20 +65,10 @@ export class ModelsPage {
     return el(
       "div",
       { class: "scroll", role: "region", tabindex: 0, "aria-label": "Table of models" },
-      el(
-        "table",
-        { class: "figures" },
-        el("caption", {}, `${counted(models.length, "model")}; figures with 95 % intervals, where tactile eval has made them`),
-        el(
-          "thead",
-          {},
-          el(
-            "tr",
-            {},
-            head.map((words) => el("th", { scope: "col" }, words)),
-          ),
-        ),
-        el("tbody", {}, models.map(row)),
+      figuresTable(
+        `${counted(models.length, "model")}; figures with 95 % intervals, where tactile eval has made them`,
+        head,
+        models.map(row),
       ),
     );
   }

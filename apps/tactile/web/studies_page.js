@@ -1,7 +1,7 @@
 // Results of studies, trades, stresses and evaluations; two of them side by side.
 
 import { getStudies } from "./api.js";
-import { el, refill } from "./dom.js";
+import { el, figuresTable, refill } from "./dom.js";
 import { figureText, whenText } from "./format.js";
 import { comparison, sideBySide } from "./figures.js";
 
@@ -105,21 +105,7 @@ export class StudiesPage {
       el(
         "div",
         { class: "scroll", role: "region", tabindex: 0, "aria-label": "Figures" },
-        el(
-          "table",
-          { class: "figures" },
-          el("caption", {}, "Figures with 95 % intervals"),
-          el(
-            "thead",
-            {},
-            el(
-              "tr",
-              {},
-              heads.map((words) => el("th", { scope: "col" }, words)),
-            ),
-          ),
-          el("tbody", {}, rows.map(row)),
-        ),
+        figuresTable("Figures with 95 % intervals", heads, rows.map(row)),
       ),
       this.#claims(first, second),
     );
@@ -138,25 +124,11 @@ export class StudiesPage {
         found?.in_words ? el("span", { class: "notes" }, found.in_words) : null,
       );
     };
-    return el(
-      "table",
-      { class: "figures" },
-      el("caption", {}, "Claims"),
-      el(
-        "thead",
-        {},
-        el(
-          "tr",
-          {},
-          ["Claim", first.name, ...(second ? [second.name] : [])].map((words) => el("th", { scope: "col" }, words)),
-        ),
-      ),
-      el(
-        "tbody",
-        {},
-        [...claims].map(([id, words]) =>
-          el("tr", {}, el("th", { scope: "row", "data-label": "Claim" }, words), cell(first, id), second ? cell(second, id) : null),
-        ),
+    return figuresTable(
+      "Claims",
+      ["Claim", first.name, ...(second ? [second.name] : [])],
+      [...claims].map(([id, words]) =>
+        el("tr", {}, el("th", { scope: "row", "data-label": "Claim" }, words), cell(first, id), second ? cell(second, id) : null),
       ),
     );
   }

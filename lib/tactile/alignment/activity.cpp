@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "tactile/alignment/moving_mean.hpp"
 #include "tactile/core/robust_statistics.hpp"
@@ -78,6 +79,13 @@ bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const 
   double largest = 0;
   for (const Burst& other : bursts) largest = std::max(largest, other.events);
   return burst.end - burst.begin < bins_in(brief, rate) && burst.events < small * largest;
+}
+
+std::vector<Burst> without_after_effects(std::span<const Burst> bursts, const EventRate& rate) {
+  std::vector<Burst> large;
+  std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(large),
+               [&](const Burst& burst) { return !is_after_effect(burst, rate, bursts); });
+  return large;
 }
 
 }  // namespace tactile::alignment

@@ -42,5 +42,7 @@ double events_above(const EventRate& rate, const QuietRate& quiet, std::size_t b
 /// Whether a burst is too brief and too small for a touch: less than 40 ms, with less than a tenth of the largest burst's events.
 /// A stage takes 0.1 s to press, and an arm longer to lift; tips that spring back take less.
 bool is_after_effect(const Burst& burst, const EventRate& rate, std::span<const Burst> bursts);
+/// The bursts that are no after-effect of the others, in their order.
+std::vector<Burst> without_after_effects(std::span<const Burst> bursts, const EventRate& rate);
 
 }  // namespace tactile::alignment

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -100,11 +99,9 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
 
 /// Without an IMU, the robot's clock follows from what the skin does, and a slow press is part of that.
 void read_slow_bursts(RunSignals& signals) {
-  std::vector<Burst> large;
-  std::copy_if(signals.bursts.begin(), signals.bursts.end(), std::back_inserter(large),
-               [&](const Burst& burst) { return !is_after_effect(burst, signals.rate, signals.bursts); });
   events::RecordingReader recording(signals.run.events());
-  signals.slow_bursts = slow_bursts(recording, signals.event_stream, signals.rate, large);
+  signals.slow_bursts =
+      slow_bursts(recording, signals.event_stream, signals.rate, without_after_effects(signals.bursts, signals.rate));
   for (Burst& slow : signals.slow_bursts) slow.events = events_above(signals.rate, signals.quiet, slow.begin, slow.end);
 }
 

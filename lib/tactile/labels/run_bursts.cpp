@@ -96,9 +96,8 @@ std::vector<alignment::Burst> joined_and_slow_bursts(events::RecordingReader& re
                                                      std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
                                                      std::span<const alignment::Burst> pauses) {
   bursts = join_in_lifts(rate, quiet, std::move(bursts), lifts);
-  std::vector<alignment::Burst> known(pauses.begin(), pauses.end());
-  std::copy_if(bursts.begin(), bursts.end(), std::back_inserter(known),
-               [&](const alignment::Burst& burst) { return !alignment::is_after_effect(burst, rate, bursts); });
+  std::vector<alignment::Burst> known = alignment::without_after_effects(bursts, rate);
+  known.insert(known.begin(), pauses.begin(), pauses.end());
   for (const alignment::Burst& slow : alignment::slow_bursts(recording, stream_id, rate, known))
     add_slow(slow, bursts, rate, quiet, lifts);
   std::sort(bursts.begin(), bursts.end(), [](const alignment::Burst& a, const alignment::Burst& b) { return a.begin < b.begin; });
