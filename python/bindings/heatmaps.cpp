@@ -61,7 +61,7 @@ nb::tuple render_every_tick(Recording& recording, const std::string& settings) {
     const TickRange listed = heatmaps::listed_ticks(recording.reader, recording.stream.id, options);
     if (const std::string reason = why_too_many(listed); !reason.empty())
       throw Error(recording.reader.file().string() + ": " + reason);
-    Heatmaps rendered(heatmap_size(sensor, options.factor), static_cast<std::size_t>(listed.count));
+    Heatmaps rendered(heatmaps::heatmap_size(sensor, options.factor), static_cast<std::size_t>(listed.count));
     for_every_tick(recording.reader, recording.stream.id, options,
                    [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events_in_window) {
                      rendered.ticks.push_back(tick.time_since_epoch().count());
@@ -83,7 +83,7 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
   const auto render = [&] {
     const nb::gil_scoped_release other_threads_run;
     const std::scoped_lock lock(recording.mutex);
-    Heatmaps rendered(heatmap_size(sensor, options.factor), times.size());
+    Heatmaps rendered(heatmaps::heatmap_size(sensor, options.factor), times.size());
     HeatmapRenderer renderer(sensor, options);
     std::vector<std::uint8_t> heatmap(rendered.cells());
     std::size_t next = 0;

@@ -18,7 +18,7 @@ class Lab:
         self.run("heatmaps", "--th", "40,20")
         self.run("train", "--th", "40", "--epochs", "1")
         (self.bundle,) = (folder / "models").iterdir()
-        self.run("eval", self.bundle)
+        self.run("eval", "--model", self.bundle)
         self.recording = folder / "data/fan/02/events.aedat4"
 
     def run(self, *arguments):

@@ -13,7 +13,7 @@ def engine(lab):
 
 
 def test_predictions_equal_those_of_eval(lab, engine):
-    lab.run("eval", lab.bundle, "--run", "fan/02")
+    lab.run("eval", "--model", lab.bundle, "--run", "fan/02")
     (table,) = lab.bundle.rglob("fan-02.csv")
     with open(table) as file:
         rows = list(csv.DictReader(file))
