@@ -3,6 +3,14 @@ macro(needs)
   find_package(${ARGN} REQUIRED)
 endmacro()
 include(library_dependencies)
+
+# Only the compiler and the headers of FlatBuffers are used, without its CMake package, which has different names in Debian 12 and 13.
+find_program(FLATC flatc REQUIRED)
+find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
+if(TACTILE_PYTHON)
+  return()  # the rest is for training and for the programs
+endif()
+
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
@@ -20,10 +28,6 @@ find_library(XGBOOST_LIBRARY xgboost REQUIRED)
 add_library(tactile_xgboost INTERFACE)
 target_include_directories(tactile_xgboost SYSTEM INTERFACE ${XGBOOST_INCLUDE_DIR})
 target_link_libraries(tactile_xgboost INTERFACE ${XGBOOST_LIBRARY})
-
-# Only the compiler and the headers of FlatBuffers are used, without its CMake package, which has different names in Debian 12 and 13.
-find_program(FLATC flatc REQUIRED)
-find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
 
 # Only the headers and the shared libraries of Torch are used; its CMake package also looks for the toolkits that it was built with.
 find_package(Torch REQUIRED)

@@ -21,6 +21,7 @@ std::size_t largest_content(Compression compression, std::size_t stored_size);
 class PacketBuffer {
  public:
   std::byte* data() { return bytes_.get(); }
+  const std::byte* data() const { return bytes_.get(); }
   std::size_t capacity() const { return capacity_; }
   void grow(std::size_t capacity, std::size_t kept);  ///< keeps the first `kept` bytes
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -353,6 +355,21 @@ const Stream& RecordingReader::stream(std::int32_t id) const {
 
 std::span<Event> RecordingReader::read_events(const PacketRecord& packet) {
   return state_->events(state_->index_of(packet, StreamType::events));
+}
+OwnedEvents RecordingReader::take_events(const PacketRecord& packet) {
+  const std::span<Event> events = read_events(packet);
+  const auto* first = reinterpret_cast<const std::byte*>(events.data());
+  const std::less_equal<const std::byte*> is_up_to;  // also orders pointers into different memory
+  const PacketBuffer& content = state_->content;
+  if (!events.empty() && is_up_to(content.data(), first) && is_up_to(first, content.data() + content.capacity())) {
+    return {std::exchange(state_->content, {}), events};
+  }
+  OwnedEvents copy;
+  copy.memory.grow(events.size_bytes(), 0);
+  auto* begin = reinterpret_cast<Event*>(copy.memory.data());
+  std::uninitialized_copy(events.begin(), events.end(), begin);
+  copy.events = {begin, events.size()};
+  return copy;
 }
 std::vector<ImuSample> RecordingReader::read_imu(const PacketRecord& packet) {
   return state_->imu(state_->index_of(packet, StreamType::imu));

@@ -12,6 +12,7 @@
 
 #include "tactile/events/event.hpp"
 #include "tactile/events/other_streams.hpp"
+#include "tactile/events/packet_compression.hpp"
 #include "tactile/events/raw_header.hpp"
 #include "tactile/events/stream.hpp"
 
@@ -47,6 +48,12 @@ struct RecordingProblems {
   std::uint64_t unwrapped_packets = 0;    ///< whose times were 2^32 us too early, and were corrected
   std::uint64_t missing_packets = 0;      ///< listed by an unused data table, and not in the file
   std::uint64_t missing_elements = 0;     ///< of those, according to the table
+};
+
+/// The events of one packet, with the memory that they lie in.
+struct OwnedEvents {
+  PacketBuffer memory;
+  std::span<Event> events;
 };
 
 /// An AEDAT4 recording, or a Prophesee RAW file of EVT2 or EVT3. Opening reads the header and the list of packets. Packets are
@@ -89,6 +96,9 @@ class RecordingReader {
   /// cannot be decoded is counted and gives no events.
   /// @throws Error  if the packet is not of this recording, its stream is of another type, or the file cannot be read
   std::span<Event> read_events(const PacketRecord& packet);
+  /// The same, for a caller that keeps them. They are not copied where they were decompressed alone: in an AEDAT4 recording that
+  /// is read by one thread. @throws Error  as `read_events`
+  OwnedEvents take_events(const PacketRecord& packet);
   std::vector<ImuSample> read_imu(const PacketRecord& packet);
   std::vector<Trigger> read_triggers(const PacketRecord& packet);
   std::optional<Frame> read_frame(const PacketRecord& packet);  ///< nothing if it cannot be decoded

@@ -1,0 +1,107 @@
+"""Results of `tactile eval`."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from tactile import _tactile
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A value and its 95 % interval. None where nothing was there to measure."""
+
+    value: float | None
+    low: float | None
+    high: float | None
+    n: int
+    """the runs or objects that the interval is drawn from"""
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Detection delay of one class, from the labelled onset."""
+
+    median_of_all_ms: Figure
+    """over all intervals; a missed one counts with its limit"""
+    p90_of_all_ms: Figure
+    mean_ms: Figure
+    """over the detected intervals, as the paper has it"""
+    missed: Figure
+    """share of the intervals"""
+    intervals: int
+
+
+@dataclass(frozen=True)
+class FalseAlarms:
+    """False alarms in the three forms that are reported together, and episodes of the wrong class."""
+
+    outside_labels_per_min: Figure
+    outside_motion_per_min: Figure
+    none_in_alarm: Figure
+    """share of the time without motion that is in alarm"""
+    wrong_class_per_min: Figure
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """How a model does on runs that it was not trained on."""
+
+    title: str
+    simulated: bool
+    accuracy: Figure
+    accuracy_by_object: dict[str, Figure]
+    delay: dict[str, Delay]
+    """of "press" and "slip" """
+    false_alarms: FalseAlarms
+    baselines: dict[str, Figure]
+    """accuracy of simpler methods, by name"""
+    calibration_error: Figure
+    confusion: list[list[int]]
+    """[true class][predicted class], in the order none, press, slip"""
+    everything: dict[str, Any]
+    """eval.json"""
+
+
+def _figure(entry: Any) -> Figure:
+    return Figure(entry["value"], entry["low"], entry["high"], entry["n"])
+
+
+def _delay(entry: dict[str, Any]) -> Delay:
+    median, p90, mean, missed = (_figure(entry[name]) for name in ("median_of_all", "p90_of_all", "mean", "missed"))
+    return Delay(median, p90, mean, missed, entry["intervals"])
+
+
+def read_evaluation(path: str | os.PathLike[str]) -> Evaluation:
+    """The results in eval.json, or of the folder of a model bundle. Raises Error."""
+    path = os.fspath(path)
+    if os.path.isdir(path):
+        path = os.path.join(path, "eval.json")
+    try:
+        with open(path, encoding="utf-8") as file:
+            content = json.load(file)
+        alarms = content["false_alarms"]
+        return Evaluation(
+            title=content["title"],
+            simulated=content["simulated"],
+            accuracy=_figure(content["accuracy"]["mean"]),
+            accuracy_by_object={name: _figure(entry) for name, entry in content["accuracy"]["objects"].items()},
+            delay={name: _delay(content["delay_ms"][name]) for name in ("press", "slip")},
+            false_alarms=FalseAlarms(
+                _figure(alarms["outside_labels"]["per_min"]),
+                _figure(alarms["outside_motion"]["per_min"]),
+                _figure(alarms["none_in_alarm"]["share"]),
+                _figure(alarms["wrong_class"]["per_min"]),
+            ),
+            baselines={name: _figure(entry["accuracy"]) for name, entry in content["baselines"].items()},
+            calibration_error=_figure(content["calibration"]["ece"]),
+            confusion=content["confusion"],
+            everything=content,
+        )
+    except OSError as error:
+        raise _tactile.Error(f"{path}: {error.strerror}; expected eval.json of 'tactile eval'") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise _tactile.Error(f"{path}: not as 'tactile eval' writes it ({error}); expected its eval.json") from None

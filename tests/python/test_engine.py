@@ -1,0 +1,76 @@
+import csv
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import tactile
+
+
+@pytest.fixture(scope="module")
+def engine(lab):
+    return tactile.Engine(lab.bundle)
+
+
+def test_predictions_equal_those_of_eval(lab, engine):
+    lab.run("eval", "--model", lab.bundle, "--run", "fan/02")
+    (table,) = lab.bundle.rglob("fan-02.csv")
+    with open(table) as file:
+        rows = list(csv.DictReader(file))
+    predicted = engine.predict(tactile.Recording(lab.recording))
+    assert [int(row["t_us"]) for row in rows] == predicted.t_us.tolist()
+    assert [int(row["events"]) for row in rows] == predicted.events.tolist()
+    probabilities = np.array([[float(row[f"p_{name}"]) for name in tactile.CLASSES] for row in rows])
+    assert np.abs(probabilities - predicted.probabilities).max() < 2e-6  # as the table rounds them
+    assert [row["verdict"] for row in rows] == [tactile.CLASSES[touch] for touch in predicted.classes]
+
+
+def test_heatmaps_are_classified_as_events_are(lab, engine):
+    recording = tactile.Recording(lab.recording)
+    predicted = engine.predict(recording)
+    logits = engine.classify(tactile.heatmaps(recording, engine.th_ms, tick_ms=engine.tick_ms).values)
+    assert np.array_equal(logits, predicted.logits)
+    p = np.exp(logits.astype(np.float64) / engine.temperature)
+    assert np.abs(engine.probabilities(logits) - p / p.sum(1, keepdims=True)).max() < 1e-6
+
+
+def test_a_live_stream_is_classified_as_the_recording_is(lab, engine):
+    recording = tactile.Recording(lab.recording)
+    predicted = engine.predict(recording)
+    stream, logits, next_tick = engine.stream(recording.size), [], 0
+    for events in recording.chunks():
+        stream.add(events)
+        while next_tick < len(predicted.t_us) and predicted.t_us[next_tick] <= events["t"][-1]:
+            logits.append(stream.classify(int(predicted.t_us[next_tick])))
+            assert stream.events == predicted.events[next_tick]
+            next_tick += 1
+    assert np.array_equal(np.array(logits), predicted.logits)
+
+
+def test_threads_may_share_an_engine(lab, engine):
+    expected = engine.predict(tactile.Recording(lab.recording)).logits
+    with ThreadPoolExecutor(4) as threads:
+        for predicted in threads.map(lambda _: engine.predict(tactile.Recording(lab.recording)), range(4)):
+            assert np.array_equal(predicted.logits, expected)
+
+
+def test_other_kinds_and_precisions_are_models_too(lab, engine):
+    lab.run("train", "--kind", "trees", "--rounds", "5")
+    (trees,) = [bundle for bundle in (lab.folder / "models").iterdir() if bundle != lab.bundle]
+    assert tactile.Engine(trees).predict(tactile.Recording(lab.recording)).logits.shape[1] == 3
+    with pytest.raises(tactile.Error):
+        tactile.Engine(trees).classify(np.zeros((1, 96, 128), np.uint8))
+    int8 = tactile.Engine(lab.bundle, precision="int8").predict(tactile.Recording(lab.recording))
+    exact = engine.predict(tactile.Recording(lab.recording))
+    assert 0 < np.abs(int8.logits - exact.logits).max() < 0.1 * np.abs(exact.logits).max()
+
+
+def test_what_cannot_be_used_is_named(lab, engine, tmp_path):
+    with pytest.raises(tactile.Error, match="expected uint8"):
+        engine.classify(np.zeros((1, 96, 128), np.float32))
+    with pytest.raises(tactile.Error, match="heatmaps have 95 rows of 128; expected 96 rows of 128"):
+        engine.classify(np.zeros((1, 95, 128), np.uint8))
+    with pytest.raises(tactile.Error):
+        tactile.Engine(tmp_path)
+    with pytest.raises(tactile.Error, match="int4"):
+        tactile.Engine(lab.bundle, precision="int4")

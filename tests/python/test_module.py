@@ -1,0 +1,41 @@
+"""The module as a whole: its page, its size, its types."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+import tactile
+
+SOURCES = pathlib.Path(__file__).resolve().parents[2]
+
+
+def test_the_code_of_the_page_runs(lab, monkeypatch, capsys):
+    text = (SOURCES / "docs/python.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(blocks) >= 7
+    monkeypatch.chdir(lab.folder)
+    names = {}
+    for block in blocks:
+        exec(compile(block.replace("models/NAME", str(lab.bundle)), "docs/python.md", "exec"), names)
+    assert "events brighter" in capsys.readouterr().out
+
+
+def test_it_loads_neither_libtorch_nor_opencv():
+    code = "import tactile; print(*{line.split()[-1] for line in open('/proc/self/maps') if '/' in line}, sep='\\n')"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert "_tactile" in loaded
+    assert not re.search(r"libtorch|libopencv|libavcodec", loaded)
+
+
+def test_everything_public_says_what_it_is():
+    for name in tactile.__all__:
+        thing = getattr(tactile, name)
+        if callable(thing):
+            assert thing.__doc__, name
+    package = pathlib.Path(tactile.__file__).parent
+    assert (package / "py.typed").exists() and "def take_events" in (package / "_tactile.pyi").read_text()
+
+
+def test_its_version_is_that_of_the_program(lab):
+    assert lab.run("--version").split()[1].startswith(tactile.__version__)
