@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "labels/exchange/exported.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -198,6 +199,13 @@ TEST(EditHistory, EveryEditIsUndoneAndRedoneExactlyAlsoThroughTheFile) {
   }
   EXPECT_THROW(redone(labels), Error);
   EXPECT_EQ(text_without_history(undone(labels, states.size() - 1)), states.front());
+}
+
+TEST(EditHistory, TellsHowManyEditsCanBeUndoneAndRedone) {
+  Labels labels = edit(machines(), ConfirmRun{});
+  EXPECT_EQ(test::error_of([&] { undone(labels, 2); }), "2 edits to undo, but only 1 edit made; expected at most 1");
+  labels = undone(edit(labels, ConfirmInterval{"slip-1"}));
+  EXPECT_EQ(test::error_of([&] { redone(labels, 3); }), "3 edits to redo, but only 1 edit undone; expected at most 1");
 }
 
 TEST(EditHistory, AnotherEditEndsWhatCanBeRedone) {

@@ -108,6 +108,22 @@ TEST_F(VerifyDataset, FindsEventsThatAreNotThoseOfTheRuns) {
             std::vector<std::string>{"fan/01: its events differ from those in the histories of its samples"});
 }
 
+TEST_F(VerifyDataset, RefusesSamplesAndIntervalsOfARunThatIsNotThere) {
+  for (const std::string table : {"samples", "intervals"}) {
+    fs::remove_all(data());
+    test::make_three_runs(data());
+    write_dataset(data(), file());
+    const auto broken = test::run_shell("/usr/bin/python3 -c \"import h5py; f = h5py.File('dataset.h5', 'r+'); f['" + table +
+                                            "/run'][-1] = len(f['runs/object'])\"",
+                                        data());
+    if (broken.exit_code != 0) GTEST_SKIP() << "h5py is missing: this test did not run";
+    const std::string error = test::error_of([&] { Dataset dataset(file()); });
+    EXPECT_NE(error.find(table == "samples" ? "the samples are not sorted by run and time" : "an interval belongs to no run"),
+              std::string::npos)
+        << error;
+  }
+}
+
 TEST_F(VerifyDataset, ReportsDamageAndEndsWithTwo) {
   test::make_three_runs(data());
   EXPECT_NE(test::error_of([&] { verify_dataset(data(), file()); }).find("no such dataset"), std::string::npos);
