@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
 #include "experiments/slurm_cluster.hpp"
 #include "support/error_of.hpp"
+#include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -33,7 +35,7 @@ TEST(Slurm, ThatIsNotInstalledIsNamed) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder.path().c_str(), 1);
   const std::string error = test::error_of([&] {
-    run_on_slurm({{"one", {}, folder / "one.log", "key"}}, {.program = "/bin/true"}, folder / "slurm", {});
+    run_on_slurm({{"one", {}, folder / "one.log", "key"}}, ProcessesOptions{}, folder / "slurm", {});
   });
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(error, "scontrol: there is no such program; expected Slurm's commands on this machine, or --executor local");
@@ -54,8 +56,10 @@ class SlurmJobs : public testing::Test {
 
   /// A task that writes a line to NAME.txt, after further commands.
   ProcessPlan task(const std::string& name, const std::string& commands = "true") const {
-    return {
-        name, {"-c", commands + " && echo done >>" + file(name + ".txt")}, folder_ / "logs" / (name + ".log"), "key-of-" + name};
+    return {name,
+            {"-c", commands + " && echo done >>" + file(name + ".txt")},
+            folder_ / "logs" / (name + ".log"),
+            "key-of-" + name.substr(name.find(' ') + 1)};
   }
   void run(const std::vector<ProcessPlan>& plans) { run_on_slurm(plans, how_, folder_ / "slurm", slurm_); }
 
@@ -147,6 +151,29 @@ TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnother) {
   run({plan});
   EXPECT_TRUE(killed);
   EXPECT_EQ(text("one.txt"), "done\n");
+}
+
+TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
+  const std::string study =
+      "reproduce --preset tiny --objects plastic-container,water-bottle --th 20,40 --held-out plastic-container --epochs 1 "
+      "--threads "
+      "2 --no-report";
+  for (const std::string where : {"local", "slurm:short"}) {
+    fs::create_directory(folder_ / where);
+    const auto result = test::run_tactile(study + " --executor " + where, folder_ / where);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  std::map<std::string, nlohmann::json> studies;
+  for (const std::string where : {"local", "slurm:short"}) {
+    nlohmann::json& made = studies[where] = read_json(folder_ / where / "study/study.json");
+    for (auto& step : made.at("steps")) {
+      step.erase("seconds");
+      step.erase("finished_at");
+    }
+  }
+  EXPECT_EQ(studies.at("slurm:short"), studies.at("local"));
+  EXPECT_TRUE(read_json(folder_ / "slurm:short/study/slurm/jobs.json").empty());
+  EXPECT_FALSE(fs::exists(folder_ / "local/study/slurm"));
 }
 
 }  // namespace
