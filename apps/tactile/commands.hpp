@@ -36,6 +36,7 @@ void add_trade_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_judge_command(CLI::App& app);
 void add_pages_command(CLI::App& app);
 
 // Loading libtorch, OpenCV and libav takes more time and memory than many commands need. Therefore there are three programs. Each
@@ -80,6 +81,7 @@ consteval auto command_table() {
       CommandEntry{"report", Program::runs, add_report_command},
       CommandEntry{"export", Program::runs, add_export_command},
       CommandEntry{"doctor", Program::model, add_doctor_command},
+      CommandEntry{"judge", Program::model, add_judge_command},
       CommandEntry{"pages", Program::model, add_pages_command},
   };
 }

@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "executor_arguments.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
@@ -51,6 +52,7 @@ struct ReproduceArguments {
   int last_pool = 2;
   bool include_flagged = false, strict = false;
   bool without_report = false;
+  ExecutorArguments executor;
 };
 
 /// "all", or a whole number >= 0.
@@ -98,6 +100,7 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   options.network.width = args.width;
   options.network.last_pool = args.last_pool;
   options.threads = common.threads;
+  options.slurm = slurm_of(args.executor);
   return options;
 }
 
@@ -301,6 +304,7 @@ void add_reproduce_command(CLI::App& app) {
       .show_default();
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
+  add_executor_options(command, args->executor);
   command.add_flag("--no-report", args->without_report, "Do not write the report");
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--out", args->out, "Output folder of the study").show_default();

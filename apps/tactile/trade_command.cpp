@@ -12,6 +12,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "executor_arguments.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
@@ -56,6 +57,7 @@ struct TradeArguments {
   std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms, at_most_missed;
   std::string at_most_delay;
   std::string apply;
+  ExecutorArguments executor;
 };
 
 /// The converted values, each once, in the order of the first.
@@ -168,6 +170,7 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
                          args.at_most_missed};
   options.program = fs::read_symlink("/proc/self/exe");
   options.threads = common.threads;
+  options.slurm = slurm_of(args.executor);
   return options;
 }
 
@@ -427,6 +430,7 @@ void add_trade_command(CLI::App& app) {
   command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
   command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
+  add_executor_options(command, args->executor);
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--out", args->out, "Output folder").show_default();
 }

@@ -30,17 +30,6 @@ struct Child {
   Clock::time_point begun{};
 };
 
-/// The last line that is not empty, without the program's name.
-std::string last_words(const fs::path& log) {
-  std::ifstream file(log);
-  std::string last;
-  for (std::string line; std::getline(file, line);) {
-    if (!line.empty()) last = line;
-  }
-  constexpr std::string_view name = "tactile: ";
-  return last.starts_with(name) ? last.substr(name.size()) : last;
-}
-
 ChildProcess start(const ProcessPlan& plan, const fs::path& program) {
   fs::create_directories(plan.log.parent_path());
   const int log = ::open(plan.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
@@ -67,7 +56,7 @@ void stop(std::vector<Child>& children) {
 
 std::string why_it_failed(const ProcessPlan& plan, int status) {
   if (WIFSIGNALED(status)) return fmt::format("it was killed by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
-  const std::string words = last_words(plan.log);
+  const std::string words = last_message(plan.log);
   if (!words.empty()) return words;
   return fmt::format("it ended with {} and no message", WEXITSTATUS(status));
 }
@@ -103,6 +92,16 @@ void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& opti
 }
 
 }  // namespace
+
+std::string last_message(const fs::path& log) {
+  std::ifstream file(log);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  constexpr std::string_view name = "tactile: ";
+  return last.starts_with(name) ? last.substr(name.size()) : last;
+}
 
 void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options) {
   std::vector<Child> children;

@@ -12,6 +12,7 @@ struct ProcessPlan {
   std::string name;                    ///< for messages
   std::vector<std::string> arguments;  ///< after the program's name
   std::filesystem::path log;           ///< replaced by what the process writes to stderr; its stdout is not kept
+  std::string key = {};                ///< identifies the work; only `run_on_slurm` uses it
 };
 
 struct ProcessesOptions {
@@ -26,5 +27,8 @@ struct ProcessesOptions {
 /// If one fails, or an exception leaves a callback, the others get SIGINT, and SIGKILL after ten seconds.
 /// @throws Error  that names the process that failed and its last message; whatever `while_waiting` or `ended` throws
 void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options);
+
+/// The last line of a log that is not empty, without the program's name; empty if there is none.
+std::string last_message(const std::filesystem::path& log);
 
 }  // namespace tactile::experiments

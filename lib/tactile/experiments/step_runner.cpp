@@ -119,7 +119,7 @@ void StepRunner::finish(const Step& step, double seconds) {
 }
 
 void StepRunner::run(const Step& step) {
-  if (step.arguments) return run_side_by_side({step});
+  if (is_a_process(step)) return run_side_by_side({step});
   if (find_done(step)) return;
   begin(step);
   report(step, false);
@@ -138,7 +138,7 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   const std::size_t first_record = records_.size();
   std::vector<const Step*> due;
   for (const Step& step : steps) {
-    if (!step.arguments) {
+    if (!is_a_process(step)) {
       run(step);
     } else if (!find_done(step)) {
       due.push_back(&step);
@@ -160,23 +160,27 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
     const bool other_inputs = !known.key.empty() && known.key != key_of(*step);
     // `arguments` removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between
     // would make the old leftovers look like the new step's own.
-    plans.push_back({step->command,
-                     step->arguments({.begun_with_other_inputs = other_inputs, .made_outputs = known.made_outputs}),
-                     options_.folder / "logs" / (step->name + ".log")});
+    plans.push_back({command_or_name(*step),
+                     step->arguments
+                         ? step->arguments({.begun_with_other_inputs = other_inputs, .made_outputs = known.made_outputs})
+                         : step->on_cluster(),
+                     options_.folder / "logs" / (step->name + ".log"), key_of(*step)});
     begin(*step);
   }
   std::size_t ended = 0;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  run_processes(
-      plans, {.program = options_.program,
-              .at_once = options_.threads,
-              .while_waiting = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); },
-              .begun = [&](std::size_t index) { report(*due[index], false); },
-              .ended =
-                  [&](std::size_t index, double seconds) {
-                    finish(*due[index], seconds);
-                    ++ended;
-                  }});
+  const std::string_view what = !due.empty() && due.front()->arguments ? "trainings" : "judged models";
+  const ProcessesOptions how{
+      .program = options_.program,
+      .at_once = options_.threads,
+      .while_waiting = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} {}", ended, due.size(), what)); },
+      .begun = [&](std::size_t index) { report(*due[index], false); },
+      .ended =
+          [&](std::size_t index, double seconds) {
+            finish(*due[index], seconds);
+            ++ended;
+          }};
+  options_.slurm ? run_on_slurm(plans, how, options_.folder / "slurm", *options_.slurm) : run_processes(plans, how);
 }
 
 }  // namespace tactile::experiments

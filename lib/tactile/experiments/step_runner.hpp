@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tactile/core/progress.hpp"
+#include "tactile/experiments/slurm.hpp"
 
 namespace tactile::experiments {
 
@@ -26,6 +27,8 @@ struct Step {
 
   std::function<void(const ProgressCallback&)> work = {};  ///< runs in this process; empty if `arguments` are given
   std::function<std::vector<std::string>(const StepPast&)> arguments = {};  ///< of a process that does the work
+  /// On a cluster: of a process that does `work` there. Empty: this process always does it.
+  std::function<std::vector<std::string>()> on_cluster = {};
   std::string description = {};  ///< reported while it runs: "training 3 of 11: t_h 20 ms"; the name if empty
 };
 
@@ -49,6 +52,7 @@ struct StepRunnerOptions {
   unsigned threads = 1;           ///< number of processes that run side by side, > 0
   NewProgress new_progress = {};
   StepCallback on_step = {};
+  std::optional<SlurmOptions> slurm = {};  ///< the processes run on a cluster, in `folder/slurm`; nothing: on this machine
 };
 
 /// Runs steps and keeps a record of each in `folder/steps`. A step whose key and outputs equal its record is not done again. An
@@ -60,7 +64,8 @@ class StepRunner {
   /// @throws Error  that names the step's command, or the step, and what went wrong
   void run(const Step& step);
 
-  /// Runs steps that do not depend on each other. Those with `arguments` run side by side, in one process each.
+  /// Runs steps that do not depend on each other. Those with `arguments` run side by side, in one process each; on a cluster also
+  /// those with `on_cluster`.
   void run_side_by_side(const std::vector<Step>& steps);
 
   /// Steps that were run or found done, in order.
@@ -84,6 +89,7 @@ class StepRunner {
   void begin(const Step& step) const;
   void report(const Step& step, bool kept) const;
   void finish(const Step& step, double seconds);
+  bool is_a_process(const Step& step) const { return step.arguments || (options_.slurm && step.on_cluster); }
   void run_processes_of(const std::vector<const Step*>& due);
 
   StepRunnerOptions options_;

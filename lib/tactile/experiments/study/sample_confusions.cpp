@@ -4,6 +4,8 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/evaluation/evaluation.hpp"
+#include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::study {
 
@@ -32,6 +34,17 @@ std::vector<results::RunConfusion> confusions_of_runs(std::span<const NamedConfu
     chosen.push_back({{found->object, run.substr(run.find('/') + 1), training}, found->confusion});
   }
   return chosen;
+}
+
+void judge_samples(const windows::Dataset& dataset, const SampleJudgement& judgement, const std::filesystem::path& file,
+                   const ProgressCallback& progress) {
+  const model::Classifier classifier = model::open_classifier(judgement.bundle, judgement.threads, judgement.engine);
+  const auto confusions =
+      evaluation::sample_confusions(dataset, classifier, judgement.runs, {.threads = judgement.threads}, progress);
+  const std::vector<std::string> names = names_of(dataset, judgement.runs);
+  std::vector<NamedConfusion> named;
+  for (std::size_t i = 0; i < names.size(); ++i) named.push_back({names[i], confusions[i].object, confusions[i].confusion});
+  write_confusions(file, named);
 }
 
 }  // namespace tactile::study

@@ -13,7 +13,8 @@ StudySummary run_study(const StudyOptions& requested, const experiments::NewProg
                                   .program = options.program,
                                   .threads = options.threads,
                                   .new_progress = new_progress,
-                                  .on_step = on_step});
+                                  .on_step = on_step,
+                                  .slurm = options.slurm});
   const PreparedData prepared = prepare_data(options, runner, warn);
   const windows::Dataset dataset(prepared.dataset);
   const StudyPlan plan = plan_study(options, dataset, warn);

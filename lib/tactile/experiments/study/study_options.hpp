@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tactile/core/time.hpp"
+#include "tactile/experiments/slurm.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/windows/split.hpp"
@@ -40,6 +41,7 @@ struct StudyOptions {
   model::LeNetOptions network{};                       ///< of every model
   model::EngineKind engine = model::EngineKind::fast;  ///< runs the models
   std::filesystem::path program = "/proc/self/exe";    ///< trains
+  std::optional<experiments::SlurmOptions> slurm{};    ///< trainings run on a cluster; nothing: on this machine
   unsigned threads = 0;                                ///< 0: as many as the machine has cores
 };
 

@@ -1,5 +1,7 @@
 #include "tactile/experiments/study/train_models.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -8,7 +10,6 @@
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/study/sample_confusions.hpp"
 #include "tactile/experiments/training_step.hpp"
-#include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::study {
 namespace {
@@ -21,30 +22,34 @@ experiments::Step step_to_train(const StudyPlan& plan, const StudyModel& model) 
 
 experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model) {
   const auto file = samples_file(plan, model);
-  return experiments::file_step("judge-" + model.name(),
-                                with_engine({{"manifest", plan.dataset.manifest_hash()},
-                                             {"weights", model::read_description(model.bundle).weights_sha256},
-                                             {"runs", names_of(plan.dataset, model.runs)}},
-                                            plan.options.engine),
-                                file, [&plan, model, file](const ProgressCallback& progress) {
-                                  const unsigned threads = plan.options.threads;
-                                  const model::Classifier classifier =
-                                      model::open_classifier(model.bundle.folder, threads, plan.options.engine);
-                                  const auto confusions = evaluation::sample_confusions(plan.dataset, classifier, model.runs,
-                                                                                        {.threads = threads}, progress);
-                                  const std::vector<std::string> names = names_of(plan.dataset, model.runs);
-                                  std::vector<NamedConfusion> named;
-                                  for (std::size_t i = 0; i < names.size(); ++i)
-                                    named.push_back({names[i], confusions[i].object, confusions[i].confusion});
-                                  write_confusions(file, named);
-                                });
+  const std::vector<std::string> runs = names_of(plan.dataset, model.runs);
+  experiments::Step step = experiments::file_step(
+      "judge-" + model.name(),
+      with_engine({{"manifest", plan.dataset.manifest_hash()},
+                   {"weights", model::read_description(model.bundle).weights_sha256},
+                   {"runs", runs}},
+                  plan.options.engine),
+      file, [&plan, model, file](const ProgressCallback& progress) {
+        judge_samples(plan.dataset, {model.bundle.folder, model.runs, plan.options.engine, plan.options.threads}, file, progress);
+      });
+  step.on_cluster = [&plan, model, file, runs] {
+    return std::vector<std::string>{"judge",     plan.dataset.file().string(),
+                                    "--model",   model.bundle.folder.string(),
+                                    "--runs",    fmt::format("{}", fmt::join(runs, ",")),
+                                    "--out",     file.string(),
+                                    "--engine",  std::string(name_of(plan.options.engine)),
+                                    "--threads", "1"};
+  };
+  return step;
 }
 
 void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& models, experiments::StepRunner& runner) {
   std::vector<experiments::Step> steps;
   for (const StudyModel& model : models) steps.push_back(step_to_train(plan, model));
   runner.run_side_by_side(steps);
-  for (const StudyModel& model : models) runner.run(step_to_judge(plan, model));
+  steps.clear();
+  for (const StudyModel& model : models) steps.push_back(step_to_judge(plan, model));
+  runner.run_side_by_side(steps);
 }
 
 /// The history where no run is left to choose one on: that of another training was chosen on runs that this one reports on.

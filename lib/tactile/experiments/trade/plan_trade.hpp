@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/slurm.hpp"
 #include "tactile/experiments/trade/cost_growth.hpp"
 #include "tactile/experiments/trade/experiment_design.hpp"
 #include "tactile/experiments/trade/front_probability.hpp"
@@ -40,6 +41,7 @@ struct TradeOptions {
   GrowthOptions growth_options{};
   TradeConstraints constraints{};
   std::filesystem::path program = "/proc/self/exe";  ///< trains
+  std::optional<experiments::SlurmOptions> slurm{};  ///< trainings run on a cluster; nothing: on this machine
   unsigned threads = 0;                              ///< 0: as many as the machine has cores
 };
 

@@ -77,7 +77,8 @@ TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProg
        .program = options.program,
        .threads = options.threads,
        .new_progress = [&] { return budget.limited(new_progress ? new_progress() : ProgressCallback{}); },
-       .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); }});
+       .on_step = [&](const std::string& step, bool kept) { parts.on_step(step, kept); },
+       .slurm = options.slurm});
   const TradePlan plan = plan_trade(options, dataset);
   NetworkTrainer trainer(plan, runner, budget);
   const Stage stage{plan, trainer, runner, budget};

@@ -1,0 +1,63 @@
+#include "executor_arguments.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <sstream>
+
+#include "option_checks.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile::cli {
+namespace {
+
+std::string check_executor(const std::string& name) {
+  if (name == "local") return "";
+  try {
+    experiments::slurm_named(name);
+    return "";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+bool asked_to_cancel() {
+  if (::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0) {
+    fmt::print(stderr,
+               "\nCancel the jobs on the cluster? Otherwise they go on, and the same command collects them later. [y/N] ");
+    std::string answer;
+    std::getline(std::cin, answer);
+    if (answer == "y" || answer == "Y" || answer == "yes") return true;
+  }
+  spdlog::warn("the jobs on the cluster go on; the same command collects them later");
+  return false;
+}
+
+}  // namespace
+
+void add_executor_options(Command& command, ExecutorArguments& args) {
+  command
+      .add_option("--executor", args.executor,
+                  "Where trainings run: local, on this machine; slurm, as jobs of a Slurm cluster; slurm:PARTITION. Data, models "
+                  "and output must then be in folders that all nodes share")
+      .check(Check{check_executor, "local|slurm[:PARTITION]"})
+      .show_default();
+  command.add_option("--sbatch", args.sbatch, "Further options for sbatch, such as \"--time=2:00:00 --account=lab\"")
+      .type_name("WORDS");
+}
+
+std::optional<experiments::SlurmOptions> slurm_of(const ExecutorArguments& args) {
+  if (args.executor == "local") {
+    if (args.sbatch.empty()) return std::nullopt;
+    throw Error("--sbatch: the executor is local; expected --executor slurm with it");
+  }
+  experiments::SlurmOptions slurm = experiments::slurm_named(args.executor);
+  std::istringstream words(args.sbatch);
+  for (std::string word; words >> word;) slurm.sbatch.push_back(word);
+  slurm.cancel = asked_to_cancel;
+  return slurm;
+}
+
+}  // namespace tactile::cli

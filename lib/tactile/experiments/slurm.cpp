@@ -1,0 +1,292 @@
+#include "tactile/experiments/slurm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/core/whole_file.hpp"
+#include "tactile/experiments/slurm_commands.hpp"
+
+namespace tactile::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// What a task leaves when its process has ended.
+struct Mark {
+  std::string key;
+  int code = 0;
+  double seconds = 0;
+};
+
+/// A process as a task of a job.
+struct Task {
+  std::size_t index = 0;  ///< in the plans
+  std::string name;       ///< of its files
+  std::string id;         ///< "12_3"
+  unsigned attempts = 0;
+  unsigned looks_without_it = 0;  ///< at which Slurm did not run it, and there was no mark
+  bool begun = false, ended = false;
+};
+
+/// The tasks of one call, and their files in `folder`.
+class Jobs {
+ public:
+  Jobs(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder, const SlurmOptions& slurm)
+      : plans_(plans), options_(options), folder_(fs::absolute(folder)), slurm_(slurm) {
+    fs::create_directories(folder_ / "ended");
+    for (std::size_t i = 0; i < plans.size(); ++i) tasks_.push_back({.index = i, .name = plans[i].log.stem().string(), .id = {}});
+  }
+
+  void run();
+  void cancel() const;
+  bool all_ended() const {
+    return std::all_of(tasks_.begin(), tasks_.end(), [](const Task& task) { return task.ended; });
+  }
+
+ private:
+  fs::path mark_of(const Task& task) const { return folder_ / "ended" / task.name; }
+  std::optional<Mark> read_mark(const Task& task) const;
+  void find_earlier_tasks();
+  void remember() const;
+  void submit(std::vector<Task*> tasks);
+  std::string script_of(const std::vector<Task*>& tasks) const;
+  void look();
+  bool look_for_mark(Task& task);
+  std::vector<Task*> lost_tasks(const std::map<std::string, std::string>& states);
+  void check_may_repeat(const Task& task, const std::string& state) const;
+
+  const std::vector<ProcessPlan>& plans_;
+  const ProcessesOptions& options_;
+  fs::path folder_;
+  const SlurmOptions& slurm_;
+  std::vector<Task> tasks_;
+  Clock::time_point last_answer_ = Clock::now();
+};
+
+std::optional<Mark> Jobs::read_mark(const Task& task) const {
+  std::ifstream file(mark_of(task));
+  Mark mark;
+  double milliseconds = 0;
+  if (!(file >> mark.key >> mark.code >> milliseconds) || mark.key != plans_[task.index].key) return std::nullopt;
+  mark.seconds = milliseconds / 1e3;
+  return mark;
+}
+
+/// Takes over tasks of this work that were submitted before. Files that cannot be read mean that there are none.
+void Jobs::find_earlier_tasks() {
+  nlohmann::json jobs;
+  try {
+    jobs = read_json(folder_ / "jobs.json");
+  } catch (const Error&) {
+    return;
+  }
+  for (Task& task : tasks_) {
+    const auto found = jobs.find(task.name);
+    if (found == jobs.end() || !found->is_object() || found->value("key", "") != plans_[task.index].key) continue;
+    task.id = found->value("task", "");
+  }
+}
+
+void Jobs::remember() const {
+  nlohmann::json jobs = nlohmann::json::object();
+  for (const Task& task : tasks_) {
+    if (!task.id.empty()) jobs[task.name] = {{"key", plans_[task.index].key}, {"task", task.id}};
+  }
+  write_json(folder_ / "jobs.json", jobs);
+}
+
+/// One branch for each task. Its mark appears in one step. A process that a signal ended leaves none: it is to be repeated.
+std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
+  std::string script = fmt::format(
+      "#!/bin/sh\n"
+      "# The tasks of a job array.\n"
+      "cd {} || exit 1\n"
+      "run() {{  # NAME KEY LOG PROGRAM WORD...\n"
+      "  name=$1 key=$2 log=$3\n"
+      "  shift 3\n"
+      "  begun=$(date +%s%N)\n"
+      "  \"$@\" </dev/null >/dev/null 2>\"$log\"\n"
+      "  code=$?\n"
+      "  [ $code -lt 128 ] || return $code\n"
+      "  mark={}/$name\n"
+      "  echo \"$key $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
+      "  return $code\n"
+      "}}\n"
+      "case $SLURM_ARRAY_TASK_ID in\n",
+      shell_word(fs::current_path().string()), shell_word((folder_ / "ended").string()));
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const ProcessPlan& plan = plans_[tasks[i]->index];
+    script += fmt::format("{}) run {} {} {} {}", i, shell_word(tasks[i]->name), shell_word(plan.key),
+                          shell_word(fs::absolute(plan.log).string()), shell_word(options_.program.string()));
+    for (const std::string& word : plan.arguments) script += " " + shell_word(word);
+    script += " ;;\n";
+  }
+  return script + "esac\n";
+}
+
+void Jobs::submit(std::vector<Task*> tasks) {
+  const std::size_t most = largest_array();
+  for (std::size_t first = 0; first < tasks.size(); first += most) {
+    const std::vector<Task*> part(tasks.begin() + static_cast<std::ptrdiff_t>(first),
+                                  tasks.begin() + static_cast<std::ptrdiff_t>(std::min(tasks.size(), first + most)));
+    for (const Task* task : part) {
+      fs::remove(mark_of(*task));
+      fs::create_directories(plans_[task->index].log.parent_path());
+    }
+    const std::string text = script_of(part);
+    const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
+    write_whole(script, text);
+    std::vector<std::string> words{"--job-name=tactile", "--requeue",          "--ntasks=1",
+                                   "--cpus-per-task=1",  "--open-mode=append", "--output=" + (folder_ / "slurm.log").string()};
+    if (!slurm_.partition.empty()) words.push_back("--partition=" + slurm_.partition);
+    words.insert(words.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
+    const std::string job = submit_array(script, part.size(), words);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      part[i]->id = fmt::format("{}_{}", job, i);
+      part[i]->looks_without_it = 0;
+      ++part[i]->attempts;
+    }
+    remember();
+  }
+}
+
+/// Whether the task has ended. @throws Error  if its process failed
+bool Jobs::look_for_mark(Task& task) {
+  if (task.id.empty()) return false;  // of work that was done long ago, and is due again
+  const std::optional<Mark> mark = read_mark(task);
+  if (!mark) return false;
+  const ProcessPlan& plan = plans_[task.index];
+  if (mark->code != 0) {
+    const std::string words = last_message(plan.log);
+    throw Error(fmt::format("'{}' failed: {}", plan.name,
+                            words.empty() ? fmt::format("it ended with {} and no message", mark->code) : words));
+  }
+  if (!task.begun && options_.begun) options_.begun(task.index);
+  if (options_.ended) options_.ended(task.index, mark->seconds);
+  task.begun = task.ended = true;
+  task.id.clear();
+  remember();
+  fs::remove(mark_of(task));
+  return true;
+}
+
+void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
+  static const std::set<std::string> may_repeat{"NODE_FAIL", "BOOT_FAIL", "PREEMPTED", "TIMEOUT", "REVOKED", ""};
+  const std::string& name = plans_[task.index].name;
+  if (state == "OUT_OF_MEMORY")
+    throw Error(
+        fmt::format("'{}' failed: job {} needed more memory than it was given; expected --sbatch with more, such as "
+                    "\"--mem=4G\"",
+                    name, task.id));  // clang-format off
+  if (state == "CANCELLED") throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
+  if (!may_repeat.contains(state))
+    throw Error(fmt::format("'{}' failed: Slurm ended job {} as {}, and there is no {}; expected a folder that all nodes share "
+                            "(what Slurm printed: {})", name, task.id, state, mark_of(task).string(), (folder_ / "slurm.log").string()));
+  if (task.attempts >= slurm_.attempts)
+    throw Error(fmt::format("'{}' failed: Slurm ended it {} times, the last time as {}; expected more time or other nodes, by "
+                            "--sbatch", name, task.attempts, state.empty() ? "forgotten" : state));
+  // clang-format on
+}
+
+/// The tasks that Slurm no longer runs, and that left no mark: a mark may reach this machine some seconds late.
+std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& states) {
+  static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
+                                           "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
+  constexpr unsigned patience = 4;
+  std::vector<Task*> lost;
+  for (Task& task : tasks_) {
+    if (task.ended) continue;
+    const auto found = states.find(task.id);
+    if (found != states.end() && alive.contains(found->second)) {
+      task.looks_without_it = 0;
+      if (found->second == "RUNNING" && !task.begun) {
+        task.begun = true;
+        if (options_.begun) options_.begun(task.index);
+      }
+      continue;
+    }
+    if (!task.id.empty() && ++task.looks_without_it < patience) continue;
+    if (!task.id.empty()) check_may_repeat(task, found != states.end() ? found->second : accounted_state(task.id));
+    lost.push_back(&task);
+  }
+  return lost;
+}
+
+/// One look at the marks and the queue; submits what no job does.
+void Jobs::look() {
+  std::set<std::string> jobs;
+  for (Task& task : tasks_) {
+    if (!task.ended && !look_for_mark(task) && !task.id.empty()) jobs.insert(task.id.substr(0, task.id.find('_')));
+  }
+  if (all_ended()) return;
+  std::map<std::string, std::string> states;
+  try {
+    states = task_states(jobs);
+    last_answer_ = Clock::now();
+  } catch (const Error&) {
+    if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw;
+    return;  // the scheduler restarts, or is busy
+  }
+  if (std::vector<Task*> lost = lost_tasks(states); !lost.empty()) submit(std::move(lost));
+}
+
+void Jobs::run() {
+  find_earlier_tasks();
+  while (true) {
+    look();
+    if (all_ended()) return;
+    for (const auto end = Clock::now() + slurm_.poll; Clock::now() < end;) {
+      if (options_.while_waiting) options_.while_waiting();
+      std::this_thread::sleep_for(std::min<std::chrono::milliseconds>(std::chrono::milliseconds(50), slurm_.poll));
+    }
+  }
+}
+
+void Jobs::cancel() const {
+  std::vector<std::string> ids;
+  for (const Task& task : tasks_) {
+    if (!task.ended && !task.id.empty()) ids.push_back(task.id);
+  }
+  cancel_tasks(ids);
+}
+
+}  // namespace
+
+SlurmOptions slurm_named(const std::string& name) {
+  const std::string begin = "slurm";
+  SlurmOptions options;
+  if (name == begin) return options;
+  if (name.starts_with(begin + ":") && name.size() > begin.size() + 1) {
+    options.partition = name.substr(begin.size() + 1);
+    return options;
+  }
+  throw Error(fmt::format("executor '{}': expected local, slurm or slurm:PARTITION", name));
+}
+
+void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
+                  const SlurmOptions& slurm) {
+  if (plans.empty()) return;
+  Jobs jobs(plans, options, folder, slurm);
+  try {
+    jobs.run();
+  } catch (const Error&) {
+    jobs.cancel();
+    throw;
+  } catch (...) {
+    if (slurm.cancel && slurm.cancel()) jobs.cancel();
+    throw;
+  }
+}
+
+}  // namespace tactile::experiments

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tactile/experiments/processes.hpp"
+
+namespace tactile::experiments {
+
+/// How processes run on a cluster.
+struct SlurmOptions {
+  std::string partition;                  ///< empty: the site's default
+  std::vector<std::string> sbatch;        ///< further words for sbatch, which come last: "--time=2:00:00"
+  std::function<bool()> cancel;           ///< whether to cancel the jobs if the waiting is interrupted. Empty: they are left
+  std::chrono::milliseconds poll{3'000};  ///< between two looks at the queue, of one call each
+  unsigned attempts = 4;                  ///< of a task whose node fails, whose time ends, or that is preempted
+};
+
+/// "slurm" or "slurm:PARTITION". @throws Error  if it is neither
+SlurmOptions slurm_named(const std::string& name);
+
+/// Runs the processes as tasks of job arrays, and waits for them. `plans[].key` tells whether a task that was submitted earlier
+/// does this work: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run again.
+///
+/// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
+/// `ended/` for each task that has ended: these files, and not the queue, tell that a task is done.
+///
+/// A task that Slurm ends before its process has ended is submitted again, up to `attempts` times: what runs must be able to
+/// resume. Out of memory, cancelled and any other end is an error. If a process fails, the other tasks are cancelled.
+/// @throws Error  as `run_processes`; also if Slurm's commands are missing, refuse the jobs, or do not answer for five minutes
+void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const std::filesystem::path& folder,
+                  const SlurmOptions& slurm);
+
+}  // namespace tactile::experiments

@@ -1,0 +1,141 @@
+#include "tactile/experiments/slurm_commands.hpp"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <sstream>
+#include <system_error>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/core/process.hpp"
+
+namespace tactile::experiments {
+namespace {
+
+/// A file in memory that a process prints to.
+class Printed {
+ public:
+  Printed() : descriptor_(::memfd_create("printed", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "memfd_create");
+  }
+  ~Printed() { ::close(descriptor_); }
+  Printed(const Printed&) = delete;
+  Printed& operator=(const Printed&) = delete;
+
+  int descriptor() const { return descriptor_; }
+
+  std::string text() const {
+    std::string text;
+    std::array<char, 1 << 16> piece{};
+    while (true) {
+      const ssize_t size = ::pread(descriptor_, piece.data(), piece.size(), static_cast<off_t>(text.size()));
+      if (size <= 0) return text;
+      text.append(piece.data(), static_cast<std::size_t>(size));
+    }
+  }
+
+ private:
+  int descriptor_;
+};
+
+struct Answer {
+  bool succeeded = false;
+  std::string printed, complaint;  ///< stdout; stderr in one line
+};
+
+std::string in_one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  for (char& letter : text) {
+    if (letter == '\n') letter = ' ';
+  }
+  return text;
+}
+
+/// @throws Error  if there is no such program
+Answer answer_of(const std::string& program, const std::vector<std::string>& arguments) {
+  const Printed out, err;
+  try {
+    // Its own group: Ctrl-C must not end a command of Slurm half-way.
+    ChildProcess process(
+        {.program = program, .arguments = arguments, .out = out.descriptor(), .err = err.descriptor(), .own_group = true});
+    const int status = process.wait();
+    return {WIFEXITED(status) && WEXITSTATUS(status) == 0, out.text(), in_one_line(err.text())};
+  } catch (const std::system_error&) {
+    throw Error(program + ": there is no such program; expected Slurm's commands on this machine, or --executor local");
+  }
+}
+
+std::string joined(const std::set<std::string>& words) { return fmt::format("{}", fmt::join(words, ",")); }
+
+}  // namespace
+
+std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words) {
+  std::vector<std::string> arguments{"--parsable", fmt::format("--array=0-{}", tasks - 1)};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  arguments.push_back(script.string());
+  const Answer answer = answer_of("sbatch", arguments);
+  const std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
+  if (answer.succeeded && whole_number_in(job)) return job;
+  throw Error(
+      fmt::format("sbatch refused the jobs: {}; expected a partition and options that the cluster takes", answer.complaint));
+}
+
+std::map<std::string, std::string> task_states(const std::set<std::string>& jobs) {
+  std::map<std::string, std::string> states;
+  if (jobs.empty()) return states;
+  const Answer answer =
+      answer_of("squeue", {"--noheader", "--array", "--states=all", "--format=%i %T", "--jobs=" + joined(jobs)});
+  // Slurm forgets jobs some minutes after their end, and then complains of the number.
+  if (!answer.succeeded && answer.complaint.find("Invalid job id") == std::string::npos)
+    throw Error("squeue does not answer: " + answer.complaint);
+  std::istringstream lines(answer.printed);
+  for (std::string task, state; lines >> task >> state;) states[task] = state;
+  return states;
+}
+
+std::string accounted_state(const std::string& task) {
+  try {
+    const Answer answer = answer_of("sacct", {"--noheader", "--allocations", "--parsable2", "--format=State", "--jobs=" + task});
+    std::istringstream words(answer.succeeded ? answer.printed : "");
+    std::string state;
+    words >> state;  // "CANCELLED by 1000" is CANCELLED
+    return state;
+  } catch (const Error&) {
+    return "";
+  }
+}
+
+void cancel_tasks(const std::vector<std::string>& tasks) {
+  constexpr std::size_t at_once = 500;  // a command's arguments have a limit
+  for (std::size_t first = 0; first < tasks.size(); first += at_once) {
+    std::vector<std::string> arguments{"--quiet"};
+    for (std::size_t i = first; i < std::min(tasks.size(), first + at_once); ++i) arguments.push_back(tasks[i]);
+    try {
+      answer_of("scancel", arguments);
+    } catch (const Error&) {
+      return;
+    }
+  }
+}
+
+std::size_t largest_array() {
+  constexpr std::size_t usual = 1001;
+  const Answer answer = answer_of("scontrol", {"show", "config"});
+  std::istringstream lines(answer.printed);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("MaxArraySize")) continue;
+    const std::size_t digits = line.find_first_of("0123456789");
+    if (digits == std::string::npos) break;
+    const auto size = whole_number_in(line.substr(digits));
+    return size && *size > 0 ? static_cast<std::size_t>(*size) : usual;
+  }
+  return usual;
+}
+
+}  // namespace tactile::experiments

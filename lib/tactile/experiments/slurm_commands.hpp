@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tactile::experiments {
+
+/// Submits an array of `tasks` tasks. @return  the job's number. @throws Error  with what sbatch prints
+std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words);
+
+/// The states of the tasks of these jobs that Slurm still knows, by "12_3": "PENDING", "RUNNING", "NODE_FAIL", …
+/// @throws Error  if squeue does not answer
+std::map<std::string, std::string> task_states(const std::set<std::string>& jobs);
+
+/// The last state of a task by the site's accounting; empty if it has none.
+std::string accounted_state(const std::string& task);
+
+void cancel_tasks(const std::vector<std::string>& tasks);  ///< as many as Slurm still knows; never throws
+
+/// The most tasks of one array here.
+std::size_t largest_array();
+
+}  // namespace tactile::experiments

@@ -1,0 +1,180 @@
+#include "tactile/experiments/slurm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "experiments/slurm_cluster.hpp"
+#include "support/error_of.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+
+namespace tactile::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Slurm, IsNamedWithOrWithoutAPartition) {
+  EXPECT_EQ(slurm_named("slurm").partition, "");
+  EXPECT_EQ(slurm_named("slurm:gpu").partition, "gpu");
+  for (const char* name : {"slurm:", "Slurm", "lsf"})
+    EXPECT_EQ(test::error_of([&] { slurm_named(name); }),
+              "executor '" + std::string(name) + "': expected local, slurm or slurm:PARTITION");
+}
+
+TEST(Slurm, ThatIsNotInstalledIsNamed) {
+  const test::TemporaryFolder folder;
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", folder.path().c_str(), 1);
+  const std::string error = test::error_of([&] {
+    run_on_slurm({{"one", {}, folder / "one.log", "key"}}, ProcessesOptions{}, folder / "slurm", {});
+  });
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(error, "scontrol: there is no such program; expected Slurm's commands on this machine, or --executor local");
+}
+
+/// On a cluster of its own. The machine may be unable to start one: then the message says so.
+class SlurmJobs : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const std::string lacks = test::SlurmCluster::what_lacks(); !lacks.empty()) GTEST_SKIP() << "no cluster here: " << lacks;
+    cluster_.emplace();
+    ASSERT_TRUE(cluster_->is_up());
+    how_.program = "/bin/sh";
+    how_.begun = [this](std::size_t index) { begun_.push_back(index); };
+    how_.ended = [this](std::size_t index, double) { ended_.push_back(index); };
+    slurm_.poll = std::chrono::milliseconds(200);
+  }
+
+  /// A task that writes a line to NAME.txt, after further commands.
+  ProcessPlan task(const std::string& name, const std::string& commands = "true") const {
+    return {name,
+            {"-c", commands + " && echo done >>" + file(name + ".txt")},
+            folder_ / "logs" / (name + ".log"),
+            "key-of-" + name.substr(name.find(' ') + 1)};
+  }
+  void run(const std::vector<ProcessPlan>& plans) { run_on_slurm(plans, how_, folder_ / "slurm", slurm_); }
+
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::string text(const std::string& name) const { return test::text_in_file(folder_ / name); }
+  static std::string queue() { return test::run_shell("squeue --noheader --array --format='%i %T'").out; }
+
+  test::TemporaryFolder folder_;
+  std::optional<test::SlurmCluster> cluster_;
+  ProcessesOptions how_;
+  SlurmOptions slurm_;
+  std::vector<std::size_t> begun_, ended_;
+};
+
+TEST_F(SlurmJobs, EachRunOnceInArraysOfTheLargestSizeAndAreReported) {
+  std::vector<ProcessPlan> plans;
+  for (int i = 0; i < 7; ++i) plans.push_back(task("task " + std::to_string(i)));  // MaxArraySize is 4
+  for (ProcessPlan& plan : plans) plan.arguments[1] = "true && echo done >>'" + file(plan.name + ".txt") + "'";
+  run(plans);
+  for (const ProcessPlan& plan : plans) EXPECT_EQ(text(plan.name + ".txt"), "done\n");
+  EXPECT_EQ(std::set(ended_.begin(), ended_.end()).size(), 7U);
+  EXPECT_EQ(std::set(begun_.begin(), begun_.end()).size(), 7U);
+  EXPECT_TRUE(fs::is_empty(folder_ / "slurm/ended"));
+  EXPECT_TRUE(read_json(folder_ / "slurm/jobs.json").empty());
+}
+
+TEST_F(SlurmJobs, ThatFailNameTheirLastMessageAndEndTheOthers) {
+  const std::string error = test::error_of([&] {
+    run({task("good", "sleep 1000"), task("bad", "echo tactile: no light >&2; exit 3")});
+  });
+  EXPECT_EQ(error, "'bad' failed: no light");
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+  EXPECT_EQ(text("good.txt"), "");
+}
+
+struct Interrupted {};
+
+TEST_F(SlurmJobs, AreLeftWhenTheWaitingIsInterruptedAndCollectedLater) {
+  const std::vector<ProcessPlan> plans{task("short"), task("long", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done")};
+  how_.while_waiting = [&] {
+    if (ended_.size() == 1 && begun_.size() == 2) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  const std::string id = read_json(folder_ / "slurm/jobs.json").at("long").at("task");
+  EXPECT_NE(queue().find(id + " RUNNING"), std::string::npos);
+
+  std::ofstream(file("go")) << "now";
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));  // it ends while nobody waits
+  how_.while_waiting = {};
+  run({plans[1]});
+  EXPECT_EQ(ended_, (std::vector<std::size_t>{0, 0}));
+  EXPECT_EQ(text("long.txt"), "done\n");
+}
+
+TEST_F(SlurmJobs, AreCancelledWhereAPersonWantsIt) {
+  slurm_.cancel = [] { return true; };
+  how_.while_waiting = [&] {
+    if (!begun_.empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run({task("long", "sleep 1000")}), Interrupted);
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+}
+
+TEST_F(SlurmJobs, OfOtherWorkOfTheSameNameAreNotTakenForIt) {
+  run({task("one")});
+  ProcessPlan other = task("one");
+  other.key = "another";
+  run({other});
+  EXPECT_EQ(text("one.txt"), "done\ndone\n");
+}
+
+TEST_F(SlurmJobs, AreRefusedWithTheWordsOfSbatch) {
+  slurm_.partition = "none";
+  const std::string error = test::error_of([&] { run({task("one")}); });
+  EXPECT_NE(error.find("sbatch refused the jobs: "), std::string::npos) << error;
+  EXPECT_NE(error.find("artition"), std::string::npos) << error;
+}
+
+TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnother) {
+  // The first attempt never ends by itself.
+  const ProcessPlan plan = task("one", "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }");
+  bool killed = false;
+  how_.while_waiting = [&] {
+    if (killed || !fs::exists(file("first"))) return;
+    std::ofstream(file("second")) << "now";
+    cluster_->kill_busy_node();
+    killed = true;
+  };
+  run({plan});
+  EXPECT_TRUE(killed);
+  EXPECT_EQ(text("one.txt"), "done\n");
+}
+
+TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
+  const std::string study =
+      "reproduce --preset tiny --objects plastic-container,water-bottle --th 20,40 --held-out plastic-container --epochs 1 "
+      "--threads "
+      "2 --no-report";
+  for (const std::string where : {"local", "slurm:short"}) {
+    fs::create_directory(folder_ / where);
+    const auto result = test::run_tactile(study + " --executor " + where, folder_ / where);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  std::map<std::string, nlohmann::json> studies;
+  for (const std::string where : {"local", "slurm:short"}) {
+    nlohmann::json& made = studies[where] = read_json(folder_ / where / "study/study.json");
+    for (auto& step : made.at("steps")) {
+      step.erase("seconds");
+      step.erase("finished_at");
+    }
+  }
+  EXPECT_EQ(studies.at("slurm:short"), studies.at("local"));
+  EXPECT_TRUE(read_json(folder_ / "slurm:short/study/slurm/jobs.json").empty());
+  EXPECT_FALSE(fs::exists(folder_ / "local/study/slurm"));
+}
+
+}  // namespace
+}  // namespace tactile::experiments
