@@ -53,6 +53,16 @@ TEST(UdpRecords, AreAsTheTableInFormatHasThem) {
   EXPECT_EQ(at<std::uint8_t>(record, 63), 0);
 }
 
+TEST(UdpRecords, HaveOneBitForEachPropertyOfATick) {
+  for (std::uint8_t bits = 0; bits < 8; ++bits) {
+    ReportedTick tick = made_tick();
+    tick.verdict.gated = (bits & 1) != 0;
+    tick.due.by_events = (bits & 2) == 0;
+    tick.incomplete = (bits & 4) != 0;
+    EXPECT_EQ(at<std::uint8_t>(verdict_record(tick, HostTime{microseconds{1'250}}), 62), bits);
+  }
+}
+
 TEST(UdpRecords, HoldCountsThatDoNotFit) {
   ReportedTick tick = made_tick();
   tick.verdict.events = std::uint64_t{1} << 40;

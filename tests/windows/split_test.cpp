@@ -38,6 +38,13 @@ TEST(UnseenSplit, TrainsOnOneRunOfTheOthersAndTestsOnEveryRunOfTheHeldOut) {
   EXPECT_EQ(split.test_runs, (Indexes{3, 4, 5, 6}));
 }
 
+TEST(Split, NamesRunsInTheOrderOfTheDatasetWhereverObjectsStand) {
+  const std::vector<RunName> runs{{"fan", "02"}, {"box", "02"}, {"fan", "01"}, {"box", "01"}};
+  const Split split = split_runs(runs, {});
+  EXPECT_EQ(split.train_runs, (Indexes{2, 3}));
+  EXPECT_EQ(split.test_runs, (Indexes{0, 1}));
+}
+
 TEST(Split, TakesTheNextWholeRunInPlaceOfATrainingRunWithoutSamples) {
   auto runs = three_objects();
   runs[0].has_samples = false;
