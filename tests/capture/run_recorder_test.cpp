@@ -245,15 +245,15 @@ TEST_F(RunRecorderTest, ReportsOnceAStreamThatEndsWhileEventsContinue) {
   auto imu = std::make_unique<MadeSource>("made:imu", std::vector{imu_stream()},
                                           [](CameraPacket&, std::chrono::milliseconds) { return CameraSource::Received::ended; });
   const auto silent = [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); };
-  std::vector<std::string> told;
+  std::vector<std::string> logged;
   RunRecorder recorder(sources_of(event_source(silent), std::move(imu)), nullptr, nullptr,
-                       {.log = [&](const std::string& text) { told.push_back(text); }});
+                       {.log = [&](const std::string& text) { logged.push_back(text); }});
   const RunFolder run = make_run_folder(data.path(), "fan");
   recorder.begin({.run = run, .session = "", .duration = {}});
-  EXPECT_TRUE(test::comes_true([&] { return recorder.state().ended.empty() && !told.empty(); }));
+  EXPECT_TRUE(test::comes_true([&] { return recorder.state().ended.empty() && !logged.empty(); }));
   EXPECT_EQ(recorder.state().ended, "");
   recorder.end("interrupted");
-  EXPECT_EQ(told, std::vector<std::string>{"made:imu: has ended, and the run continues without it"});
+  EXPECT_EQ(logged, std::vector<std::string>{"made:imu: has ended, and the run continues without it"});
   const nlohmann::json sources = read_json(run.info()).at("sources");
   EXPECT_TRUE(sources.at(0).at("ended").is_null());
   EXPECT_TRUE(sources.at(1).at("ended").is_number_integer());

@@ -45,15 +45,15 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
       const auto live = run_tactile(
           "detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed " + speed + options, folder);
       ASSERT_EQ(live.exit_code, 0) << live.err;
-      const std::vector<Row> told = rows_of(folder / "live.csv");
-      ASSERT_EQ(told.size(), offline.size()) << options;
+      const std::vector<Row> reported = rows_of(folder / "live.csv");
+      ASSERT_EQ(reported.size(), offline.size()) << options;
       for (std::size_t i = 0; i < offline.size(); ++i) {
         for (const char* column : {"t_us", "verdict", "events"})
-          ASSERT_EQ(told[i].at(column), offline[i].at(column)) << column << " of tick " << i << options;
-        ASSERT_NEAR(std::stod(told[i].at("p_slip")), std::stod(offline[i].at("p_slip")), 1e-5);
+          ASSERT_EQ(reported[i].at(column), offline[i].at(column)) << column << " of tick " << i << options;
+        ASSERT_NEAR(std::stod(reported[i].at("p_slip")), std::stod(offline[i].at("p_slip")), 1e-5);
       }
       const auto json = nlohmann::json::parse(live.out);
-      EXPECT_EQ(json.at("ticks").at("told"), offline.size());
+      EXPECT_EQ(json.at("ticks").at("reported"), offline.size());
       EXPECT_EQ(json.at("ticks").at("skipped"), 0);
       EXPECT_TRUE(json.at("ticks").at("late").is_null()) << "what is played has no deadline";
       EXPECT_TRUE(json.at("ticks").at("missed_share").is_null());
@@ -122,10 +122,10 @@ TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   if (!faults.contains("behind") && !faults.contains("stopped")) {
     EXPECT_EQ(json.at("events").at("dropped"), 0);
   }
-  const std::vector<Row> told = rows_of(folder / "stream.csv");
-  ASSERT_GT(told.size(), 10U);
+  const std::vector<Row> reported = rows_of(folder / "stream.csv");
+  ASSERT_GT(reported.size(), 10U);
   std::int64_t last = 0;
-  for (const Row& row : told) {
+  for (const Row& row : reported) {
     const std::int64_t t = std::stoll(row.at("t_us"));
     EXPECT_EQ(t % 2'000, 0);
     EXPECT_GT(t, last);
@@ -137,7 +137,7 @@ TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   }
 }
 
-/// The run's events, and one so long behind the last.
+/// The run's events, and one so long after the last.
 fs::path with_an_event_ahead(const fs::path& name, microseconds ahead) {
   const fs::path folder = trained().folder.path();
   const events::RecordingReader recording(folder / "data/fan/02/events.aedat4");
@@ -166,7 +166,7 @@ TEST(DetectCommand, RejectsARecordingWithATimeAYearAheadLikeEval) {
   const auto piece =
       run_tactile("detect --quiet --json --model small --speed 0 --duration 0.4 --from file:" + file.string(), folder);
   EXPECT_EQ(piece.exit_code, 0) << piece.err;
-  EXPECT_EQ(nlohmann::json::parse(piece.out).at("ticks").at("told"), 200);
+  EXPECT_EQ(nlohmann::json::parse(piece.out).at("ticks").at("reported"), 200);
 }
 
 TEST(DetectCommand, AgreesWithEvalThroughASilence) {
@@ -181,11 +181,11 @@ TEST(DetectCommand, AgreesWithEvalThroughASilence) {
   const auto result =
       run_tactile("detect --quiet --model small --speed 0 --ticks minute.csv --from file:" + file.string(), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::vector<Row> told = rows_of(folder / "minute.csv");
-  ASSERT_EQ(told.size(), offline.size());
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    ASSERT_EQ(told[i].at("t_us"), offline[i].first);
-    ASSERT_EQ(told[i].at("events"), offline[i].second);
+  const std::vector<Row> reported = rows_of(folder / "minute.csv");
+  ASSERT_EQ(reported.size(), offline.size());
+  for (std::size_t i = 0; i < reported.size(); ++i) {
+    ASSERT_EQ(reported[i].at("t_us"), offline[i].first);
+    ASSERT_EQ(reported[i].at("events"), offline[i].second);
   }
 }
 

@@ -161,19 +161,19 @@ TEST(DetectCommand, SendsARecordEachTick) {
                       std::to_string(listener.port),
                   trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::vector<Row> told = rows_of(trained().folder.path() / "udp.csv");
+  const std::vector<Row> reported = rows_of(trained().folder.path() / "udp.csv");
   std::size_t got = 0;
   for (std::array<char, 100> bytes{}; ::recv(listener.socket, bytes.data(), bytes.size(), MSG_DONTWAIT) == 64; ++got) {
     std::uint64_t number = 0;
     std::int64_t t = 0;
     std::memcpy(&number, bytes.data() + 8, sizeof number);
     std::memcpy(&t, bytes.data() + 16, sizeof t);
-    ASSERT_LT(number, told.size());
-    EXPECT_EQ(std::to_string(t), told[number].at("t_us"));
-    EXPECT_EQ(told[number].at("verdict"), bytes[60] == 0 ? "none" : bytes[60] == 1 ? "press" : "slip");
+    ASSERT_LT(number, reported.size());
+    EXPECT_EQ(std::to_string(t), reported[number].at("t_us"));
+    EXPECT_EQ(reported[number].at("verdict"), bytes[60] == 0 ? "none" : bytes[60] == 1 ? "press" : "slip");
   }
   const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json.at("udp").at("sent").get<std::size_t>() + json.at("udp").at("failed").get<std::size_t>(), told.size());
+  EXPECT_EQ(json.at("udp").at("sent").get<std::size_t>() + json.at("udp").at("failed").get<std::size_t>(), reported.size());
   EXPECT_GT(got, 0U);
 }
 
@@ -212,13 +212,13 @@ TEST(DetectCommand, RecordsTheRun) {
 
 TEST(DetectCommand, DrawsVerdictsWithLabelsAndTruth) {
   const fs::path folder = trained().folder.path();
-  const auto result = run_tactile("detect --model small --from file:data/fan/02 --speed 0 --plot told.svg", folder);
+  const auto result = run_tactile("detect --model small --from file:data/fan/02 --speed 0 --plot drawn.svg", folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("Drawn in told.svg"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("Drawn in drawn.svg"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("no deadline"), std::string::npos) << result.out;
   EXPECT_EQ(result.out.find("a tick late"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("slip  at "), std::string::npos) << result.out;
-  const std::string svg = read_text(folder / "told.svg");
+  const std::string svg = read_text(folder / "drawn.svg");
   EXPECT_NE(svg.find("labelled"), std::string::npos);
   EXPECT_NE(svg.find("first right verdict"), std::string::npos);
 }
@@ -237,7 +237,7 @@ TEST(DetectCommand, EndsAtCtrlCAndAfterItsDuration) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("ended"), "interrupted");
-  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+  EXPECT_GT(json.at("ticks").at("reported").get<int>(), 0);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(DetectCommand, ReportsGarbageAndTheTicksBeforeIt) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("4294967295"), std::string::npos) << result.err;
   const auto json = nlohmann::json::parse(result.out);
-  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+  EXPECT_GT(json.at("ticks").at("reported").get<int>(), 0);
   EXPECT_EQ(json.at("faults").at("kinds").at("broken"), 1);
 }
 
@@ -83,7 +83,7 @@ TEST(DetectCommand, EndsWithAStreamThatCloses) {
   const auto json = detected_from([](auto&) {}, "--reconnect 86400", 0);
   EXPECT_EQ(json.at("ended"), "source ended");
   EXPECT_TRUE(json.at("faults").at("kinds").empty()) << json.at("faults");
-  EXPECT_GT(json.at("ticks").at("told").get<int>(), 0);
+  EXPECT_GT(json.at("ticks").at("reported").get<int>(), 0);
 }
 
 TEST(DetectCommand, ReportsThatItGaveUpABrokenStream) {
@@ -150,7 +150,7 @@ TEST(DetectCommand, ReportsAClockOf31BitsThatStartedAgain) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("its time went back by 2147.48"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("trying to open it again"), std::string::npos) << result.err;
-  EXPECT_GT(nlohmann::json::parse(result.out).at("ticks").at("told").get<int>(), 0);
+  EXPECT_GT(nlohmann::json::parse(result.out).at("ticks").at("reported").get<int>(), 0);
 }
 
 }  // namespace

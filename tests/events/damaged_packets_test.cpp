@@ -231,7 +231,7 @@ TEST_F(DamagedRecording, ReadsPacketsThatCompressManyTimes) {
 }
 
 /// As a writer makes it that aligns to the root offset instead of the size prefix.
-std::string event_payload_aligned_behind_prefix(const std::vector<Event>& events) {
+std::string event_payload_aligned_after_prefix(const std::vector<Event>& events) {
   std::string payload = event_payload(events);
   payload.insert(28, 4, '\0');  // the vector moves by four
   put(payload, 24, std::uint32_t{8});
@@ -240,7 +240,7 @@ std::string event_payload_aligned_behind_prefix(const std::vector<Event>& events
 
 TEST_F(DamagedRecording, ReadsEventsAlignedToTheRootOffset) {
   const auto events = row_of_events(100, 33);
-  RecordingReader recording = reader_of(file_start(0, one_camera) + packet(0, event_payload_aligned_behind_prefix(events)));
+  RecordingReader recording = reader_of(file_start(0, one_camera) + packet(0, event_payload_aligned_after_prefix(events)));
   const auto read = recording.read_events(recording.packets()[0]);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.data()) % alignof(Event), 0U);
   EXPECT_TRUE(std::equal(read.begin(), read.end(), events.begin(), events.end()));

@@ -33,7 +33,7 @@ constexpr std::size_t most_undrained = std::size_t{1} << 20;  // [bytes] then th
 
 std::byte byte_of(int value) { return static_cast<std::byte>(value); }
 
-/// What all connections share; the server's thread alone touches it, but for what is atomic or behind the mutex.
+/// What all connections share; the server's thread alone touches it, but for what is atomic or guarded by the mutex.
 struct Shared {
   FakeControllerOptions options;
   Random random{1};

@@ -11,7 +11,7 @@
 namespace tactile::test {
 namespace {
 
-// The script: what the stage is told, and the lift's trapezoid.
+// The script: what the stage is commanded to do, and the lift's trapezoid.
 constexpr double press_s = 1.0, lift_s = 2.5, lower_s = 4.2, release_s = 5.5;
 constexpr double lift_speed = 0.06, lift_acceleration = 1.2, lift_length_s = 1.0;
 

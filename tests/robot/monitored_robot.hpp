@@ -21,8 +21,8 @@
 
 namespace tactile::test {
 
-/// What the monitor told, kept over its threads.
-class Told {
+/// What the monitor logs, kept over its threads.
+class MonitorLog {
  public:
   void operator()(const std::string& text) {
     const std::lock_guard lock(mutex_);
@@ -42,12 +42,12 @@ class Told {
   std::string lines_;
 };
 
-inline robot::RobotMonitorOptions options_for(const FakeController& controller, Told* told = nullptr) {
+inline robot::RobotMonitorOptions options_for(const FakeController& controller, MonitorLog* messages = nullptr) {
   robot::RobotMonitorOptions options;
   options.host = "127.0.0.1";
   options.port = controller.port();
   options.patience = std::chrono::seconds{30};
-  if (told != nullptr) options.log = [told](const std::string& text) { (*told)(text); };
+  if (messages != nullptr) options.log = [messages](const std::string& text) { (*messages)(text); };
   return options;
 }
 

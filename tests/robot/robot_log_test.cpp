@@ -202,12 +202,12 @@ TEST(RobotLog, ReportsWhenItsOutputsChange) {
                            row("0.5", ",", "0,0,True,3") + "\n" + row("0.6", ",", "0,0,True,3") + "\n";
   const RobotLogFile file = read_file(text);
   ASSERT_EQ(file.pieces.size(), 2U);
-  std::string told;
+  std::string changes_as_text;
   for (const OutputChange& change : file.pieces[0].output_changes) {
-    told += change.output + " " + std::to_string(change.from) + ">" + std::to_string(change.to) + " " +
-            std::to_string(us_of(change.last_before)) + ".." + std::to_string(us_of(change.at)) + "\n";
+    changes_as_text += change.output + " " + std::to_string(change.from) + ">" + std::to_string(change.to) + " " +
+                       std::to_string(us_of(change.last_before)) + ".." + std::to_string(us_of(change.at)) + "\n";
   }
-  EXPECT_EQ(told,
+  EXPECT_EQ(changes_as_text,
             "digital output 0 1>0 1008000..1024000\ndigital output 17 0>1 1008000..1024000\n"
             "output_bit_register_34 0>1 1008000..1024000\noutput_bit_register_127 0>1 1008000..1024000\n"
             "output_int_register_0 -7>12 1008000..1024000\n"

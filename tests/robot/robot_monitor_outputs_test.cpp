@@ -29,9 +29,9 @@ using test::FakeController;
 using test::FakeControllerOptions;
 using test::has_all_that_was_sent;
 using test::has_rows;
+using test::MonitorLog;
 using test::numbers_in_column;
 using test::options_for;
-using test::Told;
 
 TEST(RobotMonitor, AsksForTheControllersHighestFrequency) {
   const auto step_of = [](const FakeControllerOptions& fake, double frequency_hz) {
@@ -71,11 +71,12 @@ TEST(RobotMonitor, ReportsWhatTheControllerRefuses) {
 TEST(RobotMonitor, GoesWithoutWhatTheControllerDoesNotHave) {
   FakeController controller({.not_found = {"safety_status", "actual_tool_accelerometer"}});
   const test::TemporaryFolder folder;
-  Told told;
-  auto options = options_for(controller, &told);
+  MonitorLog messages;
+  auto options = options_for(controller, &messages);
   options.extra_fields = {"output_bit_register_4711"};
   RobotMonitor monitor(options);
-  EXPECT_TRUE(told.has("the robot has no actual_tool_accelerometer, safety_status, output_bit_register_4711")) << told.all();
+  EXPECT_TRUE(messages.has("the robot has no actual_tool_accelerometer, safety_status, output_bit_register_4711"))
+      << messages.all();
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 10));
   monitor.stop_log();
@@ -110,12 +111,12 @@ TEST(RobotMonitor, ReportsTheNewestValues) {
 TEST(RobotMonitor, LeavesOutRowsThatAreNoNumbers) {
   FakeController controller({.sends_nan = true});
   const test::TemporaryFolder folder;
-  Told told;
-  RobotMonitor monitor(options_for(controller, &told));
+  MonitorLog messages;
+  RobotMonitor monitor(options_for(controller, &messages));
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 100));
   monitor.stop_log();
-  EXPECT_TRUE(told.has("not finite numbers")) << told.all();
+  EXPECT_TRUE(messages.has("not finite numbers")) << messages.all();
   EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), monitor.state().rows);
   EXPECT_GE(monitor.state().missing, 9U);
 }
@@ -196,12 +197,12 @@ TEST(RobotMonitor, CountsStartsOfTheClockBetweenLogsToo) {
 
 TEST(RobotMonitor, RefusesAControllerWithoutARequiredNumber) {
   FakeController controller;
-  Told told;
-  auto options = options_for(controller, &told);
+  MonitorLog messages;
+  auto options = options_for(controller, &messages);
   options.required_fields = {"output_bit_register_64", "output_bit_register_4711"};
   EXPECT_NE(complaint_of([&] { RobotMonitor monitor(options); }).find("has no output 'output_bit_register_4711'"),
             std::string::npos);
-  EXPECT_EQ(told.all(), "");
+  EXPECT_EQ(messages.all(), "");
   options.required_fields = {"actual_TCP_pose"};
   EXPECT_NE(complaint_of([&] { RobotMonitor monitor(options); }).find("'actual_TCP_pose' is a VECTOR6D"), std::string::npos);
   options.required_fields = {"output_bit_register_64"};
@@ -212,15 +213,15 @@ TEST(RobotMonitor, RefusesAControllerWithoutARequiredNumber) {
 TEST(RobotMonitor, ReportsARepeatedMessageOnceAndItsCountAtTheEnd) {
   FakeController controller({.text_every = 7});
   const test::TemporaryFolder folder;
-  Told told;
+  MonitorLog messages;
   {
-    RobotMonitor monitor(options_for(controller, &told));
+    RobotMonitor monitor(options_for(controller, &messages));
     monitor.start_log(folder / "robot.csv");
     ASSERT_TRUE(has_rows(monitor, 100));
   }
   const std::string words = "warning of the robot: RTDE: please stand by";
-  EXPECT_TRUE(told.has(words + "\n")) << told.all();
-  EXPECT_TRUE(told.has(words + " (came ")) << told.all();
+  EXPECT_TRUE(messages.has(words + "\n")) << messages.all();
+  EXPECT_TRUE(messages.has(words + " (came ")) << messages.all();
 }
 
 TEST(RobotMonitor, ReportsThatNothingAnswers) {

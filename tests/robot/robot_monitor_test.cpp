@@ -24,9 +24,9 @@ using test::FakeController;
 using test::FakeControllerOptions;
 using test::has_all_that_was_sent;
 using test::has_rows;
+using test::MonitorLog;
 using test::numbers_in_column;
 using test::options_for;
-using test::Told;
 
 struct LogGaps {
   std::uint64_t gaps = 0, missing = 0;
@@ -47,15 +47,15 @@ LogGaps gaps_in(const std::filesystem::path& file) {
 TEST(RobotMonitor, LogsEveryPackageHoweverTheStreamIsCut) {
   FakeController controller({.split_writes = true, .text_every = 7});
   const test::TemporaryFolder folder;
-  Told told;
-  RobotMonitor monitor(options_for(controller, &told));
+  MonitorLog messages;
+  RobotMonitor monitor(options_for(controller, &messages));
   EXPECT_EQ(monitor.state().controller, "5.11.6.1071234");
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 300));
   monitor.stop_log();
 
   EXPECT_TRUE(has_all_that_was_sent(folder / "robot.csv", controller));
-  EXPECT_TRUE(told.has("warning of the robot: RTDE: please stand by"));
+  EXPECT_TRUE(messages.has("warning of the robot: RTDE: please stand by"));
   EXPECT_EQ(monitor.state().gaps, 0U);
   EXPECT_EQ(monitor.state().missing, 0U);
   EXPECT_EQ(monitor.state().rows, numbers_in_column(folder / "robot.csv", "timestamp").size());
@@ -68,7 +68,7 @@ TEST(RobotMonitor, WritesWhatTheRobotSentByItsNames) {
   options.extra_fields = {"output_bit_register_64", "output_int_register_1"};
   RobotMonitor monitor(options);
   monitor.start_log(folder / "robot.csv");
-  // The press and the lift are told by then.
+  // The press and the lift are logged by then.
   ASSERT_TRUE(comes_true([&] { return monitor.newest("output_int_register_0") == 3.0; }));
   monitor.stop_log();
 
@@ -159,8 +159,8 @@ TEST(RobotMonitor, MarksARestartOfTheControllersClock) {
 TEST(RobotMonitor, ConnectsAgainAndMarksTheGap) {
   FakeController controller;
   const test::TemporaryFolder folder;
-  Told told;
-  RobotMonitor monitor(options_for(controller, &told));
+  MonitorLog messages;
+  RobotMonitor monitor(options_for(controller, &messages));
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 100));
   controller.listen(false);
@@ -168,16 +168,16 @@ TEST(RobotMonitor, ConnectsAgainAndMarksTheGap) {
   ASSERT_TRUE(comes_true([&] { return !monitor.state().connected; }));
   EXPECT_FALSE(monitor.newest("timestamp").has_value());
   EXPECT_EQ(monitor.state().rate_hz, 0.0);
-  EXPECT_TRUE(comes_true([&] { return told.has("robot gone (tcp://127.0.0.1:" + std::to_string(controller.port())); }))
-      << told.all();
+  EXPECT_TRUE(comes_true([&] { return messages.has("robot gone (tcp://127.0.0.1:" + std::to_string(controller.port())); }))
+      << messages.all();
   // Some attempts find nobody.
-  ASSERT_TRUE(comes_true([&] { return told.has("robot still gone"); }));
+  ASSERT_TRUE(comes_true([&] { return messages.has("robot still gone"); }));
   const std::uint64_t rows = monitor.state().rows;
   controller.listen(true);
   ASSERT_TRUE(has_rows(monitor, rows + 50));
   monitor.stop_log();
 
-  EXPECT_TRUE(comes_true([&] { return told.has("robot is back after"); })) << told.all();
+  EXPECT_TRUE(comes_true([&] { return messages.has("robot is back after"); })) << messages.all();
   EXPECT_EQ(monitor.state().reconnects, 1U);
   EXPECT_EQ(monitor.state().gaps, 1U);
   const RobotLogFile file = read_robot_log(folder / "robot.csv");
@@ -215,15 +215,15 @@ TEST(RobotMonitor, LeavesAControllerThatSendsGarbageAndConnectsAgain) {
   for (const auto& [words, do_evil] : evils) {
     FakeController controller;
     const test::TemporaryFolder folder;
-    Told told;
-    RobotMonitor monitor(options_for(controller, &told));
+    MonitorLog messages;
+    RobotMonitor monitor(options_for(controller, &messages));
     monitor.start_log(folder / "robot.csv");
     ASSERT_TRUE(has_rows(monitor, 20)) << words;
     do_evil(controller);
-    ASSERT_TRUE(comes_true([&] { return monitor.state().reconnects == 1; })) << words << "\n" << told.all();
+    ASSERT_TRUE(comes_true([&] { return monitor.state().reconnects == 1; })) << words << "\n" << messages.all();
     ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20)) << words;
     monitor.stop_log();
-    EXPECT_TRUE(told.has(words)) << told.all();
+    EXPECT_TRUE(messages.has(words)) << messages.all();
     EXPECT_EQ(read_robot_log(folder / "robot.csv").longest().states.size(), monitor.state().rows) << words;
   }
 }
@@ -231,16 +231,16 @@ TEST(RobotMonitor, LeavesAControllerThatSendsGarbageAndConnectsAgain) {
 TEST(RobotMonitor, TakesAShortSilenceAsAGapAndALongOneAsALoss) {
   FakeController controller;
   const test::TemporaryFolder folder;
-  Told told;
-  auto options = options_for(controller, &told);
+  MonitorLog messages;
+  auto options = options_for(controller, &messages);
   options.patience = 2s;
   RobotMonitor monitor(options);
   monitor.start_log(folder / "robot.csv");
   ASSERT_TRUE(has_rows(monitor, 20));
   controller.stall(true);
-  ASSERT_TRUE(comes_true([&] { return told.has("no data for 2 s"); })) << told.all();
+  ASSERT_TRUE(comes_true([&] { return messages.has("no data for 2 s"); })) << messages.all();
   controller.stall(false);
-  ASSERT_TRUE(comes_true([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << told.all();
+  ASSERT_TRUE(comes_true([&] { return monitor.state().connected && monitor.newest("timestamp").has_value(); })) << messages.all();
   ASSERT_TRUE(has_rows(monitor, monitor.state().rows + 20));
   monitor.stop_log();
   EXPECT_GE(monitor.state().reconnects, 1U);

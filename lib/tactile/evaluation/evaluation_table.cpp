@@ -36,9 +36,9 @@ class Table {
 
   void confusion(std::string_view group, const results::Confusion& confusion) {
     for (const Touch is : all_touches) {
-      for (const Touch said : all_touches) {
-        count(group, "all", name_of(is), fmt::format("said_{}", name_of(said)),
-              confusion.counts[static_cast<std::size_t>(is)][static_cast<std::size_t>(said)]);
+      for (const Touch predicted : all_touches) {
+        count(group, "all", name_of(is), fmt::format("said_{}", name_of(predicted)),
+              confusion.counts[static_cast<std::size_t>(is)][static_cast<std::size_t>(predicted)]);
       }
     }
   }
@@ -126,7 +126,7 @@ class Table {
     figure(group, object, touch, "last", share.last);
     figure(group, object, touch, "before_last", share.before_last);
     figure(group, object, touch, "last_minus_before", share.last_minus_before);
-    figure(group, object, touch, "still_said", share.still_said);
+    figure(group, object, touch, "still_said", share.still_predicted);
     count(group, object, touch, "intervals", share.intervals);
     count(group, object, touch, "short_ones", share.short_ones);
   }

@@ -124,7 +124,7 @@ void StepRunner::run(const Step& step) {
   begin(step);
   report(step, false);
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  tell(progress, 0, 0, description_or_name(step));
+  report_progress(progress, 0, 0, description_or_name(step));
   const auto begun = Clock::now();
   try {
     step.work(progress);
@@ -167,16 +167,17 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
   }
   std::size_t ended = 0;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  run_processes(
-      plans, {.program = options_.program,
-              .at_once = options_.threads,
-              .while_waiting = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); },
-              .begun = [&](std::size_t index) { report(*due[index], false); },
-              .ended =
-                  [&](std::size_t index, double seconds) {
-                    finish(*due[index], seconds);
-                    ++ended;
-                  }});
+  run_processes(plans,
+                {.program = options_.program,
+                 .at_once = options_.threads,
+                 .while_waiting =
+                     [&] { report_progress(progress, ended, due.size(), fmt::format("{} of {} trainings", ended, due.size())); },
+                 .begun = [&](std::size_t index) { report(*due[index], false); },
+                 .ended =
+                     [&](std::size_t index, double seconds) {
+                       finish(*due[index], seconds);
+                       ++ended;
+                     }});
 }
 
 }  // namespace tactile::experiments
