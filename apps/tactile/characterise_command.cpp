@@ -14,6 +14,7 @@
 #include "tactile/characterise/characterise.hpp"
 #include "tactile/characterise/physics_file.hpp"
 #include "tactile/characterise/sensor_json.hpp"
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/make_folders.hpp"
@@ -52,12 +53,12 @@ void check_folder(const CharacteriseArguments& args) {
 }
 
 std::string mask_text(const Sensor& sensor) {
-  std::string text = "x,y,kind,rate_hz\n";
+  CsvTable table("x,y,kind,rate_hz");
   for (const characterise::UnusualPixel& pixel : sensor.unusual.pixels) {
     if (pixel.kind == characterise::UnusualPixel::Kind::warm) continue;
-    text += fmt::format("{},{},{},{:.6g}\n", pixel.x, pixel.y, name_of(pixel.kind), pixel.rate_hz.value);
+    table.add_row(pixel.x, pixel.y, name_of(pixel.kind), fmt::format("{:.6g}", pixel.rate_hz.value));
   }
-  return text;
+  return table.text();
 }
 
 std::string percent_text(const Measured& share) { return measured_text({100 * share.value, 100 * share.uncertainty}) + " %"; }

@@ -144,7 +144,7 @@ void add_machine(const detect::DetectionSummary& summary, Lines& lines) {
 nlohmann::json ticks_json(const detect::DetectionSummary& summary) {
   const detect::DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
   const auto us_or_null = [](const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
-  return {{"told", ticks.reported},
+  return {{"reported", ticks.reported},
           {"skipped", ticks.skipped},
           {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
           {"missed_share", summary.plays ? nlohmann::json() : nlohmann::json(ticks.missed_share())},

@@ -71,8 +71,9 @@ std::string curve_text(const results::Evaluation& evaluation) {
         const auto point = std::find_if(table->curve.begin(), table->curve.end(),
                                         [ms](const results::DetectedWithin& one) { return one.ms == ms; });
         const results::Figure share = point == table->curve.end() ? results::Figure{} : point->share;
-        values.push_back(std::isfinite(share.value) ? fmt::format("{:.1f}", 100 * share.value) : "-");
-        intervals.push_back(share.low ? fmt::format("[{:.0f}, {:.0f}]", 100 * *share.low, 100 * *share.high) : "-");
+        values.push_back(results::value_text(share, 100, 1));
+        const std::string interval = results::interval_text(share, 100, 0);
+        intervals.push_back(interval.empty() ? "-" : interval);
       }
       rows.push_back(values);
       if (table == &evaluation.network.press || table == &evaluation.network.slip) rows.push_back(intervals);

@@ -233,7 +233,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     attempt([&] {
       shown.show(run, [&](std::size_t ticks) {
         done += ticks;
-        tell(progress, done, total, "every tick of " + run.folder.name());
+        report_progress(progress, done, total, "every tick of " + run.folder.name());
       });
     });
   }

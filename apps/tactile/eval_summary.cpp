@@ -3,37 +3,36 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "tactile/results/figure_text.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
 namespace {
 
-std::string interval_of(const results::Figure& figure, double scale) {
-  return figure.low ? fmt::format(" [{:.1f}, {:.1f}]", scale * *figure.low, scale * *figure.high) : std::string();
-}
+std::string spaced(const std::string& text) { return text.empty() ? text : " " + text; }
 
-std::string value_of(const results::Figure& figure, double scale) {
-  return std::isfinite(figure.value) ? fmt::format("{:.1f}", scale * figure.value) : "-";
+/// "94.6 % [91.3, 96.7]"
+std::string percent_of(const results::Figure& figure) {
+  return results::value_text(figure, 100, 1) + " %" + spaced(results::interval_text(figure, 100, 1));
 }
 
 std::string quantile_of(const results::CensoredQuantile& quantile) {
-  return (quantile.is_lower_bound ? "more than " : "") + value_of(quantile.ms, 1) + " ms";
+  return (quantile.is_lower_bound ? "more than " : "") + results::value_text(quantile.ms, 1, 1) + " ms";
 }
 
 std::string delay_of(const results::DelaySummary& delay) {
   if (delay.intervals == 0) return "no interval";
   return fmt::format("median {}{}, 90 % within {}; {} of {} missed{}", quantile_of(delay.median_of_all_ms),
-                     interval_of(delay.median_of_all_ms.ms, 1), quantile_of(delay.quantile_of_all_ms), delay.misses,
-                     delay.intervals, delay.early == 0 ? "" : fmt::format(", {} early", delay.early));
+                     spaced(results::interval_text(delay.median_of_all_ms.ms, 1, 1)), quantile_of(delay.quantile_of_all_ms),
+                     delay.misses, delay.intervals, delay.early == 0 ? "" : fmt::format(", {} early", delay.early));
 }
 
 std::string rate_of(const results::Figure& per_min, const results::Figure& share, const char* where) {
-  return fmt::format("{} per minute {}{}, {} % of that time", value_of(per_min, 1), where, interval_of(per_min, 1),
-                     value_of(share, 100));
+  return fmt::format("{} per minute {}{}, {} % of that time", results::value_text(per_min, 1, 1), where,
+                     spaced(results::interval_text(per_min, 1, 1)), results::value_text(share, 100, 1));
 }
 
 std::string baselines_not_below(const results::Evaluation& evaluation) {
@@ -65,13 +64,12 @@ std::string comparison_with_baselines(const results::Evaluation& evaluation) {
 std::string summary_of(const results::Evaluation& evaluation) {
   const results::Figure& accuracy = evaluation.accuracy.mean;
   std::vector<std::pair<std::string, std::string>> lines{
-      {"accuracy", fmt::format("{} %{}, mean over {} objects, {} runs", value_of(accuracy, 100), interval_of(accuracy, 100),
-                               evaluation.accuracy.objects.size(), evaluation.test_runs().size())}};
+      {"accuracy", fmt::format("{}, mean over {} objects, {} runs", percent_of(accuracy), evaluation.accuracy.objects.size(),
+                               evaluation.test_runs().size())}};
   const auto best = std::max_element(evaluation.baselines.begin(), evaluation.baselines.end(),
                                      [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
   if (best != evaluation.baselines.end()) {
-    lines.emplace_back("best baseline", fmt::format("{} %{}, {}", value_of(best->accuracy.mean, 100),
-                                                    interval_of(best->accuracy.mean, 100), best->name));
+    lines.emplace_back("best baseline", fmt::format("{}, {}", percent_of(best->accuracy.mean), best->name));
   }
   const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
   lines.emplace_back("press", delay_of(evaluation.network.press.all));

@@ -85,8 +85,8 @@ std::string over_time_text(const results::Evaluation& evaluation) {
     row(fmt::format("{}, last {} ms", name, ms(options.last)), labels.last, by_truth ? &by_truth->last : nullptr);
     row(fmt::format("{}, last minus before it", name), labels.last_minus_before,
         by_truth ? &by_truth->last_minus_before : nullptr);
-    row(fmt::format("{}, still predicted {} ms after", name, ms(options.after)), labels.still_said,
-        by_truth ? &by_truth->still_said : nullptr);
+    row(fmt::format("{}, still predicted {} ms after", name, ms(options.after)), labels.still_predicted,
+        by_truth ? &by_truth->still_predicted : nullptr);
   };
   add("press", evaluation.over_time.press.all, truth ? &truth->press.all : nullptr);
   add("slip", evaluation.over_time.slip.all, truth ? &truth->slip.all : nullptr);

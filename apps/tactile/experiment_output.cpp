@@ -1,9 +1,9 @@
 #include "experiment_output.hpp"
 
-#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include "command.hpp"
+#include "tactile/results/figure_text.hpp"
 
 namespace tactile::cli {
 
@@ -16,12 +16,7 @@ void log_step(const std::string& description, bool kept) {
 }
 
 std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
-  const auto number = [&](const char* key, const char* unknown) {
-    const nlohmann::json& value = figure.at(key);
-    return value.is_null() ? std::string(unknown) : fmt::format("{:.{}f}", factor * value.get<double>(), decimals);
-  };
-  if (figure.at("value").is_null() || (figure.at("low").is_null() && figure.at("high").is_null())) return number("value", "-");
-  return fmt::format("{} [{}, {}]", number("value", "-"), number("low", "?"), number("high", "?"));
+  return results::figure_text(results::JsonView(figure, "figure").get<results::Figure>(), factor, decimals);
 }
 
 std::vector<std::string> draw_plots(std::span<const std::pair<std::string, pictures::Plot>> plots,

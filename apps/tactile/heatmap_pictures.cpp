@@ -53,7 +53,7 @@ std::uint64_t write_heatmap_pictures(const windows::Dataset& dataset, const wind
     parallel_for(indexes.size(), threads, [&](std::size_t i) {
       pictures.write(names[i], cv::Mat(history.height, history.width, CV_8UC1, heatmaps.data() + i * length));
     });
-    tell(progress, first + indexes.size(), samples.size(), "pictures of " + history.name);
+    report_progress(progress, first + indexes.size(), samples.size(), "pictures of " + history.name);
   }
   pictures.commit();
   return samples.size();

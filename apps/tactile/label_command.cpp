@@ -117,7 +117,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
     const CameraTime first = first_event_of(run.labels, run.run);
     outcome.labelled.push_back({std::move(run.run), std::move(run.labels), first});
   }
-  pictures.tell();
+  pictures.warn_of_failures();
   const auto so_many = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
   if (!outcome.kept.empty())
     spdlog::info("{} unchanged and not labelled again; --force labels again, and discards a person's edits",

@@ -133,7 +133,7 @@ std::vector<labels::LabelsToExport> labels_to_export(const CommonArguments& comm
       why_not[i] = sentence_of(e, runs[i].name());
     }
     const std::scoped_lock lock(guard);
-    tell(progress, ++done, runs.size(), runs[i].name());
+    report_progress(progress, ++done, runs.size(), runs[i].name());
   });
   for (std::size_t i = runs.size(); i-- > 0;) {
     if (why_not[i].empty()) continue;

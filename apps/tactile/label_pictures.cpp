@@ -28,7 +28,7 @@ void LabelPictures::draw_again(const RunFolder& run, const labels::Labels& label
   }
 }
 
-void LabelPictures::tell() const {
+void LabelPictures::warn_of_failures() const {
   if (failures_.empty()) return;
   spdlog::warn("{} not drawn (--no-pictures leaves them out): {}",
                failures_.size() == 1 ? first_ + "/labels.png was" : fmt::format("{} pictures were", failures_.size()),
@@ -44,7 +44,7 @@ void LabelPictures::note_failure(const RunFolder& run, const std::exception& e) 
 void draw_label_pictures(std::span<const RunAndLabels> edited, unsigned threads) {
   LabelPictures pictures;
   parallel_for(edited.size(), threads, [&](std::size_t i) { pictures.draw_again(edited[i].run, edited[i].labels); });
-  pictures.tell();
+  pictures.warn_of_failures();
 }
 
 }  // namespace tactile::cli

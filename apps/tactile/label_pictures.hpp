@@ -23,7 +23,7 @@ class LabelPictures {
   /// Reads the run's signals as for these labels, and draws them.
   void draw_again(const RunFolder& run, const labels::Labels& labels);
 
-  void tell() const;  ///< warns of those that were not drawn
+  void warn_of_failures() const;  ///< names those that were not drawn
 
  private:
   void note_failure(const RunFolder& run, const std::exception& e);

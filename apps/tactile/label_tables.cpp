@@ -127,13 +127,13 @@ std::vector<std::string> cells_of(const Measured& m) {
 
 void add_measured(nlohmann::json& object, const Measured& m) {
   object["n"] = m.n;
-  const auto told = [&](double value, std::size_t least_n) {
+  const auto if_enough = [&](double value, std::size_t least_n) {
     return m.n >= least_n ? nlohmann::json(value) : nlohmann::json(nullptr);
   };
-  object["median_ms"] = told(m.median, 1);
-  object["spread_ms"] = told(m.spread, 2);
-  object["least_ms"] = told(m.least, 1);
-  object["largest_ms"] = told(m.largest, 1);
+  object["median_ms"] = if_enough(m.median, 1);
+  object["spread_ms"] = if_enough(m.spread, 2);
+  object["least_ms"] = if_enough(m.least, 1);
+  object["largest_ms"] = if_enough(m.largest, 1);
 }
 
 struct ObjectSummary {

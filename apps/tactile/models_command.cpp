@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "experiment_output.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
@@ -58,24 +59,15 @@ const json& entry_of(const json& list, const std::string& name, const std::strin
   return *found;
 }
 
-/// "94.6 [91.3, 96.7]", or "-"
-std::string figure_cell(const json& figure, double scale) {
-  if (!figure.at("value").is_number()) return "-";
-  std::string text = fmt::format("{:.1f}", scale * figure.at("value").get<double>());
-  if (figure.at("low").is_number() && figure.at("high").is_number())
-    text += fmt::format(" [{:.1f}, {:.1f}]", scale * figure.at("low").get<double>(), scale * figure.at("high").get<double>());
-  return text;
-}
-
 /// What a model was found to do: names and texts, the same for every model.
 std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
   const json& eval = entry.at("eval");
-  const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_cell(eval.at(key), scale); };
+  const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_text(eval.at(key), scale, 1); };
   return {{"accuracy [%]", text("accuracy", 100)},
           {"press delay, median [ms]", text("press_delay_ms", 1)},
           {"slip delay, median [ms]", text("slip_delay_ms", 1)},
-          {"presses missed [%]", eval.is_null() ? "-" : figure_cell(eval.at("missed").at("press"), 100)},
-          {"slips missed [%]", eval.is_null() ? "-" : figure_cell(eval.at("missed").at("slip"), 100)},
+          {"presses missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("press"), 100, 1)},
+          {"slips missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("slip"), 100, 1)},
           {"false alarms [1/min]", text("false_alarms_per_min", 1)},
           {"size", bytes_text(entry.at("bytes").get<std::uint64_t>())}};
 }

@@ -221,7 +221,7 @@ Walk::Answer Walk::wait_to_begin() {
     line_.inform("waits for " + plan_.start_on->text());
   }
   recorder_.discard();
-  bool told_of_high = false;
+  bool has_reported_high = false;
   for (;;) {
     if (interrupted()) return Answer::end;
     if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
@@ -232,7 +232,7 @@ Walk::Answer Walk::wait_to_begin() {
     if (plan_.start_on) {
       const std::optional<bool> high = newest(recorder_, *plan_.start_on);
       if (start_.rises(high)) return Answer::begin;
-      if (high.value_or(false) && !std::exchange(told_of_high, true))
+      if (high.value_or(false) && !std::exchange(has_reported_high, true))
         line_.inform(plan_.start_on->text() + " is high already: it must fall before it can start a run");
     }
     const std::chrono::milliseconds patience(plan_.start_on ? 2 : 50);
@@ -281,14 +281,14 @@ bool Walk::record_one() {
   const bool enter_ends = wanted_.is_session && !plan_.duration_s && !plan_.stop_on;
   const char* how_it_ends = enter_ends ? ", Enter ends it" : wanted_.is_session || plan_.duration_s ? "" : ", Ctrl-C ends it";
   line_.inform(fmt::format("recording {}{}", request.run.folder.string(), how_it_ends));
-  bool told_of_drops = false;
+  bool has_reported_drops = false;
   std::string why;
   while (why.empty()) {
     if (plan_.start_on) start_.rises(newest(recorder_, *plan_.start_on));
     const capture::RunState state = recorder_.state();
     draw(request.run, state);
-    if (!told_of_drops && state.drops.queue_full.packets > 0) {
-      told_of_drops = true;
+    if (!has_reported_drops && state.drops.queue_full.packets > 0) {
+      has_reported_drops = true;
       line_.warn(request.run.name() + ": writing is too slow, packets are dropped and counted");
     }
     why = state.ended;

@@ -211,7 +211,7 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const exper
               .work = [&](const ProgressCallback& progress) {
                 report::write_report(study, out, [&](std::string_view figure) {
                   stop_if_interrupted();
-                  tell(progress, 0, 0, fmt::format("report: drawing {}", figure));
+                  report_progress(progress, 0, 0, fmt::format("report: drawing {}", figure));
                 });
               }});
   return page;

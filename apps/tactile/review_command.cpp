@@ -64,7 +64,7 @@ review::ReviewHelp review_help(const ReviewArguments& args) {
     help.draw_labels = [](const RunFolder& run, const labels::Labels& labels) {
       LabelPictures pictures;
       pictures.draw_again(run, labels);
-      pictures.tell();
+      pictures.warn_of_failures();
     };
   }
   return help;

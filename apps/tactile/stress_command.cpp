@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <optional>
@@ -28,6 +27,7 @@
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/pictures/recipe_sheet.hpp"
 #include "tactile/report/stress_plots.hpp"
+#include "tactile/results/figure_text.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -110,10 +110,6 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   return options;
 }
 
-std::string text_of(const results::Figure& figure, double factor) {
-  return std::isfinite(figure.value) ? fmt::format("{:.1f}", factor * figure.value) : "-";
-}
-
 /// A name for each model that fits into a table.
 std::string letter_of(std::size_t model) { return std::string(1, static_cast<char>('A' + model % 26)); }
 
@@ -129,9 +125,10 @@ std::string holds_table(const results::Stress& stress) {
     for (const results::StressedModel& model : stress.models) {
       const results::StressPoint& point = point_of(model);
       row.push_back(holds_of(model));
-      row.push_back(text_of(point.accuracy, 100));
-      row.push_back(text_of(point.press.within_50_ms, 100) + ", " + text_of(point.slip.within_50_ms, 100));
-      row.push_back(text_of(point.false_alarms.outside_labels_per_min, 1));
+      row.push_back(results::value_text(point.accuracy, 100, 1));
+      row.push_back(results::value_text(point.press.within_50_ms, 100, 1) + ", " +
+                    results::value_text(point.slip.within_50_ms, 100, 1));
+      row.push_back(results::value_text(point.false_alarms.outside_labels_per_min, 1, 1));
     }
     rows.push_back(std::move(row));
   };

@@ -69,7 +69,7 @@ pictures::Brightness brightness_of(ViewedRecording& recording, const heatmaps::H
   pictures::for_moments(recording.reader(), recording.stream_id(), options, some, pictures::MomentDetail::heatmap,
                         [&](const pictures::Moment& moment) {
                           meter.add(moment);
-                          tell(progress, ++done, some.size(), "brightness");
+                          report_progress(progress, ++done, some.size(), "brightness");
                         });
   return meter.result();
 }
@@ -122,7 +122,8 @@ void draw_pictures(ViewedRecording& recording, const ViewRequest& request, const
   std::uint64_t drawn = 0;
   pictures::for_moments(recording.reader(), recording.stream_id(), request.options, plan.times, pictures::MomentDetail::heatmap,
                         [&](const pictures::Moment& moment) {
-                          tell(progress, drawn, plan.times.size(), fmt::format("{:.1f} ms", recording.ms_from_first(moment.t)));
+                          report_progress(progress, drawn, plan.times.size(),
+                                          fmt::format("{:.1f} ms", recording.ms_from_first(moment.t)));
                           write(drawn, moment, film.picture_of(moment));
                           ++drawn;
                         });

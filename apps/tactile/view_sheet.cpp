@@ -137,7 +137,7 @@ void view_as_sheet(ViewedRecording& recording, const ViewRequest& request, const
   pictures::BrightnessMeter meter;
   pictures::for_moments(recording.reader(), recording.stream_id(), request.options, times, pictures::MomentDetail::all,
                         [&](const pictures::Moment& moment) {
-                          tell(progress, drawn.size() + 1, times.size(), recording.name());
+                          report_progress(progress, drawn.size() + 1, times.size(), recording.name());
                           meter.add(moment);
                           drawn.push_back(drawn_tick(moment, recording));
                         });

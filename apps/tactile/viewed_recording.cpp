@@ -49,7 +49,7 @@ ViewedRecording::ViewedRecording(const std::string& what, const std::string& str
   const std::uint64_t all = reader_.packets().size();
   std::uint64_t packets = 0;
   events::for_all_events(reader_, stream_id_, [&](std::span<const events::Event> packet) {
-    tell(progress, ++packets, all, "reading " + name_);
+    report_progress(progress, ++packets, all, "reading " + name_);
     if (!curve_) {
       first_ = packet.front().t;
       curve_.emplace(first_);
@@ -90,11 +90,11 @@ TickRange ViewedRecording::ticks_between(const heatmaps::HeatmapOptions& options
                                          std::optional<double> to_ms) const {
   TickRange range = ticks(options);
   const CameraTime last_tick = range.at(range.count - 1);
-  const auto behind_first = [&](double ms) { return after(first_, microseconds{std::llround(ms * 1000)}); };
+  const auto after_first = [&](double ms) { return after(first_, microseconds{std::llround(ms * 1000)}); };
   if (from_ms && to_ms && *from_ms > *to_ms)
     throw Error(fmt::format("--from-ms {:g}: is after --to-ms {:g}; expected a begin before the end", *from_ms, *to_ms));
-  const CameraTime begin = std::max(range.first, first_tick_from(from_ms ? behind_first(*from_ms) : range.first, options.tick));
-  const CameraTime end = std::min(last_tick, last_tick_until(to_ms ? behind_first(*to_ms) : last_tick, options.tick));
+  const CameraTime begin = std::max(range.first, first_tick_from(from_ms ? after_first(*from_ms) : range.first, options.tick));
+  const CameraTime end = std::min(last_tick, last_tick_until(to_ms ? after_first(*to_ms) : last_tick, options.tick));
   if (begin > end) {
     const std::string option = from_ms && begin > last_tick ? fmt::format("--from-ms {:g}", *from_ms)
                                : to_ms && end < range.first ? fmt::format("--to-ms {:g}", *to_ms)

@@ -57,7 +57,7 @@ inline void write_made_events(const std::filesystem::path& file, const MadeRun& 
 }
 
 /// A lift from `start_us` (camera time from the recording's begin) with UR's usual acceleration, on a robot clock that is
-/// `offset_us` behind.
+/// `offset_us` later.
 inline robot::RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, std::int64_t offset_us,
                                  double length_us = 3'000'000) {
   constexpr double acceleration = 1.2;

@@ -42,7 +42,7 @@ TEST(SpeedProfile, FindsKnotsSpeedsAndRinging) {
 }
 
 TEST(SpeedProfile, GivesTheStandardDeviationOfAKnot) {
-  // Over many draws of the noise the error is what is said.
+  // Over many draws of the noise the error is what is reported.
   double squares = 0;
   const int draws = 60;
   for (int seed = 0; seed < draws; ++seed) {

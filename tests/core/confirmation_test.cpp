@@ -12,8 +12,8 @@ using test::error_of;
 using test::verdict_row;
 
 TEST(Confirmation, OneOfOneBelievesEachTick) {
-  const auto said = verdict_row(".p.ssp.");
-  EXPECT_EQ(confirmed(said, {1, 1}), said);
+  const auto verdicts = verdict_row(".p.ssp.");
+  EXPECT_EQ(confirmed(verdicts, {1, 1}), verdicts);
 }
 
 TEST(Confirmation, WaitsForTheSecondOfThree) { EXPECT_EQ(confirmed(verdict_row("..ppp..."), {2, 3}), verdict_row("...ppp..")); }

@@ -85,7 +85,7 @@ TEST(Json, NestedTooDeepIsRefusedBeforeTheStackEnds) {
 
 TEST(Json, NamesTheLineAndWhatBelongsThere) {
   const test::TemporaryFolder folder;
-  for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [text, expected] : std::vector<std::pair<std::string, std::string>>{
            {"{\n \"a\": 1,\n b: 2}", "line 3 is no JSON at 'b'; expected a name in double quotes there"},
            {"{\"a\": 1,}", "line 1 is no JSON at '}'; expected a name in double quotes there"},
            {"{\"a\" 1}", "line 1 is no JSON at '1'; expected ':' after the name there"},
@@ -103,7 +103,7 @@ TEST(Json, NamesTheLineAndWhatBelongsThere) {
       read_json(folder / "bad.json");
       ADD_FAILURE() << text << " was taken";
     } catch (const Error& e) {
-      EXPECT_NE(std::string(e.what()).find("bad.json: " + said), std::string::npos) << text << "\n" << e.what();
+      EXPECT_NE(std::string(e.what()).find("bad.json: " + expected), std::string::npos) << text << "\n" << e.what();
     }
   }
 }

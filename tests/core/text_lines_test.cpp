@@ -36,8 +36,8 @@ TEST(LinesOf, AreOneMoreThanTheEndsBetweenThem) {
 TEST(ShellWord, IsReadAsOneWordByAShell) {
   EXPECT_EQ(shell_word("data/fan/01"), "data/fan/01");
   for (const std::string text : {"my runs/fan", "it's", "$HOME", "", "a;b", "*", "~", "Größe", "-n", "\\"}) {
-    const auto told = test::run_shell("printf %s " + shell_word(text));
-    EXPECT_EQ(told.out, text) << shell_word(text);
+    const auto printed = test::run_shell("printf %s " + shell_word(text));
+    EXPECT_EQ(printed.out, text) << shell_word(text);
   }
 }
 

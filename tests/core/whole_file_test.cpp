@@ -43,7 +43,7 @@ TEST(ReadText, ReadsAPipeToItsEndAndNoFurtherThanItsLimit) {
   const test::TemporaryFolder folder;
   const std::filesystem::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const auto read_behind_a_pipe = [&](const std::string& text, std::size_t limit) {
+  const auto read_through_a_pipe = [&](const std::string& text, std::size_t limit) {
     std::thread writing([&] { std::ofstream(pipe) << text; });  // less than a pipe holds: it never waits for who reads
     std::string outcome;
     try {
@@ -54,9 +54,9 @@ TEST(ReadText, ReadsAPipeToItsEndAndNoFurtherThanItsLimit) {
     writing.join();
     return outcome;
   };
-  EXPECT_EQ(read_behind_a_pipe("twelve bytes", 12), "twelve bytes");
-  EXPECT_EQ(read_behind_a_pipe("", 12), "");
-  EXPECT_EQ(read_behind_a_pipe("thirteen byte", 12), pipe.string() + ": more than 12 bytes long; expected at most 12");
+  EXPECT_EQ(read_through_a_pipe("twelve bytes", 12), "twelve bytes");
+  EXPECT_EQ(read_through_a_pipe("", 12), "");
+  EXPECT_EQ(read_through_a_pipe("thirteen byte", 12), pipe.string() + ": more than 12 bytes long; expected at most 12");
 }
 
 TEST(ReadText, ReadsAllOfALongFileAndNamesTheSizeOfOneThatIsTooLong) {

@@ -64,7 +64,7 @@ class MadeSource final : public capture::CameraSource {
 struct Faults {
   std::mutex guard;
   std::vector<DetectionFault> all;
-  ReportFault tell() {
+  ReportFault report() {
     return [this](const DetectionFault& fault) {
       const std::scoped_lock lock(guard);
       all.push_back(fault);
@@ -103,7 +103,7 @@ TEST_P(EventFeedBothWays, ReceivesAllPacketsAndEndsWithTheSource) {
   capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2, 3}), queue,
-                 {.receives_ahead = GetParam(), .fault = faults.tell()});
+                 {.receives_ahead = GetParam(), .fault = faults.report()});
   feed.start();
   EXPECT_EQ(all_of(feed).size(), 3U);
   EXPECT_EQ(feed.error(), "");
@@ -117,7 +117,7 @@ TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   int opened = 0;
   EventFeedOptions options;
   options.receives_ahead = GetParam();
-  options.fault = faults.tell();
+  options.fault = faults.report();
   options.waits = true;
   options.reconnect = std::chrono::seconds(60);
   options.open = [&]() -> std::unique_ptr<capture::CameraSource> {
@@ -137,7 +137,7 @@ TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   EXPECT_EQ(taken[1].times, (std::vector<std::int64_t>{end - 500}));
   EXPECT_EQ(taken[2].source_index, 1U) << "an empty packet: the source is gone";
   EXPECT_TRUE(taken[2].times.empty());
-  // Whoever receives himself is told by another empty packet that it is back.
+  // Whoever receives himself learns from another empty packet that it is back.
   const auto back = std::find_if(taken.begin() + 3, taken.end(), [](const Taken& one) { return !one.times.empty(); });
   ASSERT_NE(back, taken.end());
   EXPECT_EQ(back->source_index, 2U);
@@ -150,7 +150,7 @@ TEST_P(EventFeedBothWays, DoesNotReopenASourceThatHasEnded) {
   Faults faults;
   EventFeedOptions options;
   options.receives_ahead = GetParam();
-  options.fault = faults.tell();
+  options.fault = faults.report();
   options.reconnect = std::chrono::seconds(600);
   options.open = []() -> std::unique_ptr<capture::CameraSource> {
     ADD_FAILURE() << "it had ended";
@@ -168,7 +168,7 @@ TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
   capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: garbage; expected events"), queue,
-                 {.receives_ahead = GetParam(), .fault = faults.tell()});
+                 {.receives_ahead = GetParam(), .fault = faults.report()});
   feed.start();
   all_of(feed);
   EXPECT_TRUE(comes_true([&] { return feed.error() == "made: garbage; expected events"; }));
@@ -181,7 +181,7 @@ TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
   Faults faults;
   EventFeedOptions options;
   options.receives_ahead = GetParam();
-  options.fault = faults.tell();
+  options.fault = faults.report();
   options.reconnect = std::chrono::milliseconds(120);
   options.open = []() -> std::unique_ptr<capture::CameraSource> { throw Error("nobody is there"); };
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);

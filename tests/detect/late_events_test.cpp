@@ -232,7 +232,7 @@ TEST(LiveDetector, ReportsNoSilenceDuringABacklog) {
          .silence = 2'000s,
          .jump = 1'000s,
          .late_for = 500s,
-         .behind_for = 500s,
+         .longest_lateness = 500s,
          .stopped_for = 500s},
         [&](const ReportedTick&) { ++reported; }, [&](const DetectionFault& fault) { faults += fault.text + "\n"; });
     WaitingPackets backlog;

@@ -153,19 +153,19 @@ TEST(TickClock, ForgetsAStreamThatBeganAgain) {
 TEST(TickClock, ContinuesAcrossTheEndsOf31And32Bits) {
   for (const std::int64_t end : {std::int64_t{1} << 31, std::int64_t{1} << 32}) {
     TickClock clock(usual);
-    std::vector<CameraTime> told;
+    std::vector<CameraTime> reported;
     for (std::int64_t t = end - 60'000; t <= end + 20'000; t += 500) {
       clock.arrived(camera_time(t), camera_time(t), host_time(base + t));
       while (const auto tick = clock.next(host_time(base + t))) {
-        told.push_back(tick->t);
+        reported.push_back(tick->t);
         EXPECT_TRUE(tick->by_events);
         clock.reported(*tick);
       }
     }
-    ASSERT_GT(told.size(), 15U);
-    EXPECT_LT(told.front(), camera_time(end));
-    EXPECT_GT(told.back(), camera_time(end));
-    for (std::size_t i = 1; i < told.size(); ++i) EXPECT_EQ(told[i] - told[i - 1], 2ms);
+    ASSERT_GT(reported.size(), 15U);
+    EXPECT_LT(reported.front(), camera_time(end));
+    EXPECT_GT(reported.back(), camera_time(end));
+    for (std::size_t i = 1; i < reported.size(); ++i) EXPECT_EQ(reported[i] - reported[i - 1], 2ms);
   }
 }
 

@@ -69,7 +69,7 @@ TEST(UdpRecords, HoldCountsThatDoNotFit) {
   tick.due.skipped = std::uint64_t{1} << 40;
   const VerdictRecord record = verdict_record(tick, HostTime{microseconds{500}});
   EXPECT_EQ(at<std::uint32_t>(record, 44), 0xFFFF'FFFFU);
-  EXPECT_EQ(at<std::uint32_t>(record, 48), 0U) << "told before it closed";
+  EXPECT_EQ(at<std::uint32_t>(record, 48), 0U) << "reported before it closed";
   EXPECT_EQ(at<std::uint32_t>(record, 52), 0xFFFF'FFFFU);
 }
 

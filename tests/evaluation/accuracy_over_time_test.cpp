@@ -64,7 +64,7 @@ TEST(OverTime, CountsWhatIsStillPredictedAfterAnInterval) {
   const auto alone = over_time_of(ticks_of(verdicts), verdicts, press, options);
   expect_counts(alone[static_cast<std::size_t>(Touch::press)].after, 3, 0, 1);
   const results::OverTime over_time = accuracy_over_time(std::vector<RunOverTime>{{{"fan"}, counts}}, options);
-  EXPECT_EQ(over_time.press.all.still_said.value, 1.0);
+  EXPECT_EQ(over_time.press.all.still_predicted.value, 1.0);
 }
 
 TEST(OverTime, AddsIntervalsOfAClassAndKeepsClassesApart) {

@@ -67,8 +67,8 @@ TEST(EventCount, PredictsAsManyRightAsTheBestPairOfThresholdsTried) {
           int right = 0;
           for (std::size_t i = 0; i < events.size(); ++i) {
             const int count = static_cast<int>(events[i]);
-            const int said = count < low ? touches / 9 : count < high ? touches / 3 % 3 : touches % 3;
-            right += said == static_cast<int>(truth[i]) ? 1 : 0;
+            const int predicted = count < low ? touches / 9 : count < high ? touches / 3 % 3 : touches % 3;
+            right += predicted == static_cast<int>(truth[i]) ? 1 : 0;
           }
           best = std::max(best, right);
         }

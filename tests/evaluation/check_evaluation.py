@@ -26,7 +26,7 @@ class Run:
             rows = list(csv.DictReader(file))
         self.t = np.array([int(row["t_us"]) for row in rows])
         self.p = np.array([[np.float32(row["p_" + c]) for c in CLASSES] for row in rows]).astype(float)
-        self.said = [row["verdict"] for row in rows]
+        self.predicted = [row["verdict"] for row in rows]
         self.sample = [row["sample"] for row in rows]
         self.true = [row["truth"] for row in rows]
         self.label_column = [row["label"] for row in rows]
@@ -53,20 +53,20 @@ def class_at(t, intervals):
     return next((i[0] for i in intervals if inside(t, i)), "none")
 
 
-def confirm(said, k, n):
+def confirm(predicted, k, n):
     verdicts = []
-    for i in range(len(said)):
-        last = said[max(0, i - n + 1) : i + 1]
+    for i in range(len(predicted)):
+        last = predicted[max(0, i - n + 1) : i + 1]
         verdicts.append(next((c for c in CLASSES[1:] if last.count(c) >= k), "none"))
     return verdicts
 
 
-def detect(t, tick, said, interval):
+def detect(t, tick, predicted, interval):
     """(outcome, delay in us, the index at which the episode that ran into the onset begins, or None)"""
     what, start, end = interval
     first_after = (start // tick + 1) * tick
     at = {int(time): k for k, time in enumerate(t)}
-    says = lambda time: time in at and said[at[time]] == what
+    says = lambda time: time in at and predicted[at[time]] == what
     leading = None
     if says(first_after) and says(first_after - tick):
         begin = first_after - tick
@@ -148,7 +148,7 @@ def alarm_forms(t, tick, predicted, intervals, scored, unlabelled, found, guard)
     return forms, (alarm, tick * sum(quiet)), wrong_time, in_alarm
 
 
-def false_alarms(t, tick, said, intervals, unlabelled, found, guard):
+def false_alarms(t, tick, predicted, intervals, unlabelled, found, guard):
     def where(time):
         if any(inside(time, i) for i in intervals):
             return "in"
@@ -158,8 +158,8 @@ def false_alarms(t, tick, said, intervals, unlabelled, found, guard):
 
     zone = [where(time) for time in t]
     counts = {"none": 0, "after": 0, "unlabelled": 0}
-    for k, what in enumerate(said):
-        if what == "none" or (k > 0 and said[k - 1] == what):
+    for k, what in enumerate(predicted):
+        if what == "none" or (k > 0 and predicted[k - 1] == what):
             continue
         led = [outcome for outcome, _, leading in found if leading == k]
         if "early" in led:
@@ -191,19 +191,19 @@ def mean(values):
 
 
 def compare_accuracy(check, name, runs, classes_of, theirs, confusion):
-    """classes_of(run) gives (true, said) of each balanced sample."""
+    """classes_of(run) gives (true, predicted) of each balanced sample."""
     objects, counts = {}, np.zeros((3, 3), int)
     for run in runs:
-        for true, said in classes_of(run):
-            objects.setdefault(run.object, []).append(true == said)
-            counts[CLASSES.index(true)][CLASSES.index(said)] += 1
+        for true, predicted in classes_of(run):
+            objects.setdefault(run.object, []).append(true == predicted)
+            counts[CLASSES.index(true)][CLASSES.index(predicted)] += 1
     for which, right in objects.items():
         check.same(f"{name} of {which}", float(np.mean(right)), theirs["objects"][which]["value"])
     check.same(f"objects of {name}", len(objects), len(theirs["objects"]))
     check.same(f"mean {name}", mean([float(np.mean(right)) for right in objects.values()]), theirs["mean"]["value"])
     for i in range(3):
         for j in range(3):
-            check.same(f"{name}, {CLASSES[i]} said {CLASSES[j]}", int(counts[i][j]), confusion[i][j])
+            check.same(f"{name}, {CLASSES[i]} predicted {CLASSES[j]}", int(counts[i][j]), confusion[i][j])
     return counts
 
 
@@ -268,19 +268,19 @@ def compare_over_time(check, name, runs, intervals_of, elsewhere_of, theirs):
     first_us, last_us, bin_us, after_us = (1000 * theirs[key] for key in ("first_ms", "last_ms", "bin_ms", "after_ms"))
     for what in CLASSES[1:]:
         ticks = []  # object, since the onset, before the end, right
-        paired, behind, intervals, short_ones = {}, {}, 0, 0  # last and before it of the same intervals; press or slip still said
+        paired, after_end, intervals, short_ones = {}, {}, 0, 0  # last and before it of the same intervals; press or slip still predicted
         for run in runs:
             for interval in intervals_of(run):
                 if interval[0] != what:
                     continue
                 own = []
-                for t, said in zip(run.t, run.said):
+                for t, predicted in zip(run.t, run.predicted):
                     if inside(t, interval):
-                        own.append((interval[2] - t, said == what))
-                        ticks.append((run.object, t - interval[1], interval[2] - t, said == what))
+                        own.append((interval[2] - t, predicted == what))
+                        ticks.append((run.object, t - interval[1], interval[2] - t, predicted == what))
                     others = list(intervals_of(run)) + list(elsewhere_of(run))
                     if interval[2] < t <= interval[2] + after_us and not any(inside(t, other) for other in others):
-                        behind.setdefault(run.object, []).append(said != "none")
+                        after_end.setdefault(run.object, []).append(predicted != "none")
                 intervals += bool(own)
                 ahead = [right for left, right in own if left >= last_us]
                 if ahead:
@@ -305,8 +305,8 @@ def compare_over_time(check, name, runs, intervals_of, elsewhere_of, theirs):
             check.same(f"{name} of {what}, {part}", mean(of_objects.values()), theirs[what][part]["value"])
         both = [float(np.mean(last) - np.mean(before)) for last, before in paired.values() if last]
         check.same(f"{name} of {what}, last - before", mean(both), theirs[what]["last_minus_before"]["value"])
-        still = [float(np.mean(said)) for said in behind.values()]
-        check.same(f"{name} of {what}, still said", mean(still), theirs[what]["still_said"]["value"])
+        still = [float(np.mean(predicted)) for predicted in after_end.values()]
+        check.same(f"{name} of {what}, still predicted", mean(still), theirs[what]["still_predicted"]["value"])
         check.same(f"{name} of {what}, intervals", intervals, theirs[what]["intervals"])
         check.same(f"{name} of {what}, short ones", short_ones, theirs[what]["short_ones"])
         for i, entry in enumerate(theirs[what]["since_onset"]):
@@ -327,16 +327,16 @@ def main():
     # What the files say of themselves: verdicts follow from probabilities, labels and truth from the intervals.
     for run in runs:
         likeliest = [CLASSES[int(np.argmax(p))] for p in run.p]
-        check.same("verdicts that differ from their probabilities", sum(a != b for a, b in zip(confirm(likeliest, k, n), run.said)), 0)
+        check.same("verdicts that differ from their probabilities", sum(a != b for a, b in zip(confirm(likeliest, k, n), run.predicted)), 0)
         wrong = sum(class_at(t, run.labels) != label for t, label in zip(run.t, run.label_column))
         check.same("labels that differ", wrong, 0)
 
     samples = lambda run: [i for i, sample in enumerate(run.sample) if sample]
-    counts = compare_accuracy(check, "accuracy", runs, lambda run: [(run.sample[i], run.said[i]) for i in samples(run)],
+    counts = compare_accuracy(check, "accuracy", runs, lambda run: [(run.sample[i], run.predicted[i]) for i in samples(run)],
                               theirs["accuracy"], theirs["confusion"])
     for i, what in enumerate(CLASSES):
-        right, said, true = int(counts[i, i]), int(counts[:, i].sum()), int(counts[i].sum())
-        for metric, ours in (("precision", share(right, said)), ("recall", share(right, true)), ("f1", share(2 * right, said + true))):
+        right, predicted, true = int(counts[i, i]), int(counts[:, i].sum()), int(counts[i].sum())
+        for metric, ours in (("precision", share(right, predicted)), ("recall", share(right, true)), ("f1", share(2 * right, predicted + true))):
             check.same(f"{metric} of {what}", ours, theirs["per_class"][what][metric]["value"])
 
     confidence = np.concatenate([run.p[samples(run)].max(axis=1) for run in runs if samples(run)])
@@ -354,12 +354,12 @@ def main():
     error = sum(abs(right[bins == b].mean() - confidence[bins == b].mean()) * np.mean(bins == b) for b in range(15) if np.any(bins == b))
     check.same("calibration error of whole runs", float(error), theirs["calibration_whole_runs"]["ece"]["value"])
 
-    found = [[(i, detect(run.t, tick, run.said, i)) for i in run.used] for run in runs]
+    found = [[(i, detect(run.t, tick, run.predicted, i)) for i in run.used] for run in runs]
     compare_delays(check, "delay", runs, found, theirs["delay_ms"])
-    alarms = [false_alarms(run.t, tick, run.said, run.labels, run.unlabelled, [d for _, d in of_run], guard)
+    alarms = [false_alarms(run.t, tick, run.predicted, run.labels, run.unlabelled, [d for _, d in of_run], guard)
               for run, of_run in zip(runs, found)]
     compare_false_alarms(check, "false alarms", alarms, theirs["false_alarms"])
-    forms = [alarm_forms(run.t, tick, run.said, run.labels, run.used, run.unlabelled, [d for _, d in of_run], guard)
+    forms = [alarm_forms(run.t, tick, run.predicted, run.labels, run.used, run.unlabelled, [d for _, d in of_run], guard)
              for run, of_run in zip(runs, found)]
     compare_forms(check, "false alarms", forms, theirs["false_alarms"])
     compare_over_time(check, "accuracy over time", runs, lambda run: run.used, lambda run: run.labels + run.unlabelled, theirs["over_time"])
@@ -376,11 +376,11 @@ def main():
         count = 0
         for run in runs:
             raw = [("slip" if p[2] > p[1] else "press") if max(p[1], p[2]) >= point["threshold"] else "none" for p in run.p]
-            said = confirm(raw, k, n)
-            met = [(i, detect(run.t, tick, said, i)) for i in run.used]
+            predicted = confirm(raw, k, n)
+            met = [(i, detect(run.t, tick, predicted, i)) for i in run.used]
             for interval, outcome in met:
                 results[interval[0]].append(outcome)
-            of_run, _ = false_alarms(run.t, tick, said, run.labels, run.unlabelled, [d for _, d in met], guard)
+            of_run, _ = false_alarms(run.t, tick, predicted, run.labels, run.unlabelled, [d for _, d in met], guard)
             count += of_run["none"]
         check.same(f"false alarms at {point['threshold']}", count, point["false_alarms"])
         for what, outcomes in results.items():
@@ -393,11 +393,11 @@ def main():
     true_runs = [run for run in runs if run.truth is not None]
     if true_runs:
         compare_accuracy(check, "accuracy by the truth", true_runs,
-                         lambda run: [(class_at(run.t[i], run.truth), run.said[i]) for i in samples(run)],
+                         lambda run: [(class_at(run.t[i], run.truth), run.predicted[i]) for i in samples(run)],
                          theirs["accuracy_true"], theirs["confusion_true"])
-        met = [[(i, detect(run.t, tick, run.said, i)) for i in run.truth] for run in true_runs]
+        met = [[(i, detect(run.t, tick, run.predicted, i)) for i in run.truth] for run in true_runs]
         compare_delays(check, "delay by the truth", true_runs, met, theirs["delay_true_ms"])
-        alarms = [false_alarms(run.t, tick, run.said, run.truth, run.unlabelled, [d for _, d in of_run], guard)
+        alarms = [false_alarms(run.t, tick, run.predicted, run.truth, run.unlabelled, [d for _, d in of_run], guard)
                   for run, of_run in zip(true_runs, met)]
         compare_false_alarms(check, "false alarms by the truth", alarms, theirs["false_alarms_true"])
         compare_over_time(check, "accuracy over time by the truth", true_runs, lambda run: run.truth, lambda run: run.unlabelled, theirs["over_time_true"])

@@ -35,10 +35,10 @@ TEST(FullRun, PredictsAtASamplesTickWhatTheDatasetsHeatmapGives) {
   EXPECT_EQ(expected_ticks(dataset.run_folder(run) / "events.aedat4", classifier.rendering()), 581U);
   const auto samples = model::samples_of_runs(dataset, {&run, 1});
   ASSERT_FALSE(samples.empty());
-  const auto said = classifier.verdicts(model::sample_heatmaps(dataset, classifier.rendering(), samples, 1));
+  const auto predicted = classifier.verdicts(model::sample_heatmaps(dataset, classifier.rendering(), samples, 1));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto place = (dataset.samples()[samples[i]].t - full.ticks.first) / full.ticks.tick;
-    EXPECT_EQ(full.verdicts[static_cast<std::size_t>(place)], said[i]);
+    EXPECT_EQ(full.verdicts[static_cast<std::size_t>(place)], predicted[i]);
   }
 }
 
@@ -138,7 +138,7 @@ TEST(Evaluation, LearnsWhatIsEasyAndKnowsTheTrivialDetectors) {
   EXPECT_EQ(evaluation.confusion.samples(), model::samples_of_runs(dataset, test_runs(dataset)).size());
   ASSERT_EQ(evaluation.baselines.size(), 6U);
   EXPECT_NEAR(evaluation.baselines[0].accuracy.mean.value, 1.0 / 3, 1e-12);
-  EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // left or right is told by the centre
+  EXPECT_GT(evaluation.baselines[2].accuracy.mean.value, 0.9);  // the centre decides left or right
   EXPECT_EQ(evaluation.baselines[4].name, "boosted_trees");
   EXPECT_GT(evaluation.baselines[4].accuracy.mean.value, 0.9);
   EXPECT_EQ(evaluation.baselines[5].name, "temporal_convolution");

@@ -92,7 +92,7 @@ class Room {
   }
   std::string text(std::size_t size) const { return {reinterpret_cast<const char*>(bytes_.get()) + before_, size}; }
   std::byte* before() { return bytes_.get(); }
-  bool is_untouched_behind() const {
+  bool is_untouched_after() const {
     return std::all_of(bytes_.get() + before_ + size_, bytes_.get() + before_ + size_ + 16,
                        [](std::byte b) { return b == std::byte{0x5A}; });
   }
@@ -111,12 +111,12 @@ TEST(Lz4Blocks, AreDecodedToWhatWasCompressedAlsoWhereItJustFits) {
         const auto size = decode_lz4_block(room.block(stored));
         ASSERT_EQ(size, content.size());
         ASSERT_EQ(room.text(*size), content);
-        ASSERT_TRUE(room.is_untouched_behind());
+        ASSERT_TRUE(room.is_untouched_after());
       }
       if (content.empty()) continue;
       Room narrow(content.size() - 1);
       EXPECT_FALSE(decode_lz4_block(narrow.block(stored)));
-      EXPECT_TRUE(narrow.is_untouched_behind());
+      EXPECT_TRUE(narrow.is_untouched_after());
     }
   }
 }
@@ -131,7 +131,7 @@ TEST(Lz4Blocks, AreDecodedTwoAtATimeAsEachAlone) {
       ASSERT_TRUE(sizes);
       ASSERT_EQ(first_room.text((*sizes)[0]), all[i]);
       ASSERT_EQ(second_room.text((*sizes)[1]), all[k]);
-      ASSERT_TRUE(first_room.is_untouched_behind() && second_room.is_untouched_behind());
+      ASSERT_TRUE(first_room.is_untouched_after() && second_room.is_untouched_after());
     }
   }
 }
@@ -203,7 +203,7 @@ TEST(Lz4Blocks, ThatWereDamagedTouchNothingOutsideTheirRoom) {
     block.stored = same.stored = std::as_bytes(std::span(exact));
     const auto alone = decode_lz4_block(block);
     const auto two = decode_lz4_blocks(same, other.block(whole));
-    ASSERT_TRUE(room.is_untouched_behind() && again.is_untouched_behind() && other.is_untouched_behind());
+    ASSERT_TRUE(room.is_untouched_after() && again.is_untouched_after() && other.is_untouched_after());
     ASSERT_EQ(alone.has_value(), two.has_value());
     const int by_library = LZ4_decompress_safe(exact.data(), reinterpret_cast<char*>(theirs.before()),
                                                static_cast<int>(exact.size()), static_cast<int>(size));

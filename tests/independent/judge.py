@@ -64,12 +64,12 @@ def judge_clocks(folder, truth, labels, flags):
             named = any(word in remark for remark in labels["remarks"] for word in CLOCK_WORDS[name])
             error = at(clock) - at(true)
             found.append({"clock": name, "error": error, "half_width": 0.5 * (high - low), "covered": bool(low <= -error <= high),
-                          "told": bool(flags) or named})
+                          "reported": bool(flags) or named})
     return found
 
 
 def is_certain_and_wrong(clock):
-    return abs(clock["error"]) > 2 * clock["half_width"] and not clock["told"]
+    return abs(clock["error"]) > 2 * clock["half_width"] and not clock["reported"]
 
 
 def judge_run(folder):
@@ -162,7 +162,7 @@ def print_clocks(runs):
         for c in r["clocks"]:
             if not c["covered"]:
                 print(f"  {r['run']:26} {c['clock']} off by {c['error'] / 1000:.1f} ms, stated ± {c['half_width'] / 1000:.1f} ms"
-                      + ("" if c["told"] else ", NO REMARK OR FLAG"))
+                      + ("" if c["reported"] else ", NO REMARK OR FLAG"))
 
 
 def clock_goals_of(runs):

@@ -92,7 +92,7 @@ TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
   const alignment::EventRate rate = alignment::event_rate(recording, 0);
   const auto bursts = alignment::bursts_in(rate, alignment::quiet_rate(rate));
   ASSERT_EQ(bursts.size(), 3U);
-  // Told as one burst, the touches light both squares.
+  // As one burst, the touches light both squares.
   const std::vector<alignment::Burst> one{{bursts.front().begin, bursts.back().end, 0}};
   const auto lit = lit_rates(recording, 0, rate, one);
   ASSERT_EQ(lit.size(), 1U);

@@ -94,7 +94,7 @@ TEST(PressOnset, IsThatOfAWeakContactBeforeTheStrongOne) {
   EXPECT_GE(found.covered, 90);
 }
 
-/// A marker that the noise of all hides, until another one is touched 20 ms later; told as one, or each place by itself.
+/// A marker that the noise of all hides, until another one is touched 20 ms later; as one burst, or each place by itself.
 LitRate two_markers(std::uint64_t seed, bool told_apart) {
   const auto lit_by = [&](double quiet, double from_us, double events, std::uint64_t of) {
     return test::lit_rate_of(

@@ -160,10 +160,10 @@ TEST(LabelPicture, WrapsAndCutsWhatIsLong) {
 TEST(LabelPicture, WritesTimesAsItsAxisDoes) {
   LabelPicture picture = whole_picture();
   picture.remarks = {"the press at 1700000001000000 us: its end is doubtful",
-                     "a gap of 21000 us from 1.2 s behind its first event on (1700000001200000 us)"};
+                     "a gap of 21000 us from 1.2 s after its first event on (1700000001200000 us)"};
   picture.labels.flags[0].reason = "something at 1700000002500100 us and at -5 us";
   EXPECT_TRUE(says(picture, "the press at 1.0000 s: its end is doubtful"));
-  EXPECT_TRUE(says(picture, "a gap of 21000 us from 1.2 s behind its first event on (1.2000 s)"));
+  EXPECT_TRUE(says(picture, "a gap of 21000 us from 1.2 s after its first event on (1.2000 s)"));
   EXPECT_TRUE(says(picture, "something at 2.5001 s and at -1700000000.0000 s"));
 }
 

@@ -25,7 +25,7 @@ PredictionPicture small_picture() {
   return picture;
 }
 
-// [px] of the rows of what was said, labelled and true, without the words beside them
+// [px] of the rows predicted, labelled and true, without the words next to them
 constexpr int rows_top = 532, rows_bottom = 590, axis_left = 112;
 
 /// Columns in which those rows hold this strong colour somewhere, first to last; {0, -1} without.

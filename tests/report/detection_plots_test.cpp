@@ -47,7 +47,7 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndWritesThresholdsNextToThePoi
   EXPECT_TRUE(has_row(plot, {2, 10, 20}));
   const std::string svg = drawn(plot);
   EXPECT_TRUE(contains(svg, "diamonds: no threshold"));
-  EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are told, not all";
+  EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are named, not all";
   EXPECT_TRUE(contains(svg, ">0.5<"));
   // A label stands beside its point, in the colour of its curve.
   EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(pictures::figure_colours::slip) + "'"), std::string::npos);

@@ -33,7 +33,7 @@ def over_time(begin, end):
         return [{"from_ms": 50.0 * k, "to_ms": 50.0 * (k + 1), "ticks": 250, "intervals": 10,
                  "accuracy": figure(begin + (end - begin) * (10 - k if reverse else k) / 10, 0.02)} for k in range(10)]
     return {"first": figure(begin), "later": figure(end), "last": figure(end), "before_last": figure(begin),
-            "last_minus_before": figure(end - begin, 0.01, 10), "still_said": figure(0.4), "intervals": 70, "short_ones": 30,
+            "last_minus_before": figure(end - begin, 0.01, 10), "still_predicted": figure(0.4), "intervals": 70, "short_ones": 30,
             "since_onset": bins(False), "before_end": bins(True)}
 
 
@@ -79,10 +79,10 @@ def run_over_time():
         press, slip = 300 < k <= 520, 800 < k <= 1200
         p_press = 0.95 if press and k < 500 else 0.02
         p_slip = 0.97 if slip else 0.01
-        said = "press" if p_press > 0.5 else "slip" if p_slip > 0.5 else "none"
+        predicted = "press" if p_press > 0.5 else "slip" if p_slip > 0.5 else "none"
         label = "press" if press else "slip" if slip else "none"
         truth = label if label != "none" else "unlabelled" if 600 < k <= 640 else "none"
-        rows.append(f"{1700000000000000 + 2000 * k},{1 - p_press - p_slip:.3f},{p_press},{p_slip},{said},{label},{truth},"
+        rows.append(f"{1700000000000000 + 2000 * k},{1 - p_press - p_slip:.3f},{p_press},{p_slip},{predicted},{label},{truth},"
                     f"{400 + (2500 if label != 'none' else 0) + 7 * (k % 13)},")
     return "\n".join(rows) + "\n"
 
@@ -98,7 +98,7 @@ def unseen():
 
 def claim(name, words, paper, unit, asked, limit, value, half, verdict, note="", objects=None):
     side = {"measured": figure(value, half, 10, 1e9), "verdict": verdict, "objects": objects or {}, "note": note,
-            "in_words": "The claim is true for 7 of 10 objects; the lowest is white-box.", "kept": 7, "of": 10, "can_be_told": True,
+            "in_words": "The claim is true for 7 of 10 objects; the lowest is white-box.", "kept": 7, "of": 10, "can_be_decided": True,
             "why": "the interval lies across the limit" if verdict == "cannot tell" else ""}
     return {"id": name, "claim": words, "paper": paper, "unit": unit, "asked": asked, "limit": limit, **side, "all_test": side}
 

@@ -59,12 +59,12 @@ def look_at(browser, page, width, dark, picture):
     browser.screenshot(session, picture, captureBeyondViewport=True,
                        clip={"x": 0, "y": 0, "width": width, "height": 12000 if width < 600 else 9000, "scale": 0.5 if width < 600 else 1})
     requests = [e["params"]["request"]["url"] for e in browser.events if e.get("method") == "Network.requestWillBeSent"]
-    said = [words[:300] for words in browser.complaints()]
+    complaints = [words[:300] for words in browser.complaints()]
     browser.ask("Target.closeTarget", targetId=target)
-    return seen, requests, said
+    return seen, requests, complaints
 
 
-def problems_with(seen, requests, said, page, figures):
+def problems_with(seen, requests, complaints, page, figures):
     """Whatever a reader would stumble over, in words."""
     problems = []
     ids = [figure["id"] for figure in seen["figures"]]
@@ -75,7 +75,7 @@ def problems_with(seen, requests, said, page, figures):
         if figure["width"] <= 0 or figure["height"] <= 0 or figure["shown"] <= 0:
             problems.append(f"{figure['id']} has no natural size")
         if len(figure["caption"]) < 20 or len(figure["alt"]) < 20:
-            problems.append(f"{figure['id']} is not told in words")
+            problems.append(f"{figure['id']} is not described in words")
         if figure["scrolls"] != "auto":
             problems.append(f"{figure['id']} does not scroll in itself")
     for table in seen["tables"]:
@@ -93,7 +93,7 @@ def problems_with(seen, requests, said, page, figures):
     for url in requests:
         if url.split("#")[0] != own and not url.startswith("data:"):
             problems.append(f"request to {url}")
-    problems += [f"console: {words}" for words in said]
+    problems += [f"console: {words}" for words in complaints]
     return problems
 
 
@@ -129,8 +129,8 @@ def main():
             for width, dark in ((1280, False), (390, False), (390, True)):
                 look = f"{name}, {width} px, {'dark' if dark else 'light'}"
                 picture = os.path.join(home, f"{name}-{width}{'-dark' if dark else ''}.png")
-                seen, requests, said = look_at(browser, report["page"], width, dark, picture)
-                problems = problems_with(seen, requests, said, report["page"], report["figures"])
+                seen, requests, complaints = look_at(browser, report["page"], width, dark, picture)
+                problems = problems_with(seen, requests, complaints, report["page"], report["figures"])
                 check(not problems, f"{look}: " + "; ".join(problems))
                 check(seen["viewport"] == width, f"{look}: the page is {seen['viewport']} px wide; it does not follow the screen")
                 check(seen["title"] == report["title"], f"{look}: title {seen['title']}")
@@ -148,8 +148,8 @@ def main():
             html = html.replace("data:image/svg+xml;base64,", "data:image/svg+xml;base64,AAAA", 1)
             file.write(html.replace("</main>", "<div style='width:3000px'>wide</div><table><tbody></tbody></table>"
                                     "<img src='http://127.0.0.1:9/nothing.png'><script>console.error('x')</script></main>"))
-        seen, requests, said = look_at(browser, broken, 390, False, os.path.join(home, "broken.png"))
-        found = "; ".join(problems_with(seen, requests, said, broken, pages["plain"]["figures"] + ["not-there"]))
+        seen, requests, complaints = look_at(browser, broken, 390, False, os.path.join(home, "broken.png"))
+        found = "; ".join(problems_with(seen, requests, complaints, broken, pages["plain"]["figures"] + ["not-there"]))
         for words in ("has no natural size", "is empty or ragged", "wider than the page", "1 scripts", "request to http://127.0.0.1:9", "console:",
                       "figure not-there is not on the page"):
             check(words in found, f"a broken page: '{words}' was not found, only: {found}")

@@ -81,7 +81,7 @@ json evaluation() {
           {"last", figure(0.8)},
           {"before_last", figure(0.915)},
           {"last_minus_before", figure(-0.115)},
-          {"still_said", figure(0.355)}}}}},
+          {"still_predicted", figure(0.355)}}}}},
       {"trivial",
        {{"always_press",
          {{"false_alarms_per_min", figure(20)},
@@ -109,7 +109,7 @@ json claim(const std::string& words, const std::string& verdict) {
   return {{"id", "x"},
           {"in_words", "Above 95 % for 1 of 2 objects."},
           {"why", verdict == "cannot tell" ? "too few runs: 1 each, 3 wanted" : ""},
-          {"can_be_told", verdict != "cannot tell"},
+          {"can_be_decided", verdict != "cannot tell"},
           {"claim", words},
           {"paper", "95 %"},
           {"unit", "%"},
@@ -184,30 +184,30 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
   return study;
 }
 
-bool tells(const std::string& page, const std::string& words) { return page.find(words) != std::string::npos; }
+bool contains(const std::string& page, const std::string& words) { return page.find(words) != std::string::npos; }
 
 bool any_tells(const std::vector<std::string>& texts, const std::string& words) {
-  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return tells(text, words); });
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return contains(text, words); });
 }
 
 TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   const TemporaryFolder folder;
   write_study(folder / "study");
   test::make_run(folder / "study/data", {});
-  std::vector<std::string> told;
+  std::vector<std::string> named;
   const ReportSummary summary =
-      write_report(folder / "study", folder / "out", [&](std::string_view name) { told.emplace_back(name); });
+      write_report(folder / "study", folder / "out", [&](std::string_view name) { named.emplace_back(name); });
   const std::vector<std::string> figures{"frames",    "accuracy-by-history", "detection-curve", "delays", "operating-curve",
                                          "confusion", "reliability",         "run-fan-02",      "unseen", "training"};
   EXPECT_EQ(summary.figures, figures);
-  EXPECT_EQ(told, figures);
+  EXPECT_EQ(named, figures);
   EXPECT_EQ(summary.claims, 2U);
   EXPECT_EQ(summary.hold, 1U);
   EXPECT_EQ(summary.do_not, 0U);
   EXPECT_TRUE(summary.simulated);
   const std::string page = read_text(summary.page);
   for (const std::string& name : figures) {
-    EXPECT_TRUE(tells(page, "id=\"figure-" + name + "\"")) << name;
+    EXPECT_TRUE(contains(page, "id=\"figure-" + name + "\"")) << name;
     EXPECT_GT(fs::file_size(folder / "out/figures" / (name + ".svg")), 1000U);
     EXPECT_GT(fs::file_size(folder / "out/figures" / (name + ".png")), 1000U);
   }
@@ -257,14 +257,14 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "61.5 s",
                             "0.1250",
                             "It is best."})
-    EXPECT_TRUE(tells(page, words)) << words;
-  EXPECT_FALSE(tells(page, "Nothing is missing."));
+    EXPECT_TRUE(contains(page, words)) << words;
+  EXPECT_FALSE(contains(page, "Nothing is missing."));
   EXPECT_TRUE(any_tells(summary.missing, "1 of the 2 claims have too few trainings, runs or objects"));
   const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
   for (const char* words :
        {"press: 2 ms", "with the detection delay above", "False alarms outside labels: 6 (6.0 per minute)",
         "without unlabelled motion: 4 (5.3 per minute); 20.0 % of none time", "of the wrong class: 2 (8.0", "A tick every 2 ms"})
-    EXPECT_TRUE(tells(run, words)) << words;
+    EXPECT_TRUE(contains(run, words)) << words;
 }
 
 TEST(Report, FoldsThePapersOwnWay) {
@@ -297,22 +297,23 @@ TEST(Report, NamesEveryHistoryThatTheTrainingsChose) {
   study["splits_mean"]["reported"] = {{"value", -0.125}, {"low", -0.25}, {"high", -0.0625}, {"n", 10}};
   write_json(folder / "study/study.json", study);
   const std::string page = read_text(write_report(folder / "study", folder / "out").page);
-  EXPECT_TRUE(tells(page, "Detection: 4 trainings, t_h 30, 40 and 50 ms, the reported runs</h2>")) << page;
-  EXPECT_TRUE(tells(page, "<p>4 trainings, t_h 30, 40 and 50 ms, a tick every 2 ms"));
-  EXPECT_TRUE(tells(page, "4 trainings are 17.5 points apart."));
-  EXPECT_TRUE(tells(page, "Over 2 random splits, the accuracy on a held-out object differs by -12.50 points [-25.00, -6.25]"));
+  EXPECT_TRUE(contains(page, "Detection: 4 trainings, t_h 30, 40 and 50 ms, the reported runs</h2>")) << page;
+  EXPECT_TRUE(contains(page, "<p>4 trainings, t_h 30, 40 and 50 ms, a tick every 2 ms"));
+  EXPECT_TRUE(contains(page, "4 trainings are 17.5 points apart."));
+  EXPECT_TRUE(contains(page, "Over 2 random splits, the accuracy on a held-out object differs by -12.50 points [-25.00, -6.25]"));
   evaluation["models"] = {{{"name", "one"}, {"th_ms", 20}}};
   write_json(folder / "study/study.json", study);
-  EXPECT_TRUE(tells(read_text(write_report(folder / "study", folder / "out").page), "Detection: one (20 ms), the reported runs"));
+  EXPECT_TRUE(
+      contains(read_text(write_report(folder / "study", folder / "out").page), "Detection: one (20 ms), the reported runs"));
 }
 
 TEST(Report, EscapesWhateverComesFromFiles) {
   const TemporaryFolder folder;
   write_study(folder / "study", " <b onerror=\"x\">'&</b><script>");
   const std::string page = read_text(write_report(folder / "study", folder / "out").page);
-  EXPECT_FALSE(tells(page, "<script"));
-  EXPECT_FALSE(tells(page, "<b "));
-  EXPECT_TRUE(tells(page, "A study &lt;b onerror=&quot;x&quot;&gt;&#39;&amp;&lt;/b&gt;&lt;script&gt;"));
+  EXPECT_FALSE(contains(page, "<script"));
+  EXPECT_FALSE(contains(page, "<b "));
+  EXPECT_TRUE(contains(page, "A study &lt;b onerror=&quot;x&quot;&gt;&#39;&amp;&lt;/b&gt;&lt;script&gt;"));
 }
 
 TEST(Report, NamesTheMissingPartsAndLeavesOldFiguresOfTheirsOut) {
@@ -331,7 +332,7 @@ TEST(Report, NamesTheMissingPartsAndLeavesOldFiguresOfTheirsOut) {
        {"claims were not tested", "The evaluation reported: ", "The full run fan/02: ", "figure 11", "Frames"})
     EXPECT_TRUE(any_tells(summary.missing, words)) << words;
   const std::string page = read_text(summary.page);
-  EXPECT_TRUE(tells(page, "claims were not tested"));
+  EXPECT_TRUE(contains(page, "claims were not tested"));
   EXPECT_FALSE(fs::exists(folder / "out/figures/delays.svg"));
   EXPECT_FALSE(fs::exists(folder / "out/figures/run-fan-02.png"));
   EXPECT_TRUE(fs::exists(folder / "out/figures/mine.png"));
@@ -348,11 +349,11 @@ TEST(Report, RefusesInWordsWhatIsNoStudyAndLeavesTheReportThatIsThere) {
   study["histories"][0]["accuracy"]["reported"]["mean"]["value"] = "much";
   write_json(folder / "study/study.json", study);
   const std::string error = error_of([&] { write_report(folder / "study", folder / "out"); });
-  EXPECT_TRUE(tells(error, "'value' is string; expected a number") && tells(error, "study.json")) << error;
+  EXPECT_TRUE(contains(error, "'value' is string; expected a number") && contains(error, "study.json")) << error;
   EXPECT_EQ(read_text(page), before);
   write_json(folder / "study/study.json", {{"format", "another"}});
-  EXPECT_TRUE(tells(error_of([&] { read_study(folder / "study"); }), "is of format 'another'; expected 'tactile-study-1'"));
-  EXPECT_TRUE(tells(error_of([&] { read_study(folder / "nowhere"); }), "study.json"));
+  EXPECT_TRUE(contains(error_of([&] { read_study(folder / "study"); }), "is of format 'another'; expected 'tactile-study-1'"));
+  EXPECT_TRUE(contains(error_of([&] { read_study(folder / "nowhere"); }), "study.json"));
 }
 
 TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
@@ -384,22 +385,22 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   EXPECT_EQ(both.figures.front(), "accuracy-by-history");
   EXPECT_EQ(both.title, "Results of b (simulated runs)");
   const auto remarks_of = [&] { return json(read_models({folder / "models/b", folder / "models/a"}, {}).remarks).dump(); };
-  EXPECT_FALSE(tells(remarks_of(), "differ in more")) << "the history alone is what they are compared by";
+  EXPECT_FALSE(contains(remarks_of(), "differ in more")) << "the history alone is what they are compared by";
   json other = read_json(folder / "models/a/model.json");
   other["training"]["learning_rate"] = 0.01;
   other["dataset"]["manifest_hash"] = "abd";
   write_json(folder / "models/a/model.json", other);
-  EXPECT_TRUE(
-      tells(remarks_of(), "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
+  EXPECT_TRUE(contains(remarks_of(),
+                       "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
       << remarks_of();
 
   const auto nothing = run_tactile("report models", folder.path());
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_TRUE(tells(nothing.err, "contains no study, model, trade, stress or dataset")) << nothing.err;
+  EXPECT_TRUE(contains(nothing.err, "contains no study, model, trade, stress or dataset")) << nothing.err;
   write_whole(folder / "models/a/eval.json", "{\"accuracy\": 3}");
   const auto damaged = run_tactile("report models/a", folder.path());
   EXPECT_EQ(damaged.exit_code, 1);
-  EXPECT_TRUE(tells(damaged.err, "eval.json: 'accuracy' is number; expected an object")) << damaged.err;
+  EXPECT_TRUE(contains(damaged.err, "eval.json: 'accuracy' is number; expected an object")) << damaged.err;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 using test::drawn;
 using test::TemporaryFolder;
 
-bool tells(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 
 using Row = std::vector<double>;
 
@@ -74,7 +74,7 @@ std::vector<XAxis> x_axes(const pictures::Plot& plot) {
     } else if (std::regex_match(line, found, range)) {
       axes.back().begin = std::stod(found[1]), axes.back().end = std::stod(found[2]);
     } else if (std::regex_match(line, found, tics)) {
-      axes.back().is_aslant = tells(found[1], "rotate by 45");
+      axes.back().is_aslant = contains(found[1], "rotate by 45");
       const std::string list = found[2];
       for (auto at = std::sregex_iterator(list.begin(), list.end(), tic); at != std::sregex_iterator(); ++at)
         axes.back().tics.push_back({(*at)[1], std::stod((*at)[2])});
@@ -149,7 +149,7 @@ TEST(TradeAccuracyPlot, HoldsPercentAgainstTheLogarithmOfTheTime) {
   EXPECT_TRUE(has_row(plot, {3, 95, 94, 96}));
   const std::string svg = drawn(plot);
   for (const char* words : {"accuracy [%]", "99th percentile of the time per tick [us]", ">usual<", "t_h 2 ms"})
-    EXPECT_TRUE(tells(svg, words)) << words;
+    EXPECT_TRUE(contains(svg, words)) << words;
 }
 
 TEST(TradeAccuracyPlot, LabelsItsTimesThroughoutHoweverFarTheyReach) {
@@ -188,7 +188,7 @@ TEST(TradeDelayPlot, IsLinearNearNoAlarmsAndLogarithmicBeyond) {
     EXPECT_NEAR(tic->place, std::log10(value + 1), 1e-8) << label;
   }
   expect_readable(axis, 8);
-  EXPECT_GT(axis.px(std::log10(2)) - axis.px(0), 40) << "none and one are told apart";
+  EXPECT_GT(axis.px(std::log10(2)) - axis.px(0), 40) << "none and one are apart";
 }
 
 TEST(TradeDelayPlot, IsLabelledWhateverTheAlarms) {
@@ -221,7 +221,7 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
       })) << knob;
     }
     for (const Words& line : words) {
-      EXPECT_FALSE(tells(line.text, "…")) << line.text;
+      EXPECT_FALSE(contains(line.text, "…")) << line.text;
       EXPECT_LE(characters_in(line.text), 114U) << line.text;
       EXPECT_GT(line.y, 0) << line.text;
       EXPECT_LT(line.y, plot.height_px - 6) << line.text;
@@ -230,7 +230,7 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
     drawn(plot);
   }
   const std::string svg = drawn(trade_delay_plot(trade));
-  EXPECT_TRUE(tells(svg, "no gate (12.5 % missed or early)"));
+  EXPECT_TRUE(contains(svg, "no gate (12.5 % missed or early)"));
 }
 
 TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
@@ -259,7 +259,7 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       {beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000), setting("sure", 1000, 0.95, 1, 9000)});
   for (const bool has_intervals : {true, false}) {
     for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
-      EXPECT_FALSE(tells(plot.script, "with lines"));
+      EXPECT_FALSE(contains(plot.script, "with lines"));
       std::smatch drawing;
       // Tables of the others, of the front and of the usual setting, each with a mark of its own.
       ASSERT_TRUE(std::regex_search(plot.script, drawing,
@@ -274,8 +274,8 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       ASSERT_EQ(rows(3).size(), 1U);
       EXPECT_TRUE(is_row(rows(3)[0], rows(1)[0])) << "the usual one has its diamond around its circle";
       const std::string svg = drawn(plot);
-      EXPECT_TRUE(tells(svg, "the front"));
-      EXPECT_EQ(tells(svg, "95 %"), has_intervals) << "intervals are spoken of only where there are some";
+      EXPECT_TRUE(contains(svg, "the front"));
+      EXPECT_EQ(contains(svg, "95 %"), has_intervals) << "intervals are spoken of only where there are some";
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
     for (ReportedSetting& one : trade.settings) {
@@ -297,7 +297,7 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
   const std::vector<Words> words = words_in(plot);
   std::string all;
   for (const Words& line : words) all += line.text + ' ';
-  EXPECT_TRUE(tells(all, "Filled, and the first 24 of 30 numbered: the front"));
+  EXPECT_TRUE(contains(all, "Filled, and the first 24 of 30 numbered: the front"));
   const auto list_begin = std::find_if(words.begin(), words.end(), [](const Words& line) { return line.text == "25"; });
   ASSERT_NE(list_begin, words.end());
   std::copy_if(list_begin + 1, words.end(), std::back_inserter(numbers),
@@ -340,8 +340,8 @@ TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
   const pictures::Plot plot = trade_accuracy_plot(trade_of(settings));
   std::string all;
   for (const Words& line : words_in(plot)) all += line.text + '\n';
-  EXPECT_TRUE(tells(all, "Without a number: 59 more."));
-  EXPECT_TRUE(tells(all, "\ndense\n"));
+  EXPECT_TRUE(contains(all, "Without a number: 59 more."));
+  EXPECT_TRUE(contains(all, "\ndense\n"));
   drawn(plot);
 }
 
@@ -352,22 +352,22 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
   using Settings = std::vector<ReportedSetting>;
   for (const auto& make : {trade_accuracy_plot, trade_delay_plot}) {
     const std::string nothing = drawn(make(trade_of({})));
-    EXPECT_TRUE(tells(nothing, "nothing to show"));
-    EXPECT_FALSE(tells(nothing, "front")) << "none is spoken of where there is none";
-    EXPECT_TRUE(tells(drawn(make(trade_of({unknown}))), "Not shown, without a value: 1."));
+    EXPECT_TRUE(contains(nothing, "nothing to show"));
+    EXPECT_FALSE(contains(nothing, "front")) << "none is spoken of where there is none";
+    EXPECT_TRUE(contains(drawn(make(trade_of({unknown}))), "Not shown, without a value: 1."));
     for (const Settings& settings :
          {Settings{usual}, Settings{beaten(usual)}, Settings{usual, usual}, Settings{usual, setting("best", 1, 1.0, 0, 0)}}) {
       const pictures::Plot plot = make(trade_of(settings));
       const std::string svg = drawn(plot);
-      EXPECT_TRUE(tells(svg, "the usual one is in a diamond"));
-      EXPECT_TRUE(tells(svg, ">usual<") || settings.size() > 1) << "in a crowd there may be no room for it";
-      EXPECT_FALSE(tells(plot.script, "nothing to show"));
-      EXPECT_FALSE(tells(plot.script, "Not shown"));
+      EXPECT_TRUE(contains(svg, "the usual one is in a diamond"));
+      EXPECT_TRUE(contains(svg, ">usual<") || settings.size() > 1) << "in a crowd there may be no room for it";
+      EXPECT_FALSE(contains(plot.script, "nothing to show"));
+      EXPECT_FALSE(contains(plot.script, "Not shown"));
       expect_readable(x_axes(plot).at(0), 3);
     }
   }
-  EXPECT_FALSE(tells(trade_accuracy_plot(trade_of({usual, silent})).script, "Not shown"));
-  EXPECT_TRUE(tells(trade_delay_plot(trade_of({usual, silent})).script, "Not shown, without a value: 1."));
+  EXPECT_FALSE(contains(trade_accuracy_plot(trade_of({usual, silent})).script, "Not shown"));
+  EXPECT_TRUE(contains(trade_delay_plot(trade_of({usual, silent})).script, "Not shown, without a value: 1."));
 }
 
 results::GrowthPoint growth(double events_per_s, microseconds history, int width, int height) {
@@ -395,13 +395,13 @@ TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
                                                      {"2", "10", "20", "40", "100", "200"},
                                                      {"160x120", "320x240", "640x480", "1280x960"}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    std::vector<std::string> told;
+    std::vector<std::string> named;
     double least = INFINITY, most = -INFINITY;
     for (const XAxis::Tic& tic : axes[i].tics) {
-      told.push_back(tic.label);
+      named.push_back(tic.label);
       least = std::min(least, tic.place), most = std::max(most, tic.place);
     }
-    EXPECT_EQ(told, labels[i]);
+    EXPECT_EQ(named, labels[i]);
     expect_readable(axes[i], labels[i].size());
     const double length = axes[i].end - axes[i].begin;
     EXPECT_LT(least - axes[i].begin, 0.08 * length);
@@ -413,7 +413,7 @@ TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
   EXPECT_TRUE(has_row(plot, {std::log10(640 * 480), 2, 1, 3, -1}));
   const std::string svg = drawn(plot);
   for (const char* words : {"events per second", "t_h 40 ms, 640x480", "300k events/s, 640x480", "t_h 40 ms, 300k events/s"})
-    EXPECT_TRUE(tells(svg, words)) << words;
+    EXPECT_TRUE(contains(svg, words)) << words;
 }
 
 TEST(TradeGrowthPlot, LeadsNoLineFromNoEventsToSome) {
@@ -426,9 +426,9 @@ TEST(TradeGrowthPlot, LeadsNoLineFromNoEventsToSome) {
 }
 
 TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
-  EXPECT_TRUE(tells(drawn(trade_growth_plot({})), "not measured"));
+  EXPECT_TRUE(contains(drawn(trade_growth_plot({})), "not measured"));
   ReportedTrade trade = grown();
-  EXPECT_FALSE(tells(trade_growth_plot(trade).script, "not measured"));
+  EXPECT_FALSE(contains(trade_growth_plot(trade).script, "not measured"));
   trade.growth.by_rate.resize(1);
   trade.growth.by_history.resize(1);
   trade.growth.by_history[0].sparse.p50_us = NAN;

@@ -23,7 +23,7 @@ TEST(Claim, ComesBackAsItWasWritten) {
   claim.objects["fan"] = {.value = 96};
   claim.kept = claim.of = 3;
   claim.verdict = Verdict::holds;
-  claim.can_be_told = true;
+  claim.can_be_decided = true;
   claim.all_test = ClaimOutcome{.in_words = "Above 95 %.", .verdict = Verdict::does_not, .why = "", .note = "a note"};
   const nlohmann::json json = claim;
   EXPECT_EQ(json.at("asked"), "above");
@@ -45,9 +45,13 @@ TEST(Claim, ComesBackAsItWasWritten) {
 TEST(Claim, MayLackWhatOlderStudiesDidNotWrite) {
   const Claim claim = claim_in({{"verdict", "holds"}});
   EXPECT_TRUE(std::isnan(claim.limit));
-  EXPECT_TRUE(claim.can_be_told) << "not known to be otherwise";
+  EXPECT_TRUE(claim.can_be_decided) << "not known to be otherwise";
   EXPECT_FALSE(claim.kept || claim.all_test);
   EXPECT_EQ(claim_in(nlohmann::json::object()).verdict, Verdict::cannot_tell);
+}
+
+TEST(Claim, IsReadFromFilesOfEarlierVersions) {
+  EXPECT_FALSE(claim_in({{"verdict", "cannot tell"}, {"can_be_told", false}}).can_be_decided);
 }
 
 TEST(Claim, IsRefusedByFileAndMember) {

@@ -9,7 +9,7 @@
 namespace tactile::results {
 namespace {
 
-FullRun run_in(const nlohmann::json& json) { return JsonView(json, "said.json", MissingMember::is_error).get<FullRun>(); }
+FullRun run_in(const nlohmann::json& json) { return JsonView(json, "predictions.json", MissingMember::is_error).get<FullRun>(); }
 
 TEST(FullRun, ComesBackAsItWasWritten) {
   const FullRun run{.run = "fan/03",
@@ -18,9 +18,9 @@ TEST(FullRun, ComesBackAsItWasWritten) {
                     .probabilities = {{1, 0, 0}, {0, 0.25F, 0.75F}, {0.1F, 0.9F, 1e-30F}},
                     .events = {0, 70'000'000'000, 1}};
   const nlohmann::json json = run;
-  EXPECT_EQ(json.dump(), R"({"events":[0,70000000000,1],"first_us":6000,"probabilities":")"
+  EXPECT_EQ(json.dump(), R"({"events":[0,70000000000,1],"first_us":6000,"predicted":"021","probabilities":")"
                          "3f8000000000000000000000000000003e8000003f4000003dcccccd3f6666660da24260"
-                         R"(","run":"fan/03","said":"021","tick_us":2000})");
+                         R"(","run":"fan/03","tick_us":2000})");
   const FullRun read = run_in(json);
   EXPECT_EQ(read.run, "fan/03");
   EXPECT_EQ(read.ticks.first, camera_time(6000));
@@ -28,6 +28,13 @@ TEST(FullRun, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.verdicts, run.verdicts);
   EXPECT_EQ(read.probabilities, run.probabilities);
   EXPECT_EQ(read.events, run.events);
+}
+
+TEST(FullRun, IsReadFromFilesOfEarlierVersions) {
+  const auto earlier = nlohmann::json::parse(
+      R"({"run": "fan/03", "first_us": 0, "tick_us": 2000, "said": "02", "probabilities": "", "events": [1, 2]})");
+  const FullRun read = run_in(earlier);
+  EXPECT_EQ(read.verdicts, (std::vector{Touch::none, Touch::slip}));
 }
 
 TEST(FullRun, ComesBackWithItsRatios) {
@@ -43,25 +50,26 @@ TEST(FullRun, ComesBackWithItsRatios) {
   for (const char* ratios : {"7f800000be800000", "7f800000be8000004148000g", "7f800000be8000007fc00000"}) {
     json["ratios"] = ratios;
     EXPECT_EQ(test::error_of([&] { run_in(json); }),
-              "said.json: 'ratios' are not a float32 per tick; expected 8 hexadecimal digits each");
+              "predictions.json: 'ratios' are not a float32 per tick; expected 8 hexadecimal digits each");
   }
 }
 
 TEST(FullRun, IsRefusedByFileAndMember) {
   const auto error_of = [](const char* text) { return test::error_of([&] { run_in(nlohmann::json::parse(text)); }); };
-  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0})"), "said.json: 'tick_us' is missing");
-  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "03", "events": [1, 2]})"),
-            "said.json: 'said' has a digit other than 0, 1 and 2");
-  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "events": [1, -2]})"),
-            "said.json: 'events' has a value that is not a whole number from 0 on");
-  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "01", "probabilities": "", "events": [1]})"),
-            "said.json: the numbers of verdicts and event counts differ; expected a full run of a model");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0})"), "predictions.json: 'tick_us' is missing");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "predicted": "03", "events": [1, 2]})"),
+            "predictions.json: 'predicted' has a digit other than 0, 1 and 2");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "predicted": "01", "events": [1, -2]})"),
+            "predictions.json: 'events' has a value that is not a whole number from 0 on");
+  EXPECT_EQ(error_of(R"({"run": "a", "first_us": 0, "tick_us": 2, "predicted": "01", "probabilities": "", "events": [1]})"),
+            "predictions.json: the numbers of verdicts and event counts differ; expected a full run of a model");
   for (const char* probabilities :
        {"3f800000", "3f80000000000000-0000000", "3f8000000000000040000000", "7fc000000000000000000000"}) {
-    EXPECT_EQ(error_of((R"({"run": "a", "first_us": 0, "tick_us": 2, "said": "0", "events": [1], "probabilities": ")" +
-                        std::string(probabilities) + "\"}")
-                           .c_str()),
-              "said.json: 'probabilities' are not three float32 from 0 to 1 per tick; expected 24 hexadecimal digits each");
+    EXPECT_EQ(
+        error_of((R"({"run": "a", "first_us": 0, "tick_us": 2, "predicted": "0", "events": [1], "probabilities": ")" +
+                  std::string(probabilities) + "\"}")
+                     .c_str()),
+        "predictions.json: 'probabilities' are not three float32 from 0 to 1 per tick; expected 24 hexadecimal digits each");
   }
 }
 

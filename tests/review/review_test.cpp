@@ -3,97 +3,27 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
-#include <thread>
 
-#include "alignment/made_run.hpp"
+#include "review/reviewing.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
-#include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
-#include "tactile/labels/label_runs.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile::review {
 namespace {
 
-using nlohmann::json;
 namespace fs = std::filesystem;
-
-PageRequest request(const std::string& path, const std::map<std::string, std::string>& query = {}) {
-  return {.method = "GET", .path = path, .query = query, .body = ""};
-}
-
-std::uint32_t u32(const std::string& bytes, std::size_t index) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + 4 * index, sizeof value);
-  return value;
-}
-
-class Reviewing : public testing::Test {
- protected:
-  /// Reviews the runs of the folder.
-  void review_runs(ReviewHelp help = {}) {
-    review =
-        std::make_unique<Review>(ReviewOptions{.data = "data", .models = data / "models", .studies = data.path(), .who = "ada"},
-                                 std::move(help), [this] { return look_for_runs(data.path()); });
-  }
-
-  /// The answer, or the refusal of a request.
-  PageResponse ask(const PageRequest& asked) const {
-    try {
-      return review->answer(asked);
-    } catch (const Refusal& e) {
-      return refusal_response(e.status(), e.what());
-    }
-  }
-  json json_of(const PageRequest& asked) const { return json::parse(ask(asked).body); }
-  PageResponse post(const std::string& path, const json& body) const {
-    return ask({.method = "POST", .path = path, .query = {}, .body = body.dump()});
-  }
-
-  /// Asks until the run is read, and waits for it.
-  json read_run(const std::string& path) const {
-    PageResponse answer;
-    EXPECT_TRUE(test::comes_true([&] {
-      answer = ask(request(path));
-      return answer.status != 202;
-    }));
-    return json::parse(answer.body);
-  }
-
-  test::TemporaryFolder data;
-  std::unique_ptr<Review> review;
-};
-
-/// A run with a press, a slip and a lift of the robot, labelled.
-class ReviewingARun : public Reviewing {
- protected:
-  void SetUp() override {
-    run = test::write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}},
-                               test::made_lift(1'500'000, 500'000, 0.06, -123'456'789));
-    ASSERT_EQ(labels::label_runs({run}).at(0).error, "");
-    events = test::events_in_file(run.events());
-  }
-  std::string version() const { return json_of(request("/api/runs/fan/01/labels")).at("version"); }
-  PageResponse edit(const json& edit, const std::string& why = "") const {
-    return post("/api/runs/fan/01/edits", {{"version", version()}, {"why", why}, {"edit", edit}});
-  }
-  std::int64_t since_first(const events::Event& event) const { return between(events.front().t, event.t).count(); }
-  std::size_t count_in(std::int64_t from, std::int64_t to) const {
-    return static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [&](const events::Event& event) {
-      return from <= since_first(event) && since_first(event) < to;
-    }));
-  }
-
-  RunFolder run;
-  std::vector<events::Event> events;
-};
+using nlohmann::json;
+using test::request;
+using test::Reviewing;
+using test::ReviewingARun;
+using test::u32;
 
 TEST_F(ReviewingARun, TheListHasTheRunWithItsLabels) {
   review_runs();
@@ -224,225 +154,6 @@ TEST_F(ReviewingARun, AThumbnailIsASmallPicture) {
   ASSERT_EQ(answer.status, 200);
   const std::vector<unsigned char> bytes(answer.body.begin(), answer.body.end());
   EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).size(), cv::Size(64, 48));
-}
-
-TEST_F(ReviewingARun, AnEditIsSavedAndAnsweredWithTheNewLabels) {
-  review_runs();
-  const PageResponse answer =
-      edit({{"kind", "move"}, {"id", "press-1"}, {"end", "start"}, {"to_us", 812'345}, {"within_us", 250}});
-  ASSERT_EQ(answer.status, 200) << answer.body;
-  const json view = json::parse(answer.body);
-  const json press = view.at("intervals").at(0);
-  EXPECT_EQ(press.at("start_us"), 812'345);
-  EXPECT_EQ(press.at("start_low_us"), 812'095);
-  EXPECT_EQ(press.at("start_high_us"), 812'595);
-  EXPECT_EQ(press.at("source"), "person");
-  EXPECT_EQ(press.at("confirmed"), true);
-  EXPECT_EQ(view.at("history").at(0).at("who"), "ada");
-  EXPECT_EQ(view.at("can_undo"), true);
-  EXPECT_EQ(labels::read_versioned_labels(run).version, view.at("version"));
-  EXPECT_EQ(labels::read_labels(run.labels()).intervals.at(0).start.at, after(events.front().t, 812'345us));
-}
-
-TEST_F(ReviewingARun, EditsAreUndoneAndRedone) {
-  review_runs();
-  const json before = json_of(request("/api/runs/fan/01/labels"));
-  ASSERT_EQ(edit({{"kind", "reject"}, {"id", "press-1"}}).status, 200);
-  ASSERT_EQ(edit({{"kind", "class"}, {"id", "slip-1"}, {"touch", "press"}}).status, 200);
-  const json edited = json_of(request("/api/runs/fan/01/labels"));
-  const json undone = json::parse(post("/api/runs/fan/01/undo", {{"version", version()}, {"count", 2}}).body);
-  EXPECT_EQ(undone.at("intervals"), before.at("intervals"));
-  EXPECT_EQ(undone.at("rejected"), before.at("rejected"));
-  EXPECT_EQ(undone.at("can_redo"), true);
-  EXPECT_EQ(undone.at("can_undo"), false);
-  EXPECT_EQ(undone.at("history").at(0).at("undone"), true);
-  const json redone = json::parse(post("/api/runs/fan/01/redo", {{"version", version()}, {"count", 2}}).body);
-  EXPECT_EQ(redone.at("intervals"), edited.at("intervals"));
-  EXPECT_EQ(post("/api/runs/fan/01/redo", {{"version", version()}}).status, 400);
-}
-
-TEST_F(ReviewingARun, AnEditOfOlderLabelsIsAConflictWithTheCurrentOnes) {
-  review_runs();
-  const std::string seen = version();
-  const labels::EditNote eve{.who = "eve", .why = ""};
-  ASSERT_TRUE(std::holds_alternative<labels::VersionedLabels>(
-      labels::save_edit(run, std::nullopt, labels::RejectInterval{"press-1"}, eve)));
-  const std::string file = read_text(run.labels());
-  for (const auto& [path, body] :
-       {std::pair<std::string, json>("edits", {{"version", seen}, {"edit", {{"kind", "confirm-run"}}}}),
-        {"undo", {{"version", seen}}},
-        {"redo", {{"version", seen}}}}) {
-    const PageResponse answer = post("/api/runs/fan/01/" + path, body);
-    EXPECT_EQ(answer.status, 409) << path;
-    const json conflict = json::parse(answer.body);
-    EXPECT_EQ(conflict.at("current").at("intervals").size(), 1U);
-    EXPECT_EQ(conflict.at("current").at("version"), version());
-    EXPECT_EQ(conflict.at("current").at("history").at(0).at("who"), "eve");
-  }
-  EXPECT_EQ(read_text(run.labels()), file);
-}
-
-TEST_F(ReviewingARun, AnEditThatCannotBeMadeIsRefusedAndSavesNothing) {
-  review_runs();
-  const std::string file = read_text(run.labels());
-  EXPECT_EQ(edit({{"kind", "reject"}, {"id", "press-9"}}).status, 400);
-  EXPECT_EQ(edit({{"kind", "move"}, {"id", "press-1"}, {"end", "start"}, {"to_us", 99'000'000}}).status, 400);
-  EXPECT_EQ(edit({{"kind", "lift"}, {"flag", 0}}).status, 400);
-  EXPECT_EQ(post("/api/runs/fan/01/edits", {{"edit", {{"kind", "confirm-run"}}}}).status, 400);  // of no version
-  EXPECT_EQ(ask({.method = "POST", .path = "/api/runs/fan/01/edits", .query = {}, .body = std::string(40'000, '[')}).status, 400);
-  EXPECT_EQ(ask(request("/api/runs/fan/01/edits")).status, 405);
-  EXPECT_EQ(post("/api/runs/fan/01/labels", json::object()).status, 405);
-  EXPECT_EQ(read_text(run.labels()), file);
-}
-
-TEST_F(ReviewingARun, ALiftedFlagHasItsReason) {
-  labels::Labels flagged = labels::read_labels(run.labels());
-  flagged.flags.push_back({.interval_index = 0, .reason = "<img src=x onerror=alert(1)>", .confirmed = false, .key = "k"});
-  labels::write_labels(run.labels(), flagged);
-  review_runs();
-  const json before = json_of(request("/api/runs/fan/01/labels"));
-  const std::size_t index = before.at("flags").size() - 1;
-  EXPECT_EQ(before.at("flags").at(index).at("what"),
-            "<img src=x onerror=alert(1)>");  // text; the page must not make markup of it
-  EXPECT_EQ(before.at("flags").at(index).at("interval_id"), "press-1");
-  const json after = json::parse(edit({{"kind", "lift"}, {"flag", index}}, "seen in the film").body);
-  EXPECT_EQ(after.at("flags").at(index).at("confirmed"), true);
-  EXPECT_EQ(after.at("flags").at(index).at("lifted_why"), "seen in the film");
-}
-
-TEST_F(ReviewingARun, ThePictureOfEditedLabelsIsDrawnOnceItEnds) {
-  std::atomic<int> drawn{0};
-  std::string of;
-  review_runs({.classify = {}, .default_model = {}, .draw_labels = [&](const RunFolder& one, const labels::Labels& labels) {
-                 of = one.name() + " " + std::to_string(labels.history.entries.size());
-                 ++drawn;
-               }});
-  ASSERT_EQ(edit({{"kind", "confirm-run"}}).status, 200);
-  review.reset();
-  EXPECT_EQ(drawn, 1);
-  EXPECT_EQ(of, "fan/01 1");
-}
-
-TEST_F(ReviewingARun, ProbabilitiesComeFromTheModelThatIsAskedFor) {
-  std::atomic<bool> may_end{false};
-  fs::create_directories(data / "models/net");
-  std::ofstream(data / "models/net/model.json") << "{}";
-  review_runs({.classify =
-                   [&](const fs::path&, const fs::path& bundle, const std::function<void(std::size_t)>& advance) {
-                     EXPECT_EQ(bundle.filename(), "net");
-                     while (!may_end) {
-                       advance(1);
-                       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                     }
-                     results::FullRun full;
-                     full.ticks = {.first = after(events.front().t, 40ms), .count = 2, .tick = 2ms};
-                     full.probabilities = {{0.5F, 0.25F, 0.25F}, {0.0F, 0.0F, 1.0F}};
-                     return full;
-                   },
-               .default_model = [] { return std::optional<std::string>("net"); },
-               .draw_labels = {}});
-  const json run_json = read_run("/api/runs/fan/01");
-  EXPECT_EQ(run_json.at("default_model"), "net");
-  EXPECT_EQ(run_json.at("models"), json::array({"net"}));
-  const auto asked = [&](const std::string& model) {
-    return ask(
-        request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "3000000"}, {"names", "p_slip"}, {"model", model}}));
-  };
-  EXPECT_EQ(json::parse(asked("net").body).at("pending"), json::array({"p_slip"}));
-  EXPECT_EQ(asked("../net").status, 404);
-  EXPECT_EQ(asked("other").status, 404);
-  may_end = true;
-  ASSERT_TRUE(test::comes_true([&] { return json::parse(asked("net").body).at("pending").empty(); }));
-  const json slip = json::parse(asked("net").body).at("series").at("p_slip");
-  EXPECT_EQ(slip.at("t_us"), json::array({40'000, 42'000}));
-  EXPECT_EQ(slip.at("mean"), json::array({0.25, 1.0}));
-}
-
-TEST_F(ReviewingARun, ProbabilitiesOfAModelThatIsTrainedAgainAreComputedAgain) {
-  fs::create_directories(data / "models/net");
-  const auto write_model = [&](const std::string& text) {
-    std::ofstream(data / "models/net/new.json") << text;
-    fs::rename(data / "models/net/new.json", data / "models/net/model.json");
-  };
-  write_model("1");
-  std::atomic<int> asked{0};
-  std::atomic<bool> was_ended{false};
-  review_runs({.classify =
-                   [&](const fs::path&, const fs::path&, const std::function<void(std::size_t)>& advance) {
-                     results::FullRun full;
-                     full.ticks = {.first = after(events.front().t, 40ms), .count = 1, .tick = 2ms};
-                     full.probabilities = {{0.0F, 0.0F, asked == 0 ? 0.25F : 0.5F}};
-                     if (asked++ == 0) {
-                       try {
-                         while (true) {
-                           advance(1);
-                           std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                         }
-                       } catch (...) {
-                         was_ended = true;
-                         throw;
-                       }
-                     }
-                     return full;
-                   },
-               .default_model = {},
-               .draw_labels = {}});
-  read_run("/api/runs/fan/01");
-  const PageRequest slip =
-      request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "3000000"}, {"names", "p_slip"}, {"model", "net"}});
-  ask(slip);
-  ASSERT_TRUE(test::comes_true([&] { return asked == 1; }));
-  write_model("2");
-  ASSERT_TRUE(test::comes_true([&] { return json_of(slip).at("pending").empty(); }));
-  EXPECT_TRUE(was_ended);
-  EXPECT_EQ(json_of(slip).at("series").at("p_slip").at("mean"), json::array({0.5}));
-}
-
-TEST_F(ReviewingARun, OfManyModelsTheLastOnesAreKept) {
-  std::vector<std::string> names;
-  for (int i = 0; i < 12; ++i) {
-    names.push_back("net-" + std::to_string(i));
-    fs::create_directories(data / "models" / names.back());
-    std::ofstream(data / "models" / names.back() / "model.json") << "{}";
-  }
-  std::atomic<int> asked{0};
-  review_runs({.classify =
-                   [&](const fs::path&, const fs::path&, const std::function<void(std::size_t)>&) {
-                     ++asked;
-                     return results::FullRun{};
-                   },
-               .default_model = {},
-               .draw_labels = {}});
-  read_run("/api/runs/fan/01");
-  const auto answered = [&](const std::string& name) {
-    const PageRequest slip =
-        request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "10"}, {"names", "p_slip"}, {"model", name}});
-    return test::comes_true([&] { return json_of(slip).at("pending").empty(); });
-  };
-  for (const std::string& name : names) ASSERT_TRUE(answered(name)) << name;
-  EXPECT_EQ(asked, 12);
-  ASSERT_TRUE(answered(names.back()));
-  EXPECT_EQ(asked, 12);
-}
-
-TEST_F(ReviewingARun, EndsWhileAModelStillPredicts) {
-  fs::create_directories(data / "models/net");
-  std::ofstream(data / "models/net/model.json") << "{}";
-  std::atomic<bool> has_begun{false};
-  review_runs(
-      {.classify = [&](const fs::path&, const fs::path&, const std::function<void(std::size_t)>& advance) -> results::FullRun {
-         has_begun = true;
-         while (true) {
-           advance(1);
-           std::this_thread::sleep_for(std::chrono::milliseconds(1));
-         }
-       },
-       .default_model = {},
-       .draw_labels = {}});
-  read_run("/api/runs/fan/01");
-  ask(request("/api/runs/fan/01/signals", {{"from_us", "0"}, {"to_us", "10"}, {"names", "p_slip"}, {"model", "net"}}));
-  ASSERT_TRUE(test::comes_true([&] { return has_begun.load(); }));
-  review.reset();
 }
 
 TEST_F(ReviewingARun, WrongQuestionsAreRefused) {

@@ -28,8 +28,8 @@ struct FakeControllerOptions {
   std::uint64_t seed = 1;
 };
 
-/// A UR controller on loopback, as far as RTDE version 2 shows one. It repeats a motion of `script_period_s`: the stage is told
-/// to press by a digital output, then the arm lifts and comes back.
+/// A UR controller on loopback, as far as RTDE version 2 shows one. It repeats a motion of `script_period_s`: the stage is
+/// commanded to press by a digital output, then the arm lifts and comes back.
 class FakeController {
  public:
   explicit FakeController(FakeControllerOptions options = {});

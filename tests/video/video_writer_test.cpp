@@ -59,7 +59,7 @@ TEST(VideoWriter, KeepsEveryFrameAndItsTime) {
   }
 }
 
-/// Memory behind whose last byte nothing may be read.
+/// Memory after whose last byte nothing may be read.
 class GuardedMemory {
  public:
   explicit GuardedMemory(std::size_t size) : size_(size) {

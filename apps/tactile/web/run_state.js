@@ -35,7 +35,7 @@ export class RunState extends EventTarget {
     return Math.min(Math.max(Math.round(t), 0), this.length_us);
   }
 
-  #tell(name) {
+  #notify(name) {
     this.#keep();
     this.dispatchEvent(new Event(name));
   }
@@ -49,7 +49,7 @@ export class RunState extends EventTarget {
     const has = (id) => this.queue.shown.intervals.some((interval) => interval.id === id);
     if (this.selected && !has(this.selected.id)) this.selected = null;
     if (this.draft && !has(this.draft.id)) this.draft = null;
-    this.#tell("labels");
+    this.#notify("labels");
   }
 
   /// The labels as they will be, with the end that is being moved.
@@ -65,7 +65,7 @@ export class RunState extends EventTarget {
 
   setView(view) {
     this.view = fitted(view, this.length_us);
-    this.#tell("view");
+    this.#notify("view");
   }
 
   /// Moves the cursor. The axis follows, unless `still`.
@@ -74,28 +74,28 @@ export class RunState extends EventTarget {
     const view = still ? this.view : following(this.view, this.at_us, this.length_us);
     const moved = view !== this.view;
     this.view = view;
-    this.#tell("at");
-    if (moved) this.#tell("view");
+    this.#notify("at");
+    if (moved) this.#notify("view");
   }
 
   select(selected) {
     this.selected = selected;
-    this.#tell("selection");
+    this.#notify("selection");
   }
 
   setDraft(draft) {
     this.draft = draft;
-    this.#tell("draft");
+    this.#notify("draft");
   }
 
   setMark(mark) {
     this.mark = mark;
-    this.#tell("mark");
+    this.#notify("mark");
   }
 
   setPlaying(playing) {
     this.playing = playing;
-    this.#tell("playing");
+    this.#notify("playing");
   }
 
   /// All starts and ends by time, as {id, end, at_us}.

@@ -79,7 +79,7 @@ BagContents read_bag_contents(const std::filesystem::path& place, const Progress
     contents.first_received = std::min(contents.first_received, message->received);
     contents.last_received = std::max(contents.last_received, message->received);
     take(topic, *message, decoded);
-    tell(progress, bag->bytes_read(), bag->file_size(), place.filename().string());
+    report_progress(progress, bag->bytes_read(), bag->file_size(), place.filename().string());
   }
   BagContents found{.format = std::string(bag->format()),
                     .files = files_of_bag(place).size(),

@@ -102,7 +102,7 @@ struct RunRecorder::State {
   std::string source_error() const;
   bool has_events(std::size_t source_index) const;
   bool sources_ended() const;
-  void tell_of_ended_sources();
+  void report_ended_sources();
   RunDrops drops(const RunWriter::Written& written) const;
   bool film_is_over() const { return video && !video->state().running; }
 
@@ -128,7 +128,7 @@ bool RunRecorder::State::has_events(std::size_t source_index) const {
 }
 
 /// Reports with a delay, because all sources may end at nearly the same time.
-void RunRecorder::State::tell_of_ended_sources() {
+void RunRecorder::State::report_ended_sources() {
   if (!options.log || none_is_live()) return;
   bool events_go_on = false;
   for (std::size_t i = 0; i < receivers.size(); ++i) events_go_on = events_go_on || (has_events(i) && !receivers[i]->ended_at());
@@ -176,9 +176,9 @@ RunInfo RunRecorder::State::info(const RunRequest& request, HostTime begun) cons
   nlohmann::json sources = nlohmann::json::array();
   nlohmann::json camera;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
-    nlohmann::json told = receivers[i]->camera();
-    if (streams.front().source_index == i) camera = told;
-    sources.push_back({{"source", receivers[i]->name()}, {"camera", std::move(told)}, {"ended", nullptr}});
+    nlohmann::json of_source = receivers[i]->camera();
+    if (streams.front().source_index == i) camera = of_source;
+    sources.push_back({{"source", receivers[i]->name()}, {"camera", std::move(of_source)}, {"ended", nullptr}});
   }
   const events::SensorSize size = *declared.front().size;
   return {.object = request.run.object,
@@ -272,7 +272,7 @@ RunState RunRecorder::state() const {
   State& state = *state_;
   if (!state.open) return {};
   OpenRun& run = *state.open;
-  state.tell_of_ended_sources();
+  state.report_ended_sources();
   const RunWriter::Written written = run.writer.written();
   RunState now{.elapsed = host_now() - run.begun,
                .events = written.events,

@@ -127,7 +127,7 @@ OpenRecording::OpenRecording(const std::filesystem::path& file, const Characteri
 void OpenRecording::for_packets(const std::function<void(std::span<const events::Event>)>& use,
                                 const ProgressCallback& progress) {
   for (const events::PacketRecord& packet : reader_.packets()) {
-    tell(progress, packet.payload_offset, reader_.file_size(), reader_.file().filename().string());
+    report_progress(progress, packet.payload_offset, reader_.file_size(), reader_.file().filename().string());
     if (packet.stream_id == stream_.id) use(reader_.read_events(packet));
   }
 }

@@ -275,7 +275,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
   reader->rewind();
   while (const auto message = reader->next()) {
     import.take(*message);
-    tell(progress, reader->file_size() / 2 + reader->bytes_read() / 2, reader->file_size(), summary.run.name());
+    report_progress(progress, reader->file_size() / 2 + reader->bytes_read() / 2, reader->file_size(), summary.run.name());
   }
   import.finish();
   summary.problems = reader->problems();

@@ -207,7 +207,7 @@ BagSurvey survey_bag(bags::BagReader& bag, const ProgressCallback& progress, con
       topic.message = connection.message;
     }
     if (connection.md5sum == topic.md5sum && connection.message == topic.message) look_at(topic, message->serialised(), decoded);
-    tell(progress, bag.bytes_read() / 2, bag.file_size(), name);
+    report_progress(progress, bag.bytes_read() / 2, bag.file_size(), name);
   }
   found.problems = bag.problems();
   return found;

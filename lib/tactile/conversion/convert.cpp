@@ -270,7 +270,7 @@ void convert_from_packets(const fs::path& in, const fs::path& out, const Convert
   }
   if (first) passage.begin_at(*first);
   for (const events::PacketRecord& packet : recording.packets()) {
-    tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
+    report_progress(progress, packet.payload_offset, recording.file_size(), out.filename().string());
     ConvertedStream* const to = passage.output_stream(packet.stream_id);
     if (to == nullptr) continue;  // all packets are read, because the data table's times may be wrong
     switch (to->stream.type) {
@@ -318,7 +318,7 @@ events::SensorSize extent_of(const fs::path& in, const events::EventCsvOptions& 
       last_x = std::max<int>(last_x, event.x);
       last_y = std::max<int>(last_y, event.y);
     }
-    tell(progress, csv.bytes_read(), 2 * csv.file_size(), in.filename().string());
+    report_progress(progress, csv.bytes_read(), 2 * csv.file_size(), in.filename().string());
   }
   return {last_x + 1, last_y + 1};
 }
@@ -344,7 +344,8 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
   const std::uint64_t passes = summary.size_guessed ? 2 : 1;
   for (auto events = csv.next(); !events.empty(); events = csv.next()) {
     passage.pass(summary.streams.front(), events);
-    tell(progress, csv.bytes_read() + (passes - 1) * csv.file_size(), passes * csv.file_size(), out.filename().string());
+    report_progress(progress, csv.bytes_read() + (passes - 1) * csv.file_size(), passes * csv.file_size(),
+                    out.filename().string());
   }
   passage.finish();
 }

@@ -375,7 +375,7 @@ void Hdf5RecordingReader::read(std::span<const std::int32_t> stream_ids, const T
   h5::read_apart(state_->file, work, [&](std::uint32_t kind, std::uint32_t place, std::span<const std::byte> bytes) {
     if (kind == of_progress) {
       const auto counts = values_in<std::uint64_t>(bytes);
-      return tell(progress, counts.at(0), counts.at(1), state_->file.filename().string());
+      return report_progress(progress, counts.at(0), counts.at(1), state_->file.filename().string());
     }
     const events::Stream& stream = state_->streams.at(place);
     if (kind == of_events) taker.events(stream, values_in<events::Event>(bytes));

@@ -62,9 +62,9 @@ std::size_t depth_of(std::string_view text) {
 
 /// What the parser expected where it stopped, from its message that ends in "expected …"; a value if it names nothing.
 std::string right_there(const std::string& message) {
-  const std::string said = "expected ";
-  const std::size_t begin = message.rfind(said);
-  const std::string expected = begin == std::string::npos ? "" : message.substr(begin + said.size());
+  const std::string before = "expected ";
+  const std::size_t begin = message.rfind(before);
+  const std::string expected = begin == std::string::npos ? "" : message.substr(begin + before.size());
   if (expected == "string literal") return "a name in double quotes";
   if (expected == "end of input") return "nothing after the value";
   if (expected == "'}'") return "',' or '}'";

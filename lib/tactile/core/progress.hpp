@@ -13,10 +13,11 @@ struct Progress {
   std::string what;         ///< what is being done now, "fan/03" or "epoch 2: loss 0.31"
 };
 
-/// Told about a long step's progress, from one thread at a time. It may throw to end the step: nothing half-written stays.
+/// Receives a long step's progress, from one thread at a time. It may throw to end the step: nothing half-written stays.
 using ProgressCallback = std::function<void(const Progress&)>;
 
-inline void tell(const ProgressCallback& callback, std::uint64_t done, std::uint64_t total, std::string what) {
+/// Calls the callback, if there is one.
+inline void report_progress(const ProgressCallback& callback, std::uint64_t done, std::uint64_t total, std::string what) {
   if (callback) callback({done, total, std::move(what)});
 }
 

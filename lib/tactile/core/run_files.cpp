@@ -24,7 +24,7 @@ bool is_plain_name(const std::string& name) {
 
 /// What is wrong with the file of `entry`; empty if nothing is.
 std::string fault_in(const fs::path& file, const nlohmann::json& entry, FileComparison comparison,
-                     const std::function<void(std::uint64_t)>& tell_bytes) {
+                     const std::function<void(std::uint64_t)>& report_bytes) {
   const std::string where = "run.json: '" + file.filename().string() + "'";
   try {
     const auto bytes = member<std::uint64_t>(entry, "bytes", where);
@@ -33,7 +33,7 @@ std::string fault_in(const fs::path& file, const nlohmann::json& entry, FileComp
     const std::uint64_t there = fs::file_size(file, failed);
     if (failed) return fmt::format("{}: its size cannot be read ({}); expected a file", file.string(), failed.message());
     if (there != bytes) return fmt::format("{}: has {} bytes; expected {}, as run.json lists", file.string(), there, bytes);
-    if (comparison == FileComparison::contents && sha256_of_file(file, tell_bytes) != sha256)
+    if (comparison == FileComparison::contents && sha256_of_file(file, report_bytes) != sha256)
       return file.string() + ": has changed; expected the SHA-256 that run.json lists";
     return {};
   } catch (const Error& e) {
@@ -85,8 +85,9 @@ RunFiles check_files(const RunFolder& run, const RunInfo& info, FileComparison c
       files.reasons.push_back(file.string() + ": is missing; run.json lists it");
       continue;
     }
-    const std::string fault = fault_in(
-        file, entry, comparison, [&](std::uint64_t bytes) { tell(progress, done += bytes, total, "hashing " + file.string()); });
+    const std::string fault = fault_in(file, entry, comparison, [&](std::uint64_t bytes) {
+      report_progress(progress, done += bytes, total, "hashing " + file.string());
+    });
     (fault.empty() ? files.as_listed : files.changed).push_back(name);
     if (!fault.empty()) files.reasons.push_back(fault);
   }

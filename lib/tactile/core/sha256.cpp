@@ -47,14 +47,14 @@ std::string sha256_of(std::string_view text) {
   return digest.hex();
 }
 
-std::string sha256_of_file(const std::filesystem::path& file, const std::function<void(std::uint64_t)>& tell_bytes) {
+std::string sha256_of_file(const std::filesystem::path& file, const std::function<void(std::uint64_t)>& report_bytes) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw Error(file.string() + ": cannot be read; expected a readable file");
   Sha256 digest;
   std::vector<char> chunk(1 << 18);
   while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())) || in.gcount() > 0) {
     digest.add(std::string_view(chunk.data(), static_cast<std::size_t>(in.gcount())));
-    if (tell_bytes) tell_bytes(static_cast<std::uint64_t>(in.gcount()));
+    if (report_bytes) report_bytes(static_cast<std::uint64_t>(in.gcount()));
   }
   if (in.bad()) throw Error(file.string() + ": reading it failed; expected a readable file");
   return digest.hex();

@@ -30,7 +30,7 @@ class Sha256 {
 
 std::string sha256_of(std::string_view text);
 
-/// Read in chunks; `tell_bytes` gets the size of each, and may throw to end it. @throws Error if the file cannot be read
-std::string sha256_of_file(const std::filesystem::path& file, const std::function<void(std::uint64_t)>& tell_bytes = {});
+/// Read in chunks; `report_bytes` gets the size of each, and may throw to end it. @throws Error if the file cannot be read
+std::string sha256_of_file(const std::filesystem::path& file, const std::function<void(std::uint64_t)>& report_bytes = {});
 
 }  // namespace tactile

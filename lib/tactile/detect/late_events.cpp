@@ -64,18 +64,18 @@ std::optional<std::string> LateEvents::all_late(HostTime at) {
                     times);
 }
 
-std::string Backlog::text_of(microseconds behind, HostTime at) {
-  const std::uint64_t times = behind_.occurred(at);
+std::string Backlog::text_of(microseconds lateness, HostTime at) {
+  const std::uint64_t times = read_late_.occurred(at);
   if (times == 0) return {};
   return fmt::format(
       "events were read {:.1f} s late{}: more events arrive than can be counted here, or detect was blocked; waiting events are "
       "dropped, and the history starts again",
-      in_s(behind), times > 1 ? fmt::format(", {} times", times) : "");
+      in_s(lateness), times > 1 ? fmt::format(", {} times", times) : "");
 }
 
 void Backlog::dropped(bool more_came, HostTime at) {
   drops_ = more_came;
-  if (drops_ && behind_.is_due_again(at))
+  if (drops_ && read_late_.is_due_again(at))
     report_({"behind", "more events arrive than can be read here: waiting events are dropped, and there is no verdict", at});
 }
 

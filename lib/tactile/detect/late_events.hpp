@@ -57,7 +57,7 @@ class Backlog {
   explicit Backlog(ReportFault report) : report_(std::move(report)) {}
 
   /// Events were read late. @return  a sentence, empty if reported shortly before
-  std::string text_of(microseconds behind, HostTime at);
+  std::string text_of(microseconds lateness, HostTime at);
   void begin_dropping() { drops_ = true; }  ///< from now on waiting packets are dropped
   void end_dropping() { drops_ = false; }
   bool drops() const { return drops_; }
@@ -66,7 +66,7 @@ class Backlog {
 
  private:
   ReportFault report_;
-  RepeatedFault behind_;
+  RepeatedFault read_late_;
   bool drops_ = false;
 };
 

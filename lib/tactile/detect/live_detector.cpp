@@ -73,9 +73,9 @@ void LiveDetector::take(const capture::QueuedPacket& packet) {
   last_arrival_ = at;
   // If no packet waits after this one, the stream itself is late.
   if (plays() || !packet.elements.more_came || !clock_.line().is_known() || !clock_.last_event()) return;
-  const microseconds behind = passed(clock_.line().host_of(*clock_.last_event()), at);
-  if (behind < options_.behind_for) return;
-  restart("behind", backlog_.text_of(behind, at), at);
+  const microseconds lateness = passed(clock_.line().host_of(*clock_.last_event()), at);
+  if (lateness < options_.longest_lateness) return;
+  restart("behind", backlog_.text_of(lateness, at), at);
   backlog_.begin_dropping();
 }
 

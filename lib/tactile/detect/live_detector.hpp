@@ -27,9 +27,9 @@ struct LiveDetectorOptions {
   microseconds jump{1'000'000};     ///< the camera's time jumped if it is this far ahead of the host's
   /// Of a replay: ticks this long after the first one are not reported.
   microseconds play_for = microseconds::max();
-  microseconds late_for{500'000};     ///< if all events are late for this long, the stream's delay has grown
-  microseconds behind_for{500'000};   ///< if events are read this late while others wait, the waiting ones are dropped
-  microseconds stopped_for{500'000};  ///< if the detector does nothing for this long, it was stopped
+  microseconds late_for{500'000};          ///< if all events are late for this long, the stream's delay has grown
+  microseconds longest_lateness{500'000};  ///< if events are read this late while others wait, the waiting ones are dropped
+  microseconds stopped_for{500'000};       ///< if the detector does nothing for this long, it was stopped
   /// Run the network once without use between two ticks, so that its weights are in the cache when the second one closes. Not
   /// after a tick that the gate or the host's time closed.
   bool rehearses = false;

@@ -97,7 +97,7 @@ BaselineSamples training_samples(const windows::Dataset& dataset, const model::C
   const std::vector<std::uint32_t> runs = training_runs_of(dataset, classifier.model());
   std::size_t step = 0;
   for (const std::uint32_t run : runs) {
-    tell(progress, step++, runs.size(), "training samples of " + name_of(dataset.runs()[run]));
+    report_progress(progress, step++, runs.size(), "training samples of " + name_of(dataset.runs()[run]));
     add_samples(training, dataset, classifier, run, threads);
   }
   return training;

@@ -1,11 +1,11 @@
 #include "tactile/evaluation/evaluation_table.hpp"
 
 #include <fmt/core.h>
-#include <fmt/format.h>
 
-#include <cmath>
-#include <iterator>
 #include <string_view>
+
+#include "tactile/core/csv_table.hpp"
+#include "tactile/results/figure_cells.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -16,17 +16,16 @@ class Table {
  public:
   void figure(std::string_view group, std::string_view object, std::string_view touch, std::string_view metric,
               const results::Figure& figure) {
-    fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{},{}\n", group, object, touch, metric, text_of(figure.value),
-                   figure.low ? text_of(*figure.low) : "", figure.high ? text_of(*figure.high) : "", figure.n);
+    table_.add_row(group, object, touch, metric, results::figure_cells(figure, digits), figure.n);
   }
 
   void number(std::string_view group, std::string_view object, std::string_view touch, std::string_view metric, double value) {
-    fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},,,\n", group, object, touch, metric, text_of(value));
+    table_.add_row(group, object, touch, metric, csv_number(value, digits), "", "", "");
   }
 
   void count(std::string_view group, std::string_view object, std::string_view touch, std::string_view metric,
              std::uint64_t count) {
-    fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},,,\n", group, object, touch, metric, count);
+    table_.add_row(group, object, touch, metric, count, "", "", "");
   }
 
   void accuracy(std::string_view group, const results::Accuracy& accuracy, std::string_view metric = "accuracy") {
@@ -36,9 +35,9 @@ class Table {
 
   void confusion(std::string_view group, const results::Confusion& confusion) {
     for (const Touch is : all_touches) {
-      for (const Touch said : all_touches) {
-        count(group, "all", name_of(is), fmt::format("said_{}", name_of(said)),
-              confusion.counts[static_cast<std::size_t>(is)][static_cast<std::size_t>(said)]);
+      for (const Touch predicted : all_touches) {
+        count(group, "all", name_of(is), fmt::format("said_{}", name_of(predicted)),
+              confusion.counts[static_cast<std::size_t>(is)][static_cast<std::size_t>(predicted)]);
       }
     }
   }
@@ -109,7 +108,7 @@ class Table {
              bin.accuracy);
   }
 
-  std::string text() && { return std::move(text_); }
+  const std::string& text() const { return table_.text(); }
 
  private:
   void quantile(std::string_view group, std::string_view object, std::string_view touch, const std::string& metric,
@@ -118,20 +117,20 @@ class Table {
     count(group, object, touch, metric + "_is_lower_bound", quantile.is_lower_bound ? 1 : 0);
   }
 
-  static std::string text_of(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : ""; }
-
   void share(std::string_view group, std::string_view object, std::string_view touch, const results::ShareOverTime& share) {
     figure(group, object, touch, "first", share.first);
     figure(group, object, touch, "later", share.later);
     figure(group, object, touch, "last", share.last);
     figure(group, object, touch, "before_last", share.before_last);
     figure(group, object, touch, "last_minus_before", share.last_minus_before);
-    figure(group, object, touch, "still_said", share.still_said);
+    figure(group, object, touch, "still_said", share.still_predicted);
     count(group, object, touch, "intervals", share.intervals);
     count(group, object, touch, "short_ones", share.short_ones);
   }
 
-  std::string text_ = "group,object,class,metric,value,low,high,n\n";
+  static constexpr int digits = 10;
+
+  CsvTable table_{"group,object,class,metric,value,low,high,n"};
 };
 
 void add_over_time(Table& table, std::string_view group, const results::OverTime& over_time) {
@@ -227,7 +226,7 @@ std::string table_of(const results::Evaluation& evaluation) {
     table.figure(group, "all", "", "outside_labels_per_min", point.outside_labels_per_min);
     table.figure(group, "all", "", "wrong_class_per_min", point.wrong_class_per_min);
   }
-  if (!evaluation.truth) return std::move(table).text();
+  if (!evaluation.truth) return table.text();
   const results::TruthScore& truth = *evaluation.truth;
   table.accuracy("accuracy_true", truth.accuracy);
   table.confusion("confusion_true", truth.confusion);
@@ -236,7 +235,7 @@ std::string table_of(const results::Evaluation& evaluation) {
   table.delays("delay_gross_ms", "slip", truth.gross_slip);
   table.false_alarms("false_alarms_true", truth.false_alarms);
   add_over_time(table, "over_time_true", truth.over_time);
-  return std::move(table).text();
+  return table.text();
 }
 
 }  // namespace tactile::evaluation

@@ -278,7 +278,7 @@ void for_full_runs(const windows::Dataset& dataset, const model::Classifier& cla
     const auto advance = [&](std::size_t ticks) {
       const std::scoped_lock lock(guard_progress);
       done += ticks;
-      tell(progress, done, total, "every tick of " + name_of(dataset.runs()[runs[i]]));
+      report_progress(progress, done, total, "every tick of " + name_of(dataset.runs()[runs[i]]));
     };
     work(i, threads_each, advance);
   });

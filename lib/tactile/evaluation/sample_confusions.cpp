@@ -33,7 +33,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     std::size_t begun = 0;
     const auto predicted_of = [&](std::size_t i, std::span<const std::uint32_t> indexes) {
       std::unique_lock lock(reads);
-      tell(progress, begun++, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
+      report_progress(progress, begun++, runs.size(), "test samples of " + name_of(dataset.runs()[runs[i]]));
       if (reads_heatmaps(classifier.kind())) {
         const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
         lock.unlock();

@@ -144,7 +144,7 @@ std::vector<WrittenPiece> cut_recording(RecordingReader& recording, std::span<co
     throw Error(recording.file().string() + ": is a Prophesee RAW file; expected AEDAT4, which 'tactile convert' makes of it");
   Cutting cutting(recording, cuts, pieces);
   for (const PacketRecord& packet : recording.packets()) {
-    tell(progress, packet.payload_offset, recording.file_size(), recording.file().filename().string());
+    report_progress(progress, packet.payload_offset, recording.file_size(), recording.file().filename().string());
     cutting.pass(packet);
   }
   return cutting.finish();

@@ -337,7 +337,7 @@ RecordingHealth examine_recording(const std::filesystem::path& file, const Healt
   std::uint64_t misdescribed = 0;  // packets with which the table disagrees
   std::size_t index = 0;
   for (const PacketRecord& packet : recording.packets()) {
-    tell(progress, packet.payload_offset, recording.file_size(), file.filename().string());
+    report_progress(progress, packet.payload_offset, recording.file_size(), file.filename().string());
     if (health.checksums)
       count(*health.checksums, checksums->check(packet, recording.read_stored(packet)), {index, packet}, options.listed);
     ++index;

@@ -157,7 +157,7 @@ RepairSummary repair_recording(const fs::path& in, const fs::path& out, bool rep
   PacketWriter writer(whole.path(), out.string(), recording.compression(), recording.streams());
   Repair repair(recording, writer);
   for (const PacketRecord& packet : recording.packets()) {
-    tell(progress, packet.payload_offset, recording.file_size(), out.filename().string());
+    report_progress(progress, packet.payload_offset, recording.file_size(), out.filename().string());
     repair.keep(packet);
   }
   writer.close();

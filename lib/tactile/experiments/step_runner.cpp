@@ -124,7 +124,7 @@ void StepRunner::run(const Step& step) {
   begin(step);
   report(step, false);
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  tell(progress, 0, 0, description_or_name(step));
+  report_progress(progress, 0, 0, description_or_name(step));
   const auto begun = Clock::now();
   try {
     step.work(progress);
@@ -173,7 +173,7 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
   const ProcessesOptions how{
       .program = options_.program,
       .at_once = options_.threads,
-      .while_waiting = [&] { tell(progress, ended, due.size(), fmt::format("{} of {} {}", ended, due.size(), what)); },
+      .while_waiting = [&] { report_progress(progress, ended, due.size(), fmt::format("{} of {} {}", ended, due.size(), what)); },
       .begun = [&](std::size_t index) { report(*due[index], false); },
       .ended =
           [&](std::size_t index, double seconds) {

@@ -101,7 +101,8 @@ std::vector<std::uint8_t> render_samples(const windows::Dataset& dataset, const 
                [&](std::size_t, std::size_t place) { return std::span(heatmaps).subspan(wanted[place].place * length, length); });
     const std::scoped_lock lock(guard);
     done += wanted.size();
-    tell(progress, done, sample_indexes.size(), dataset.runs()[run_index].object + "/" + dataset.runs()[run_index].run);
+    report_progress(progress, done, sample_indexes.size(),
+                    dataset.runs()[run_index].object + "/" + dataset.runs()[run_index].run);
   });
   return heatmaps;
 }

@@ -106,7 +106,7 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
         for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
           writers[rendering_index].append(packed[rendering_index]);
         const windows::DatasetRun& run = dataset.runs()[run_index];
-        tell(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
+        report_progress(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
       });
     } catch (...) {
       in_turn.fail();

@@ -240,7 +240,7 @@ std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const Lab
   parallel_for(groups.size(), at_once, [&](std::size_t i) {
     labeller.label(groups[i], results, [&](const RunFolder& run) {
       const std::scoped_lock lock(guard);
-      tell(progress, ++done, runs.size(), run.name());
+      report_progress(progress, ++done, runs.size(), run.name());
     });
   });
   return results;

@@ -114,11 +114,11 @@ const alignment::FittedClock* Labels::robot_clock_at(CameraTime t) const {
   const alignment::FittedClock* nearest = nullptr;
   microseconds least = microseconds::max();
   for (const alignment::FittedClock& clock : robot_clocks) {
-    const microseconds ahead = clock.from && t < *clock.from ? between(t, *clock.from) : 0us;
-    const microseconds behind = clock.to && t > *clock.to ? between(*clock.to, t) : 0us;
-    if (nearest == nullptr || std::max(ahead, behind) < least) {
+    const microseconds too_early = clock.from && t < *clock.from ? between(t, *clock.from) : 0us;
+    const microseconds too_late = clock.to && t > *clock.to ? between(*clock.to, t) : 0us;
+    if (nearest == nullptr || std::max(too_early, too_late) < least) {
       nearest = &clock;
-      least = std::max(ahead, behind);
+      least = std::max(too_early, too_late);
     }
   }
   return nearest;

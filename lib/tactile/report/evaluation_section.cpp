@@ -318,7 +318,8 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
   for (const auto& [name, accuracy] :
        {std::pair("press", &over_time.press), std::pair("slip", &over_time.slip), std::pair("both", &over_time.both)}) {
     const results::ShareOverTime& share = accuracy->all;
-    const auto columns = {share.first, share.later, share.last, share.before_last, share.last_minus_before, share.still_said};
+    const auto columns = {share.first,          share.later, share.last, share.before_last, share.last_minus_before,
+                          share.still_predicted};
     if (std::none_of(columns.begin(), columns.end(), [](const results::Figure& figure) { return std::isfinite(figure.value); }))
       continue;
     table.rows.push_back({{.text = name}});

@@ -110,8 +110,8 @@ void add_trainings(ReportPage& page, const ReportInput& input) {
   page.html.table(table);
 }
 
-ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& tell) {
-  ReportPage page(input, out, tell);
+ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& report_figure) {
+  ReportPage page(input, out, report_figure);
   begin(page, input);
   add_claims(page, input);
   add_frames(page, input);
@@ -142,8 +142,8 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
   return summary;
 }
 
-ReportSummary write_report(const fs::path& study, const fs::path& out, const FigureCallback& tell) {
-  return write_report(read_study(study), out, tell);
+ReportSummary write_report(const fs::path& study, const fs::path& out, const FigureCallback& report_figure) {
+  return write_report(read_study(study), out, report_figure);
 }
 
 }  // namespace tactile::report

@@ -28,10 +28,11 @@ using FigureCallback = std::function<void(std::string_view name)>;
 /// `out/report.html`, `out/figures/NAME.svg` and `.png`. Each file appears whole or not at all, the page last; figures of an
 /// earlier report that are not drawn again are removed.
 /// @throws Error  if gnuplot is not installed, a run over time is not of its format, or a file cannot be written
-ReportSummary write_report(const ReportInput& input, const std::filesystem::path& out, const FigureCallback& tell = {});
+ReportSummary write_report(const ReportInput& input, const std::filesystem::path& out, const FigureCallback& report_figure = {});
 
 /// The same for a folder of `tactile reproduce`.
 /// @throws Error  also as `read_study` does
-ReportSummary write_report(const std::filesystem::path& study, const std::filesystem::path& out, const FigureCallback& tell = {});
+ReportSummary write_report(const std::filesystem::path& study, const std::filesystem::path& out,
+                           const FigureCallback& report_figure = {});
 
 }  // namespace tactile::report

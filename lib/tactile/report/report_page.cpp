@@ -10,19 +10,19 @@
 
 namespace tactile::report {
 
-ReportPage::ReportPage(const ReportInput& input, std::filesystem::path out, FigureCallback tell)
+ReportPage::ReportPage(const ReportInput& input, std::filesystem::path out, FigureCallback report_figure)
     : html(input.title.empty() ? "Report of results" : input.title),
       missing(input.missing),
       is_simulated_(input.simulated),
       out_(std::move(out)),
-      tell_(std::move(tell)) {}
+      report_figure_(std::move(report_figure)) {}
 
 void ReportPage::figure(const std::string& name, const pictures::Plot& plot, const std::string& in_words,
                         const std::string& caption) {
   std::string free_name = name;
   for (int i = 2; std::find(drawn_.begin(), drawn_.end(), free_name) != drawn_.end(); ++i)
     free_name = fmt::format("{}-{}", name, i);
-  if (tell_) tell_(free_name);
+  if (report_figure_) report_figure_(free_name);
   const std::filesystem::path svg = out_ / "figures" / (free_name + ".svg");
   pictures::draw(plot, svg);
   pictures::draw(plot, out_ / "figures" / (free_name + ".png"));

@@ -15,8 +15,8 @@ namespace tactile::report {
 class ReportPage {
  public:
   /// @param out   folder of the report
-  /// @param tell  called with each figure's name before it is drawn; may be empty
-  ReportPage(const ReportInput& input, std::filesystem::path out, FigureCallback tell);
+  /// @param report_figure  called with each figure's name before it is drawn; may be empty
+  ReportPage(const ReportInput& input, std::filesystem::path out, FigureCallback report_figure);
 
   HtmlPage html;
   std::vector<std::string> missing, errors;  ///< as in ReportSummary
@@ -36,7 +36,7 @@ class ReportPage {
  private:
   bool is_simulated_;
   std::filesystem::path out_;
-  FigureCallback tell_;
+  FigureCallback report_figure_;
   std::vector<std::string> drawn_;
 };
 

@@ -37,13 +37,13 @@ void add_table(std::vector<ReportedTable>& tables, const std::string& caption, T
 
 void read_claims(ReportInput& input, const results::JsonView& study) {
   input.claims = study["claims"].list_of<results::Claim>();
-  const auto without_verdict =
-      std::count_if(input.claims.begin(), input.claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
-  if (without_verdict > 0) {
+  const auto undecided =
+      std::count_if(input.claims.begin(), input.claims.end(), [](const results::Claim& claim) { return !claim.can_be_decided; });
+  if (undecided > 0) {
     input.missing.push_back(
         fmt::format("{} of the {} claims have too few trainings, runs or objects to be decided; another preset of 'tactile "
                     "reproduce' has more.",
-                    without_verdict, input.claims.size()));
+                    undecided, input.claims.size()));
   }
   if (const std::string trainings = study["bootstrap"]["trainings"].text(); !trainings.empty()) {
     input.remarks.push_back(trainings);

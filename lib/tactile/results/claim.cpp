@@ -50,7 +50,7 @@ void to_json(nlohmann::json& json, const ClaimOutcome& outcome) {
           {"of", count_or_null(outcome.of)},
           {"verdict", name_of(outcome.verdict)},
           {"why", outcome.why},
-          {"can_be_told", outcome.can_be_told},
+          {"can_be_decided", outcome.can_be_decided},
           {"note", outcome.note}};
 }
 
@@ -66,7 +66,7 @@ void to_json(nlohmann::json& json, const Claim& claim) {
 }
 
 void from_json(const JsonView& json, ClaimOutcome& outcome) {
-  const JsonView can_be_told = json["can_be_told"];
+  const JsonView can_be_decided = json.renamed("can_be_decided", "can_be_told");
   outcome = {.measured = json["measured"].get<Figure>(),
              .objects = json["objects"].map_of<Figure>(),
              .kept = json["kept"].count_if_there(),
@@ -74,7 +74,7 @@ void from_json(const JsonView& json, ClaimOutcome& outcome) {
              .in_words = json["in_words"].text(),
              .verdict = named_in(json["verdict"], std::array{Verdict::holds, Verdict::does_not, Verdict::cannot_tell}),
              .why = json["why"].text(),
-             .can_be_told = !can_be_told || can_be_told.truth(),
+             .can_be_decided = !can_be_decided || can_be_decided.truth(),
              .note = json["note"].text()};
 }
 

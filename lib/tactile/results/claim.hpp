@@ -21,7 +21,7 @@ enum class Asked : std::uint8_t { below, above };
 
 std::string_view name_of(Asked asked);  ///< "below", "above"
 
-/// What a claim is about, and what a verdict needs.
+/// What a claim is about, and what is needed to decide it.
 enum class ClaimScope : std::uint8_t {
   every_object,  ///< three runs of each
   one_object,    ///< three runs of it
@@ -35,9 +35,9 @@ struct ClaimOutcome {
   std::optional<std::size_t> kept{}, of{};  ///< of how many objects the claim is true by their values, and of how many measured
   std::string in_words{};  ///< the measurement as a sentence: which object decides, and for how many the claim is true
   Verdict verdict = Verdict::cannot_tell;
-  std::string why{};         ///< the reason for no verdict; empty where there is one
-  bool can_be_told = false;  ///< there are enough runs and objects for a verdict
-  std::string note{};        ///< a remark, such as the number of missed intervals; may be empty
+  std::string why{};            ///< why it cannot be decided; empty where it can
+  bool can_be_decided = false;  ///< there are enough runs and objects to decide
+  std::string note{};           ///< a remark, such as the number of missed intervals; may be empty
 };
 
 /// One of the paper's claims, with its measurement on the reported runs.
@@ -54,7 +54,7 @@ struct Claim : ClaimOutcome {
 };
 
 /// {"id", "claim", "paper", "unit", "asked", "limit", "measured", "objects", "kept", "of", "in_words", "verdict", "why",
-/// "can_be_told", "note", "all_test"}; "all_test" has all from "measured" to "note", and is there only where it is known.
+/// "can_be_decided", "note", "all_test"}; "all_test" has all from "measured" to "note", and is there only where it is known.
 void to_json(nlohmann::json& json, const ClaimOutcome& outcome);
 void to_json(nlohmann::json& json, const Claim& claim);
 void from_json(const JsonView& json, ClaimOutcome& outcome);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tactile/results/figure_text.hpp"
+
 namespace tactile::results {
 
 Figure scaled(Figure figure, double factor) {
@@ -19,6 +21,7 @@ std::string text_of(const Figure& figure, std::string_view unit, std::string_vie
   const auto number = [&](double value) { return fmt::format(fmt::runtime(of_number), value); };
   const std::string value = fmt::format("{}{}", number(figure.value), unit);
   if (!figure.has_interval()) return value + " (no interval)";
+  if (!is_bounded(figure)) return value + " [not bounded]";
   return fmt::format("{} [{}, {}]", value, number(*figure.low), number(*figure.high));
 }
 

@@ -71,7 +71,7 @@ void to_json(nlohmann::json& json, const FullRun& run) {
   json = {{"run", run.run},
           {"first_us", us_of(run.ticks.first)},
           {"tick_us", run.ticks.tick.count()},
-          {"said", digits},
+          {"predicted", digits},
           {"probabilities", hexadecimal(run.probabilities)},
           {"events", run.events}};
   if (run.ratios.empty()) return;
@@ -85,7 +85,7 @@ void from_json(const JsonView& json, FullRun& run) {
   run.ticks.first = camera_time(json["first_us"].whole_number());
   run.ticks.tick = microseconds{json["tick_us"].whole_number()};
   run.events = json["events"].counts();
-  const JsonView digits = json["said"];
+  const JsonView digits = json.renamed("predicted", "said");
   for (const char digit : digits.text()) {
     if (digit < '0' || digit > '2') throw Error(digits.where() + " has a digit other than 0, 1 and 2");
     run.verdicts.push_back(static_cast<Touch>(digit - '0'));

@@ -23,8 +23,8 @@ struct FullRun {
   std::size_t close = 0;  ///< ticks of logits so close that another engine may give another verdict; not in JSON
 };
 
-/// {"run", "first_us", "tick_us", "said": "0012", "probabilities": "3f800000…", "events": [], "ratios": "…"}; the probabilities
-/// of none, press and slip of each tick and the ratios are float32, in 8 hexadecimal digits each
+/// {"run", "first_us", "tick_us", "predicted": "0012", "probabilities": "3f800000…", "events": [], "ratios": "…"}; the
+/// probabilities of none, press and slip of each tick and the ratios are float32, in 8 hexadecimal digits each
 void to_json(nlohmann::json& json, const FullRun& run);
 void from_json(const JsonView& json, FullRun& run);
 

@@ -24,6 +24,11 @@ JsonView JsonView::operator[](std::string_view key) const {
   return {found == nullptr || found->is_null() ? nullptr : found, fmt::format("{}: '{}'", where_, key), missing_};
 }
 
+JsonView JsonView::renamed(std::string_view key, std::string_view earlier_key) const {
+  const bool has_earlier = json_ != nullptr && json_->contains(std::string(earlier_key)) && !json_->contains(std::string(key));
+  return (*this)[has_earlier ? earlier_key : key];
+}
+
 std::vector<JsonView> JsonView::items() const {
   std::vector<JsonView> items;
   if (json_ == nullptr) return items;

@@ -27,7 +27,9 @@ class JsonView {
   explicit operator bool() const { return json_ != nullptr; }
   bool is_number() const { return json_ != nullptr && json_->is_number(); }
   bool is_object() const { return json_ != nullptr && json_->is_object(); }
-  JsonView operator[](std::string_view key) const;                ///< @throws Error if this is no object
+  JsonView operator[](std::string_view key) const;  ///< @throws Error if this is no object
+  /// The member of this name, or of the name that earlier versions gave it. @throws Error  if this is no object
+  JsonView renamed(std::string_view key, std::string_view earlier_key) const;
   std::vector<JsonView> items() const;                            ///< of a list; none where there is none
   std::vector<std::pair<std::string, JsonView>> members() const;  ///< of an object, by name; none where there is none
 

@@ -10,7 +10,7 @@ void to_json(nlohmann::json& json, const ShareOverTime& share) {
           {"last", share.last},
           {"before_last", share.before_last},
           {"last_minus_before", share.last_minus_before},
-          {"still_said", share.still_said},
+          {"still_predicted", share.still_predicted},
           {"intervals", share.intervals},
           {"short_ones", share.short_ones}};
 }
@@ -21,7 +21,7 @@ void from_json(const JsonView& json, ShareOverTime& share) {
            .last = json["last"].get<Figure>(),
            .before_last = json["before_last"].get<Figure>(),
            .last_minus_before = json["last_minus_before"].get<Figure>(),
-           .still_said = json["still_said"].get<Figure>(),
+           .still_predicted = json.renamed("still_predicted", "still_said").get<Figure>(),
            .intervals = json["intervals"].count(),
            .short_ones = json["short_ones"].count()};
 }

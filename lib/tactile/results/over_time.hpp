@@ -24,7 +24,7 @@ struct ShareOverTime {
   Figure first{}, later{}, last{};
   Figure before_last{};        ///< before the last ticks, of intervals that have such ticks
   Figure last_minus_before{};  ///< last ticks minus that, of the same intervals: below 0 where predictions get worse near the end
-  Figure still_said{};         ///< share of the ticks after intervals that still predict press or slip
+  Figure still_predicted{};    ///< share of the ticks after intervals that still predict press or slip
   std::uint64_t intervals = 0, short_ones = 0;  ///< with a tick, and of them those with none before the last ones
 };
 
@@ -46,7 +46,7 @@ struct OverTime {
   AccuracyOverTime press, slip, both;
 };
 
-/// {"first", "later", "last", "before_last", "last_minus_before", "still_said", "intervals", "short_ones"}
+/// {"first", "later", "last", "before_last", "last_minus_before", "still_predicted", "intervals", "short_ones"}
 void to_json(nlohmann::json& json, const ShareOverTime& share);
 void from_json(const JsonView& json, ShareOverTime& share);
 

@@ -15,7 +15,7 @@ constexpr std::chrono::seconds quiet_for{10};
 void RepeatedMessages::hear(const std::string& text) {
   Heard& heard = heard_[text];
   heard.last = host_now();
-  if (++heard.times == 1) tell_(text);
+  if (++heard.times == 1) report_(text);
   if (heard_.size() > most_kept) forget_all();
 }
 
@@ -29,7 +29,7 @@ void RepeatedMessages::forget_before(HostTime moment) {
   std::erase_if(heard_, [&](const auto& one) {
     const auto& [text, heard] = one;
     if (heard.last >= moment) return false;
-    if (heard.times > 1) tell_(fmt::format("{} (came {} times)", text, heard.times));
+    if (heard.times > 1) report_(fmt::format("{} (came {} times)", text, heard.times));
     return true;
   });
 }

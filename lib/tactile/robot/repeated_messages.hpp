@@ -14,8 +14,8 @@ namespace tactile::robot {
 /// it has not arrived for 10 s; then its count is reported if it arrived more than once. At most 64 different messages are kept.
 class RepeatedMessages {
  public:
-  using Tell = std::function<void(const std::string&)>;
-  explicit RepeatedMessages(Tell tell) : tell_(std::move(tell)) {}
+  using Report = std::function<void(const std::string&)>;
+  explicit RepeatedMessages(Report report) : report_(std::move(report)) {}
 
   void hear(const std::string& text);
   void forget_old();  ///< those that have not arrived for long enough
@@ -28,7 +28,7 @@ class RepeatedMessages {
   };
   void forget_before(HostTime moment);
 
-  Tell tell_;
+  Report report_;
   std::map<std::string, Heard> heard_;
 };
 

@@ -34,7 +34,7 @@ struct RobotInputs::State {
   std::uint64_t wanted = 0;
   std::function<void()> written;
   bool is_new = false, stops = false;
-  RobotInputsState told;
+  RobotInputsState state;
 
   std::thread thread;
 
@@ -58,8 +58,8 @@ void RobotInputs::State::connect() {
   recipe = agreed.recipe;
   session.emplace(std::move(fresh));
   const std::scoped_lock lock(guard);
-  told.connected = true;
-  told.controller = text_of(agreed.version);
+  state.connected = true;
+  state.controller = text_of(agreed.version);
 }
 
 void RobotInputs::State::write(std::uint64_t high) {
@@ -67,7 +67,7 @@ void RobotInputs::State::write(std::uint64_t high) {
   for (std::size_t i = 0; i < names.size(); ++i) numbers.emplace_back(std::uint64_t{high >> i & 1U});
   session->write(recipe, numbers, write_patience);
   const std::scoped_lock lock(guard);
-  ++told.writes;
+  ++state.writes;
 }
 
 /// Writes the bits until the end or until the controller is gone. @return false at the end. @throws Error if it is gone
@@ -77,7 +77,7 @@ bool RobotInputs::State::serve() {
     wake.wait_for(lock, look, [this] { return is_new || stops; });
     if (std::exchange(is_new, false)) {
       const std::uint64_t high = wanted;
-      const std::function<void()> tell = std::exchange(written, {});
+      const std::function<void()> report_written = std::exchange(written, {});
       lock.unlock();
       try {
         write(high);
@@ -86,7 +86,7 @@ bool RobotInputs::State::serve() {
         is_new = true;  // written once the robot is back, unless others are set
         throw;
       }
-      if (tell) tell();
+      if (report_written) report_written();
       continue;
     }
     if (stops) return false;
@@ -103,7 +103,7 @@ bool RobotInputs::State::connect_again(const std::string& why) {
   for (milliseconds pause = shortest_pause;; pause = std::min(2 * pause, longest_pause)) {
     {
       std::unique_lock lock(guard);
-      told.connected = false;
+      state.connected = false;
       if (wake.wait_for(lock, pause, [this] { return stops; })) return false;
     }
     try {
@@ -113,7 +113,7 @@ bool RobotInputs::State::connect_again(const std::string& why) {
         const std::scoped_lock lock(guard);
         high = wanted;
         is_new = false;
-        ++told.reconnects;
+        ++state.reconnects;
       }
       write(high);
       const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - gone;
@@ -175,7 +175,7 @@ void RobotInputs::set(std::uint64_t high, std::function<void()> written) {
 
 RobotInputsState RobotInputs::state() const {
   const std::scoped_lock lock(state_->guard);
-  return state_->told;
+  return state_->state;
 }
 
 }  // namespace tactile::robot

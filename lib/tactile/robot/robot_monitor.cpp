@@ -86,7 +86,7 @@ struct RobotMonitor::State {
   std::unique_ptr<RtdeSession> session;
   RtdeRecipe recipe;
   bool reported_bad_numbers = false;
-  RepeatedMessages messages{[this](const std::string& text) { tell(text); }};
+  RepeatedMessages messages{[this](const std::string& text) { report(text); }};
 
   mutable std::mutex mutex;  ///< guards all that follows
   std::condition_variable woken;
@@ -106,7 +106,7 @@ struct RobotMonitor::State {
 
   std::thread thread;
 
-  void tell(const std::string& text) const {
+  void report(const std::string& text) const {
     if (options.log) options.log(text);
   }
 
@@ -133,10 +133,10 @@ void RobotMonitor::State::first_connection() {
   if (!(options.frequency_hz >= 0 && std::isfinite(options.frequency_hz)))
     throw Error(fmt::format("a robot frequency of {} Hz; expected more than 0, or 0 for the highest", options.frequency_hz));
   address = {.kind = transport::NetworkAddress::Kind::tcp, .host = options.host, .port = options.port, .path = {}};
-  const auto told = [this](const std::string& text) { messages.hear(text); };
+  const auto report_once = [this](const std::string& text) { messages.hear(text); };
 
   fields = wanted_fields(options);
-  session = std::make_unique<RtdeSession>(address, options.patience, told);
+  session = std::make_unique<RtdeSession>(address, options.patience, report_once);
   RtdeAgreement agreed = session->agree(fields, options.frequency_hz);
   if (!agreed.unknown.empty()) {
     for (const std::string_view needed : needed_fields) {
@@ -151,12 +151,12 @@ void RobotMonitor::State::first_connection() {
                                 address.text(), required, text_of(agreed.version)));
       }
     }
-    tell(fmt::format("the robot has no {}: the log does not contain it", fmt::join(agreed.unknown, ", ")));
+    report(fmt::format("the robot has no {}: the log does not contain it", fmt::join(agreed.unknown, ", ")));
     std::erase_if(fields, [&](const std::string& name) {
       return std::find(agreed.unknown.begin(), agreed.unknown.end(), name) != agreed.unknown.end();
     });
     // Controllers differ in what a second request on the same connection does.
-    session = std::make_unique<RtdeSession>(address, options.patience, told);
+    session = std::make_unique<RtdeSession>(address, options.patience, report_once);
     agreed = session->agree(fields, options.frequency_hz);
     if (!agreed.unknown.empty())
       throw Error(fmt::format("{}: the controller no longer has {}; expected the same answer as before", address.text(),
@@ -210,7 +210,7 @@ void RobotMonitor::State::connect_again() {
       session.reset();
       if (last_reason != e.what()) {
         last_reason = e.what();
-        tell(fmt::format("robot still gone ({})", last_reason));
+        report(fmt::format("robot still gone ({})", last_reason));
       }
     }
   }
@@ -218,7 +218,7 @@ void RobotMonitor::State::connect_again() {
     const std::lock_guard lock(mutex);
     ++shown.reconnects;
   }
-  tell(fmt::format("robot is back after {:.1f} s", static_cast<double>((host_now() - lost_at).count()) / 1e6));
+  report(fmt::format("robot is back after {:.1f} s", static_cast<double>((host_now() - lost_at).count()) / 1e6));
 }
 
 void RobotMonitor::State::lose_connection() {
@@ -275,7 +275,7 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
   });
   if (!usable) {  // a row that no reader accepts would make the whole log unreadable
     if (!std::exchange(reported_bad_numbers, true))
-      tell("the robot sends times, poses or speeds that are not finite numbers: such rows are left out");
+      report("the robot sends times, poses or speeds that are not finite numbers: such rows are left out");
     return;
   }
   const std::lock_guard lock(mutex);
@@ -319,7 +319,7 @@ void RobotMonitor::State::run() {
       }
     } catch (const Error& e) {
       lose_connection();
-      tell(fmt::format("robot gone ({}), trying again", e.what()));
+      report(fmt::format("robot gone ({}), trying again", e.what()));
     }
   }
   if (session) session->pause();

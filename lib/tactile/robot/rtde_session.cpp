@@ -23,7 +23,7 @@ std::string printable(std::string text) {
   return text;
 }
 
-std::string said(const RtdeText& message) {
+std::string text_of(const RtdeText& message) {
   constexpr std::array<std::string_view, 4> levels{"exception", "error", "warning", "message"};
   const std::string_view level = levels[std::min<std::size_t>(message.level, 3)];
   const std::string source = message.source.empty() ? "" : printable(message.source) + ": ";
@@ -32,8 +32,8 @@ std::string said(const RtdeText& message) {
 
 }  // namespace
 
-RtdeSession::RtdeSession(const transport::NetworkAddress& address, milliseconds patience, Tell tell)
-    : connection_(address, patience), patience_(patience), tell_(std::move(tell)), buffer_(std::size_t{1} << 16) {}
+RtdeSession::RtdeSession(const transport::NetworkAddress& address, milliseconds patience, Report report)
+    : connection_(address, patience), patience_(patience), report_(std::move(report)), buffer_(std::size_t{1} << 16) {}
 
 void RtdeSession::refuse(const std::string& what) const { throw Error(connection_.address().text() + ": " + what); }
 
@@ -146,8 +146,8 @@ std::optional<RtdePackage> RtdeSession::next() {
   for (;;) {
     const std::optional<RtdePackage> package = checked([&] { return reassembly_.next(); });
     if (!package || package->type != RtdePackageType::text) return package;
-    last_words_ = said(checked([&] { return text_in(package->payload); }));
-    tell_(last_words_);
+    last_words_ = text_of(checked([&] { return text_in(package->payload); }));
+    report_(last_words_);
   }
 }
 

@@ -29,12 +29,12 @@ struct RtdeAgreement {
 /// One connection to a controller: first the recipe is agreed on, then the controller is started, then it sends packages.
 class RtdeSession {
  public:
-  using Tell = std::function<void(const std::string&)>;
+  using Report = std::function<void(const std::string&)>;
 
   /// @param patience  with the connection and with each answer, > 0
-  /// @param tell      gets the controller's text messages, in printable form
+  /// @param report    gets the controller's text messages, in printable form
   /// @throws Error    if there is no controller
-  RtdeSession(const transport::NetworkAddress& address, std::chrono::milliseconds patience, Tell tell);
+  RtdeSession(const transport::NetworkAddress& address, std::chrono::milliseconds patience, Report report);
 
   /// @param frequency_hz  0: the controller's highest, 125 below version 5, else 500
   /// @throws Error        if it speaks no RTDE 2 or refuses, but not for names that it does not have
@@ -78,7 +78,7 @@ class RtdeSession {
 
   transport::Connection connection_;
   std::chrono::milliseconds patience_;
-  Tell tell_;
+  Report report_;
   std::vector<std::byte> buffer_;
   RtdeReassembly reassembly_;
   std::string last_words_;

@@ -29,7 +29,7 @@ std::array<MarkerContact, marker_count> draw_contacts(const ObjectModel& object,
     marker.gap_mm = tilt_x * dx + tilt_y * dy + cut_normal(object.irregularity_mm, random);
     if (object.radius_mm > 0) marker.gap_mm += dx * dx / (2.0 * object.radius_mm);
     const double beyond = std::max({0.0, std::abs(dx) - object.half_width_mm, std::abs(dy) - object.half_height_mm});
-    marker.gap_mm += variation.edge_slope * beyond;
+    marker.gap_mm += variation.edge_gradient * beyond;
     marker.pull_x = -pull * full * dx / reach + skid_x + cut_normal(variation.pull_scatter_x, random);
     marker.pull_y = -pull * full * dy / reach + skid_y + cut_normal(variation.pull_scatter_y, random);
     marker.lag_share = drawn(variation.lag_share, random);

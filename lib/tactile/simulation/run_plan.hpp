@@ -51,7 +51,7 @@ struct RunVariation {
   Range closing_speed_mm_s{4, 20};  ///< limits
   Range release_s{0.1, 0.25};       ///< from the opening of the stage until the last marker is free
   double centre_mm = 2.5;           ///< centre of contact: standard deviation in each direction
-  double edge_slope = 2.0;          ///< gradient of the surface outside the object's edge [mm per mm]
+  double edge_gradient = 2.0;       ///< gradient of the surface outside the object's edge [mm per mm]
   // A tip that is pushed inward also moves sideways: towards the contact's centre, by a part common to all tips because the stage
   // does not push straight, and by an individual part [all in mm per mm].
   Range pull{0.8, 1.5};          ///< towards the contact's centre; below 0: away from it
@@ -106,7 +106,7 @@ void list_fields(Fields& fields, RunVariation& v) {
   fields("closing_speed_mm_s", v.closing_speed_mm_s, 0.1, 200.0);
   fields("release_s", v.release_s, 0.02, 10.0);
   fields("centre_mm", v.centre_mm, 0.0, 10.0);
-  fields("edge_slope", v.edge_slope, 0.0, 100.0);
+  fields("edge_slope", v.edge_gradient, 0.0, 100.0);
   fields("pull", v.pull, -1.0, 2.0);
   fields("pull_full_mm", v.pull_full_mm, 0.1, 100.0);
   fields("skid", v.skid, 0.0, 1.0);

@@ -105,7 +105,7 @@ class TouchCounter {
 
 /// Records the run, with the events and the samples of the inertial sensor in order of time.
 void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCounter& touch,
-            const std::function<void(double)>& tell_share) {
+            const std::function<void(double)>& report_share) {
   constexpr microseconds piece = 10ms;
   const std::string source = simulated_camera_name(drawn.seed);
   std::vector<events::Stream> streams{events::event_stream_declaration(drawn.camera.size, source)};
@@ -132,16 +132,16 @@ void record(const fs::path& file, const DrawnRun& drawn, SkinFilm& film, TouchCo
       events = events.subspan(count);
     }
   };
-  film_whole(film, write_events, tell_share);
+  film_whole(film, write_events, report_share);
   write_imu_before(std::nullopt);
   recording.close();
 }
 
 /// Writes events and truth.
 FilmedSkin write_events_and_truth(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels, TouchCounter& touch,
-                                  const std::function<void(double)>& tell_share) {
+                                  const std::function<void(double)>& report_share) {
   SkinFilm film = film_of(drawn, pixels);
-  record(run.events(), drawn, film, touch, tell_share);
+  record(run.events(), drawn, film, touch, report_share);
   write_truth(run.truth(), truth_of(drawn, pixels, film.filmed()));
   return film.filmed();
 }
@@ -190,14 +190,14 @@ std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
 /// Makes a run, unless another process has made the same one. @throws Error  as `plan_run`, or if it cannot be written
 /// @param one_camera  its pixels, if all sessions have the same
 SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const std::optional<CameraPixels>& one_camera,
-                      const std::function<void(double)>& tell_share) {
+                      const std::function<void(double)>& report_share) {
   PlannedRun planned = plan_run(run, options);
   if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
   WholeFile whole(run.folder, IfThere::replace);
   fs::create_directory(whole.path());
   const DrawnRun drawn = draw_run(options.physics, run.object, run.run, options.preset, options.seed);
   SimulatedRun made =
-      simulate_run({whole.path(), run.object, run.run}, drawn, one_camera ? *one_camera : camera_pixels_of(drawn), tell_share);
+      simulate_run({whole.path(), run.object, run.run}, drawn, one_camera ? *one_camera : camera_pixels_of(drawn), report_share);
   made.run = run;
   if (planned.outcome.kind == SimulatedRun::Kind::made) {
     if (whole.commit_if_free()) return made;
@@ -241,9 +241,9 @@ RunSettings read_run_settings(const RunFolder& run) {
 }
 
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
-                          const std::function<void(double)>& tell_share) {
+                          const std::function<void(double)>& report_share) {
   TouchCounter touch(drawn);
-  const FilmedSkin filmed = write_events_and_truth(run, drawn, pixels, touch, tell_share);
+  const FilmedSkin filmed = write_events_and_truth(run, drawn, pixels, touch, report_share);
   const std::uint64_t dropped_packages = write_robot(run.robot(), drawn);
   write_video(run.video(), run.video_times(), drawn);
 
@@ -308,15 +308,15 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
     std::mutex guard;
     parallel_for(to_make.size(), options.threads, [&](std::size_t i) {
       SimulatedRun& outcome = outcomes[to_make[i]];
-      const auto tell_part = [&](double share) {
+      const auto report_part = [&](double share) {
         const std::scoped_lock lock(guard);
         done[i] = static_cast<std::uint64_t>(share * parts);
         std::uint64_t sum = 0;
         for (const std::uint64_t part : done) sum += part;
-        tell(progress, sum, parts * done.size(), outcome.run.name());
+        report_progress(progress, sum, parts * done.size(), outcome.run.name());
       };
-      outcome = make_run(outcome.run, options, one_camera, [&](double share) { tell_part(0.9 * share); });
-      tell_part(1.0);
+      outcome = make_run(outcome.run, options, one_camera, [&](double share) { report_part(0.9 * share); });
+      report_part(1.0);
     });
   }
 

@@ -63,6 +63,6 @@ RunSettings read_run_settings(const RunFolder& run);
 /// Makes the files of one run in its folder, which must exist and be empty.
 /// @param pixels  those of `camera_pixels_of(drawn)`
 SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const CameraPixels& pixels,
-                          const std::function<void(double)>& tell_share = {});
+                          const std::function<void(double)>& report_share = {});
 
 }  // namespace tactile::simulation

@@ -56,7 +56,7 @@ std::span<const events::Event> SkinFilm::next() {
 }
 
 void film_whole(SkinFilm& film, const std::function<void(std::span<const events::Event>)>& use,
-                const std::function<void(double)>& tell_share) {
+                const std::function<void(double)>& report_share) {
   std::vector<events::Event> batch;
   for (std::size_t k = 0; !film.ended(); ++k) {
     const double share = film.share_done();
@@ -66,7 +66,7 @@ void film_whole(SkinFilm& film, const std::function<void(std::span<const events:
       use(batch);
       batch.clear();
     }
-    if (tell_share && k % 500 == 0) tell_share(share);
+    if (report_share && k % 500 == 0) report_share(share);
   }
   if (!batch.empty()) use(batch);
 }

@@ -47,8 +47,8 @@ class SkinFilm {
 };
 
 /// Runs the film to its end and passes the events on in batches, ascending in time.
-/// @param tell_share  receives the finished share of the run, 0 to 1; may throw to stop
+/// @param report_share  receives the finished share of the run, 0 to 1; may throw to stop
 void film_whole(SkinFilm& film, const std::function<void(std::span<const events::Event>)>& use,
-                const std::function<void(double)>& tell_share = {});
+                const std::function<void(double)>& report_share = {});
 
 }  // namespace tactile::simulation

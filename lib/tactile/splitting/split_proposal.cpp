@@ -170,7 +170,7 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   SplitProposal proposal;
   proposal.event_stream = events::event_stream(recording, options.stream).id;
   proposal.quiet_needed = options.quiet;
-  tell(progress, 0, 4, name + ": event rate");
+  report_progress(progress, 0, 4, name + ": event rate");
   const EventRate rate = rate_of(recording, proposal.event_stream, options);
   LongActivity activity = activity_in(rate, options.activity);
   proposal.first = rate.begin;
@@ -178,16 +178,16 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   if (activity.has_quiet) proposal.quiet_per_s = activity.quiet.mean * 1e6 / static_cast<double>(rate.bin.count());
   proposal.looked_for_touches = true;
 
-  tell(progress, 1, 4, name + ": clocks");
+  report_progress(progress, 1, 4, name + ": clocks");
   find_clocks(proposal, source, recording, rate, activity.quiet);
-  tell(progress, 2, 4, name + ": slow touches");
+  report_progress(progress, 2, 4, name + ": slow touches");
   const Bursts all =
       labels::joined_and_slow_bursts(recording, proposal.event_stream, rate, activity.quiet, std::move(activity.bursts),
                                      proposal.robot.lifts.value_or(std::vector<labels::ArmMove>()), activity.pauses);
 
   const auto quiet_bins = static_cast<std::size_t>(std::max<std::int64_t>(1, options.quiet / rate.bin));
   const Groups groups = grouped(rate, all, quiet_bins);
-  tell(progress, 3, 4, name + ": touches");
+  report_progress(progress, 3, 4, name + ": touches");
   proposal.touches = classified(recording, proposal.event_stream, rate, groups.runs, proposal.robot);
   std::vector<CameraTime> cuts;
   for (std::size_t i = 1; i < groups.runs.size(); ++i)

@@ -149,7 +149,7 @@ class Splitting {
     result_.film = plan_text(source_.video, proposal_.film, proposal_, options_.margin, "film");
     std::uint64_t hashed = 0;
     const std::string sha256 = sha256_of_file(source_.recording, [&](std::uint64_t bytes) {
-      tell(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
+      report_progress(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
     });
     result_.session = options_.session.empty() ? session_of(source_, recording_, sha256) : options_.session;
     place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size()), earlier_pieces(options_.data, sha256));

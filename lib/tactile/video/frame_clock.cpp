@@ -20,16 +20,16 @@ std::optional<microseconds> FrameClock::time_of(double source_ms, HostTime arriv
     return t_;
   }
   // Beyond a day or so a step is damage anyway, and the conversion must not overflow.
-  const double told_step_us = std::round(1000.0 * (source_ms - source_ms_));
-  const bool is_step = std::isfinite(told_step_us) && std::abs(told_step_us) < 1e11;
-  const microseconds told_step{is_step ? static_cast<std::int64_t>(told_step_us) : 0};
+  const double source_step_us = std::round(1000.0 * (source_ms - source_ms_));
+  const bool is_step = std::isfinite(source_step_us) && std::abs(source_step_us) < 1e11;
+  const microseconds source_step{is_step ? static_cast<std::int64_t>(source_step_us) : 0};
   const microseconds came_step = std::max(arrived - arrived_, microseconds{1});
-  const bool ascends = std::isfinite(told_step_us) && told_step_us >= 1;
+  const bool ascends = std::isfinite(source_step_us) && source_step_us >= 1;
 
-  microseconds step = told_step;
+  microseconds step = source_step;
   if (live_) {
-    if (!ascends || !is_step || told_step > came_step + ahead_of_host) step = came_step;
-  } else if (told_step_us < new_beginning_us) {
+    if (!ascends || !is_step || source_step > came_step + ahead_of_host) step = came_step;
+  } else if (source_step_us < new_beginning_us) {
     step = frame_;
   } else if (!ascends) {
     if (ascended_ || ++standing_ < 2)
@@ -37,7 +37,7 @@ std::optional<microseconds> FrameClock::time_of(double source_ms, HostTime arriv
     step = frame_;
   } else {
     ascended_ = true;
-    if (!is_step || told_step > longest_step) step = frame_;
+    if (!is_step || source_step > longest_step) step = frame_;
   }
   source_ms_ = source_ms;
   arrived_ = arrived;

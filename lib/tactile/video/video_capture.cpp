@@ -178,13 +178,13 @@ struct VideoCapture::State {
       if (!source.capture.grab()) return std::nullopt;
       TimedFrame frame;
       frame.came = host_now();
-      const double told_ms = source.capture.get(cv::CAP_PROP_POS_MSEC);
+      const double source_ms = source.capture.get(cv::CAP_PROP_POS_MSEC);
       if (!source.capture.retrieve(frame.picture) || frame.picture.empty()) {
         ++broken;
         drop(1);
         continue;
       }
-      if (const std::optional<microseconds> t = clock->time_of(told_ms, frame.came)) {
+      if (const std::optional<microseconds> t = clock->time_of(source_ms, frame.came)) {
         frame.t = *t;
         return frame;
       }

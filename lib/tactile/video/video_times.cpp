@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/table_file.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -38,9 +39,9 @@ std::vector<VideoTime> read_video_times(const std::filesystem::path& path) {
 }
 
 void write_video_times(const std::filesystem::path& file, std::span<const VideoTime> times) {
-  std::string text = "index,pts_us\n";
-  for (std::size_t i = 0; i < times.size(); ++i) text += fmt::format("{},{}\n", i, us_of(times[i]));
-  write_whole(file, text);
+  CsvTable table("index,pts_us");
+  for (std::size_t i = 0; i < times.size(); ++i) table.add_row(i, us_of(times[i]));
+  write_whole(file, table.text());
 }
 
 }  // namespace tactile::video

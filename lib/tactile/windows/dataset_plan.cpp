@@ -337,7 +337,7 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
       outcomes[i] = {.why_left_out = error, .error = error, .why_no_samples = has_no("files that can be read")};
     }
     const std::scoped_lock lock(guard);
-    tell(progress, ++done, 2 * chosen.size(), name);
+    report_progress(progress, ++done, 2 * chosen.size(), name);
   });
   std::set<std::string> with_samples;  // objects
   for (std::size_t i = 0; i < chosen.size(); ++i) {

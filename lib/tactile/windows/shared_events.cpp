@@ -108,7 +108,7 @@ class Comparison {
   void run(const ProgressCallback& progress) {
     for (std::size_t i = 0; i + 1 < ends_.size(); ++i) {
       compare_between(i);
-      tell(progress, i + 1, ends_.size() - 1, "recordings of one time");
+      report_progress(progress, i + 1, ends_.size() - 1, "recordings of one time");
     }
   }
 

@@ -188,7 +188,7 @@ DatasetCheck verify_dataset(const fs::path& data, const fs::path& file, unsigned
       of_runs[i].push_back(name + ": cannot be compared, " + e.what());
     }
     const std::scoped_lock lock(guard);
-    tell(progress, ++done, 2 * plan.runs.size(), name);
+    report_progress(progress, ++done, 2 * plan.runs.size(), name);
   });
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     check.differences.insert(check.differences.end(), of_runs[i].begin(), of_runs[i].end());

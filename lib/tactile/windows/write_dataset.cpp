@@ -77,7 +77,7 @@ std::uint64_t write_events(DatasetPlan& plan, const fs::path& file, const std::s
       plan.rows[i].first_event = columns.appended();
       for_stored_events(plan.runs[i], history, [&](std::span<const events::Event> events) { columns.append(events); });
       plan.rows[i].events = columns.appended() - plan.rows[i].first_event;
-      tell(progress, plan.runs.size() + i + 1, 2 * plan.runs.size(), plan.runs[i].folder.name());
+      report_progress(progress, plan.runs.size() + i + 1, 2 * plan.runs.size(), plan.runs[i].folder.name());
     }
     columns.flush();
     written = columns.appended();

@@ -159,7 +159,7 @@ TEST(Claims, NeedFiveTrainings) {
   const auto claim = claim_of_one_training(inputs, "history-2-worst");
   EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim.why, "too few trainings: 1, 5 needed");
-  EXPECT_FALSE(claim.can_be_told);
+  EXPECT_FALSE(claim.can_be_decided);
 }
 
 TEST(Claims, ReportHowMuchMoreWouldDecide) {
@@ -188,7 +188,7 @@ TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim.why,
             "the interval lies across the limit; the value is so near the limit that 20 times the data would not decide");
-  EXPECT_TRUE(claim.can_be_told);
+  EXPECT_TRUE(claim.can_be_decided);
 }
 
 TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
@@ -220,7 +220,7 @@ TEST(Claims, OneRunOfAnObjectDecidesNothingAboutEveryObject) {
   EXPECT_EQ(claim_named(inputs, "history-2-worst").verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "accuracy-at-40").verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "history-2-worst").why, "too few runs: 1 each, 3 needed");
-  EXPECT_FALSE(claim_named(inputs, "history-2-worst").can_be_told);
+  EXPECT_FALSE(claim_named(inputs, "history-2-worst").can_be_decided);
   EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, results::Verdict::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "marginal-past-20").why, "too few objects: 3, 5 needed");
   std::vector<results::RunConfusion> some = runs_of(50, 50, 50);
@@ -347,7 +347,7 @@ TEST(Claims, BeginningAndEndOfIntervals) {
   inputs.history_ms = 30;
   inputs.over_time = {.first = of_five(0.97, 0.96, 0.98),
                       .last_minus_before = of_five(-0.1, -0.2, -0.01),
-                      .still_said = of_five(0.35, 0.3, 0.4),
+                      .still_predicted = of_five(0.35, 0.3, 0.4),
                       .intervals = 20,
                       .short_ones = 12};
   EXPECT_EQ(claim_named(inputs, "right-at-first").verdict, results::Verdict::holds);

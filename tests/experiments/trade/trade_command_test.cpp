@@ -175,7 +175,7 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   EXPECT_NE(recommendation.at("sentence").get<std::string>().find("Measured again"), std::string::npos);
   const nlohmann::json& trial = recommendation.at("trial");
   EXPECT_TRUE(trial.at("source").get<std::string>().starts_with("tcp://127.0.0.1:")) << trial;
-  EXPECT_GT(trial.at("ticks").at("told"), 10);
+  EXPECT_GT(trial.at("ticks").at("reported"), 10);
   EXPECT_NE(recommendation.at("sentence").get<std::string>().find("In 'tactile detect' over loopback"), std::string::npos);
   EXPECT_EQ(read_json(folder / "best.json").at("tick-us"),
             static_cast<int>(1000 * recommendation.at("setting").at("tick_ms").get<double>()));

@@ -265,7 +265,7 @@ def reaches_all_by_keyboard(world):
         "an onset is moved by keys alone",
     )
     saved_in_page(tab)
-    check("not saved" not in tab.js("document.activeElement.ariaValueText"), "the slider tells its value")
+    check("not saved" not in tab.js("document.activeElement.ariaValueText"), "the slider shows its value")
     tab.js("document.activeElement.blur()")
     tab.key("?")
     tab.wait("document.querySelector('dialog .keys')", "? shows the keys")

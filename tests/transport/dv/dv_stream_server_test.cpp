@@ -31,7 +31,7 @@ const transport::NetworkAddress any_port{
     .kind = transport::NetworkAddress::Kind::tcp, .host = "127.0.0.1", .port = 0, .path = {}};
 const events::Stream event_declaration = events::event_stream_declaration({640, 480}, "DVXplorer_DXM00001");
 
-/// What the server said, from whatever thread.
+/// What the server logged, from whatever thread.
 class Log {
  public:
   std::function<void(const std::string&)> sink() {
@@ -235,12 +235,12 @@ TEST(DvStreamServer, EndsTheWaitForRoomOnRequest) {
   transport::Connection stalled(server.address(), long_enough);
   ASSERT_TRUE(comes_true([&] { return server.clients() == 1; })) << "the client";
   const std::vector<events::Event> events = steady_events(8192, 0, 1, {640, 480});
-  bool told = false;
-  for (int i = 0; i < 4000 && !told; ++i) {
+  bool refused_to_wait = false;
+  for (int i = 0; i < 4000 && !refused_to_wait; ++i) {
     server.send(events);
-    told = !server.wait_for_room(3600s, [] { return true; });
+    refused_to_wait = !server.wait_for_room(3600s, [] { return true; });
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(refused_to_wait);
   EXPECT_EQ(server.dropped_clients(), 0U);
 }
 

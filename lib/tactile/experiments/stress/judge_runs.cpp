@@ -30,7 +30,7 @@ std::vector<RunOutcome> for_each_run(const StressPlan& plan, std::size_t count, 
   parallel_for(count, plan.options.judging.threads, [&](std::size_t i) {
     outcomes[i] = judge(i);
     const std::scoped_lock lock(one_at_a_time);
-    tell(progress, ++done, count, fmt::format("judging every tick: {} of {} runs", done, count));
+    report_progress(progress, ++done, count, fmt::format("judging every tick: {} of {} runs", done, count));
   });
   return outcomes;
 }

@@ -15,7 +15,7 @@
 namespace tactile::study {
 namespace {
 
-/// What a verdict lacks, in words; empty if nothing.
+/// What is missing to decide, in words; empty if nothing.
 std::string too_few(const results::Claim& claim) {
   if (claim.measured.trainings < fewest_trainings)
     return fmt::format("too few trainings: {}, {} needed", claim.measured.trainings, fewest_trainings);
@@ -160,7 +160,7 @@ void judge(results::Claim& claim) {
   if (by_mean) claim.verdict = results::Verdict::does_not;
   if (!lacking.empty() && (claim.scope == results::ClaimScope::over_objects || claim.measured.trainings < fewest_trainings))
     claim.verdict = results::Verdict::cannot_tell;
-  claim.can_be_told = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
+  claim.can_be_decided = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
   if (by_mean && claim.verdict == results::Verdict::does_not)
     claim.in_words += fmt::format(" It does not hold because of the mean over these {} objects: {}.", claim.measured.n,
                                   results::text_of(claim.mean, " " + claim.unit, ".2f"));

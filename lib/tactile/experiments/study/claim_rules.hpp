@@ -9,7 +9,7 @@
 namespace tactile::study {
 
 /// Whether a figure lies below or above a limit: only if its whole interval lies on that side. Otherwise, and if
-/// a bound is unknown, the verdict is cannot_tell.
+/// a bound is unknown, the result is cannot_tell.
 results::Verdict below(const results::Figure& figure, double limit);
 results::Verdict above(const results::Figure& figure, double limit);
 
@@ -27,7 +27,7 @@ results::Figure smallest_of(const ObjectFigures& figures);
 
 inline constexpr std::size_t fewest_runs = 3, fewest_objects = 5, fewest_trainings = 5;
 
-/// Gives a claim its verdict by its measured figure and its limit. For cannot_tell, `why` has the reason, and how many trainings,
+/// Decides a claim by its measured figure and its limit. For cannot_tell, `why` has the reason, and how many trainings,
 /// runs or objects would decide at the same value. One object beyond the limit decides a claim about every object, even if the
 /// others have too few runs. So does the mean over these objects: if each is on the claimed side, the mean is, too. `in_words`
 /// then says so. A true claim is refuted in at most 5 % of studies: the mean's 95 % interval misses on one side in 2.5 %, and so

@@ -352,11 +352,11 @@ results::Claim worse_near_the_end(const ClaimInputs& inputs) {
       "intervals; {} have no tick before and are left out.",
       std::abs(claim.measured.value), claim.measured.value < 0 ? "lower" : "higher", claim.measured.n, compared,
       over_time.intervals, over_time.short_ones);
-  if (std::isfinite(over_time.still_said.value)) {
+  if (std::isfinite(over_time.still_predicted.value)) {
     claim.note = fmt::format(
         "The paper's first reason is the time after the end: in the {:g} ms after an interval {:.1f} % of the ticks are still "
         "predicted as press or slip. Part of that is t_h itself, which looks {:g} ms back.",
-        inputs.after_ms, 100 * over_time.still_said.value, inputs.history_ms);
+        inputs.after_ms, 100 * over_time.still_predicted.value, inputs.history_ms);
   }
   return claim;
 }
@@ -427,7 +427,7 @@ std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::
     for (const microseconds history : inputs.untrained) lacking.push_back(experiments::ms_text(history));
     claims[i].verdict = results::Verdict::cannot_tell;
     claims[i].why = fmt::format("no model was trained for {} ms, which the paper compares", fmt::join(lacking, ", "));
-    claims[i].can_be_told = false;
+    claims[i].can_be_decided = false;
   }
   for (const std::size_t delay : {4U, 5U}) judge_delay(claims[delay]);
   judge_exception(claims[10], claims[9]);
@@ -439,7 +439,7 @@ std::string summary_of(const std::vector<results::Claim>& claims, bool simulated
     return std::count_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.verdict == verdict; });
   };
   const auto undecidable =
-      std::count_if(claims.begin(), claims.end(), [](const results::Claim& claim) { return !claim.can_be_told; });
+      std::count_if(claims.begin(), claims.end(), [](const results::Claim& claim) { return !claim.can_be_decided; });
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
                                  simulated ? "simulated" : "real", number_of(results::Verdict::holds), claims.size(),
                                  number_of(results::Verdict::does_not), number_of(results::Verdict::cannot_tell));

@@ -23,7 +23,7 @@ struct ClaimInputs {
   double tick_ms = 2;                              ///< also the shortest possible delay, > 0
   double history_ms = 40;                          ///< the chosen t_h
   results::ShareOverTime over_time;                ///< of presses and slips, "first" 500 ms and "last" 200 ms
-  double after_ms = 100;                           ///< length of time after an interval that `over_time.still_said` covers
+  double after_ms = 100;                           ///< length of time after an interval that `over_time.still_predicted` covers
   std::vector<results::RunConfusion> seen,
       held_out;  ///< of held-out objects, with and without them in training; the same runs in both
 };

@@ -115,7 +115,7 @@ void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_i
       {.guard = dataset.sampling().guard, .include_flagged = plan.options.include_flagged, .threads = plan.options.threads},
       [&](std::size_t ticks) {
         done += ticks;
-        tell(progress, done, total, "every tick of " + name_of(run));
+        report_progress(progress, done, total, "every tick of " + name_of(run));
       });
   evaluation::write_prediction(csv_file, prediction, samples);
   write_json(json_file, evaluation::outcome_json(prediction));

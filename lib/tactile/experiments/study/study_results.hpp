@@ -18,7 +18,7 @@ struct StudyResults {
   std::vector<results::Claim> claims;  ///< claims.csv
 };
 
-/// Last stage of a study: all results, and the verdicts on the paper's claims.
+/// Last stage of a study: all results, and what they show of the paper's claims.
 StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
                         const PreparedData& prepared, std::span<const experiments::StepRecord> steps);
 

@@ -218,7 +218,7 @@ results::CostGrowth measure_growth(std::span<const events::Event> source, events
     for (unsigned turn = 0; turn < options.turns; ++turn) {
       for (auto* points : {&by_rate, &by_history, &by_resolution}) {
         for (MeasuredPoint& one : *points) {
-          tell(progress, done++, total, "how cost grows");
+          report_progress(progress, done++, total, "how cost grows");
           one.take_turn();
         }
       }

@@ -24,7 +24,7 @@ std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset
                                                   {.tick = options.tick, .ratios = options.ratios});
     classified[i].run = name_of(dataset.runs()[runs[i]]);
     const std::scoped_lock lock(one_at_a_time);
-    tell(progress, ++done, runs.size(), fmt::format("predicting every tick: {} of {} runs", done, runs.size()));
+    report_progress(progress, ++done, runs.size(), fmt::format("predicting every tick: {} of {} runs", done, runs.size()));
   });
   return classified;
 }

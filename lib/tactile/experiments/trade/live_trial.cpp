@@ -75,7 +75,7 @@ auto waited_for(Clock::duration at_most, const ProgressCallback& progress, const
   const Clock::time_point begun = Clock::now();
   auto result = found();
   while (!result && Clock::now() - begun < at_most) {
-    tell(progress, 0, 0, what);
+    report_progress(progress, 0, 0, what);
     std::this_thread::sleep_for(between_looks);
     result = found();
   }
@@ -144,7 +144,7 @@ nlohmann::json run_live_trial(const TradeSetting& setting, const LiveTrialOption
 LiveTrial live_trial_in(const nlohmann::json& detected) {
   try {
     const nlohmann::json &work = detected.at("latency_us").at("work"), &ticks = detected.at("ticks");
-    return {.ticks = ticks.at("told").get<std::uint64_t>(),
+    return {.ticks = ticks.at(ticks.contains("told") ? "told" : "reported").get<std::uint64_t>(),
             .us_p50 = work.at("p50").get<double>(),
             .us_p99 = work.at("p99").get<double>(),
             .us_p999 = work.at("p999").get<double>(),

@@ -182,7 +182,7 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
         for (const std::size_t i : any_order(settings.size(), random)) {
           if (piece.due(i, turn)) piece.take(i, times[i][run]);
         }
-        tell(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
+        report_progress(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
       }
       ++done;
     }

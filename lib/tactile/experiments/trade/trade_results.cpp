@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/experiments/experiment_json.hpp"
@@ -166,39 +168,35 @@ void write_trade(const json& trade, const fs::path& folder) {
 }
 
 std::string trade_csv(const json& trade) {
-  std::string csv =
+  CsvTable table(
       "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,width,last_pool,engine,precision,pass,confirm,filter,gate,"
       "runs,"
       "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
       "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
-      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay\n";
-  const auto number = [](const json& value) {
-    return value.is_null() ? std::string() : fmt::format("{:.9g}", value.get<double>());
-  };
+      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay");
+  const auto number = [](const json& value) { return value.is_null() ? std::string() : csv_number(value.get<double>()); };
   const auto figure = [&](const json& value) {
-    return fmt::format("{},{},{}", number(value.at("value")), number(value.at("low")), number(value.at("high")));
+    return std::array{number(value.at("value")), number(value.at("low")), number(value.at("high"))};
   };
   for (const json& point : trade.at("points")) {
     for (const char* runs : {"choice", "reported"}) {
       const json &setting = point.at("setting"), &result = point.at(runs);
       const auto word = [&](const char* key) { return setting.at(key).get<std::string>(); };
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},", point.at("id").get<std::string>(),
-                         point.at("design").get<std::string>(), point.at("trainings").get<std::size_t>(), word("kind"),
-                         number(setting.at("th_ms")), number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"),
-                         word("denoise"), number(setting.at("width")), number(setting.at("last_pool")), word("engine"),
-                         word("precision"), word("pass"), word("confirm"), word("filter"),
-                         setting.at("gate").get<bool>() ? "on" : "off", runs);
       const json& delay = result.at("delay_us");
       const json &us = result.at("us"), &front = point.at("front");
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", figure(result.at("accuracy")), figure(delay.at("median")),
-                         number(delay.at("p90").at("value")), number(delay.at("missed").at("value")),
-                         figure(result.at("episodes_per_min")), figure(us.at("p50")), figure(us.at("p99")),
-                         number(us.at("p999").at("value")), front.at("accuracy").get<bool>() ? 1 : 0,
-                         front.at("delay").get<bool>() ? 1 : 0, number(front.at("probability").at("accuracy")),
-                         number(front.at("probability").at("delay")));
+      table.add_row(point.at("id").get<std::string>(), point.at("design").get<std::string>(),
+                    point.at("trainings").get<std::size_t>(), word("kind"), number(setting.at("th_ms")),
+                    number(setting.at("tick_ms")), number(setting.at("factor")), word("resize"), word("denoise"),
+                    number(setting.at("width")), number(setting.at("last_pool")), word("engine"), word("precision"), word("pass"),
+                    word("confirm"), word("filter"), setting.at("gate").get<bool>() ? "on" : "off", runs,
+                    figure(result.at("accuracy")), figure(delay.at("median")), number(delay.at("p90").at("value")),
+                    number(delay.at("missed").at("value")), figure(result.at("episodes_per_min")), figure(us.at("p50")),
+                    figure(us.at("p99")), number(us.at("p999").at("value")), front.at("accuracy").get<bool>() ? 1 : 0,
+                    front.at("delay").get<bool>() ? 1 : 0, number(front.at("probability").at("accuracy")),
+                    number(front.at("probability").at("delay")));
     }
   }
-  return csv;
+  return table.text();
 }
 
 }  // namespace tactile::trade

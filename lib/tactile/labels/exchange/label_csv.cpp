@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tactile/core/csv.hpp"
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/text.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr std::string_view header =
     "run,id,class,start_s,end_s,confirmed,source,start_low_s,start_high_s,end_low_s,end_high_s,events_s,robot_s,video_s,imu_s,"
-    "flags,origin,zero_s,drift_ppm\n";
+    "flags,origin,zero_s,drift_ppm";
 
 bool is_confirmed(std::string_view cell, const std::string& where) {
   const std::string word = lower_case(trimmed(cell));
@@ -95,29 +96,30 @@ bool same(const FileTimes& a, const FileTimes& b) {
 }  // namespace
 
 std::string label_csv_text(std::span<const LabelsToExport> runs) {
-  std::string text(header);
+  CsvTable table(header);
   for (const LabelsToExport& run : runs) {
     check_ids(run);
     const ClockRelation clock = run.times.to_camera(run.first_event);
     const auto seconds = [&](CameraTime t) { return seconds_text(clock.clock_us_from(t)); };
     const auto if_known = [&](const std::optional<CameraTime>& t) { return t ? seconds(*t) : std::string(); };
-    const std::string axis =
-        fmt::format("{},{},{}", name_of(run.times.origin), seconds_text(run.times.zero_us), run.times.drift_ppm);
+    const std::array<std::string, 3> axis{std::string(name_of(run.times.origin)), seconds_text(run.times.zero_us),
+                                          fmt::format("{}", run.times.drift_ppm)};
     const std::string of_run = doubts_of(run.labels, std::nullopt);
-    if (run.labels.intervals.empty()) text += fmt::format("{},,none,,,,,,,,,,,,,{},{}\n", run.run, csv_cell(of_run), axis);
+    const std::array<std::string, 12> no_times{};
+    if (run.labels.intervals.empty()) table.add_row(run.run, "", "none", no_times, of_run, axis);
     for (std::size_t i = 0; i < run.labels.intervals.size(); ++i) {
       const LabelledInterval& interval = run.labels.intervals[i];
       const std::string own = doubts_of(run.labels, i);
       const std::string flags = own + (own.empty() || of_run.empty() ? "" : "; ") + of_run;
       const Evidence& evidence = interval.evidence;
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.run, interval.id, name_of(interval.touch),
-                          seconds(interval.start.at), seconds(interval.end.at), interval.confirmed, csv_cell(interval.source),
-                          seconds(interval.start.low), seconds(interval.start.high), seconds(interval.end.low),
-                          seconds(interval.end.high), if_known(evidence.events), if_known(evidence.robot),
-                          if_known(evidence.video), if_known(evidence.imu), csv_cell(flags), axis);
+      table.add_row(run.run, interval.id, name_of(interval.touch), seconds(interval.start.at), seconds(interval.end.at),
+                    interval.confirmed ? "true" : "false", interval.source, seconds(interval.start.low),
+                    seconds(interval.start.high), seconds(interval.end.low), seconds(interval.end.high),
+                    if_known(evidence.events), if_known(evidence.robot), if_known(evidence.video), if_known(evidence.imu), flags,
+                    axis);
     }
   }
-  return text;
+  return table.text();
 }
 
 std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {

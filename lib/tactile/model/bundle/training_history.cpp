@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "tactile/core/csv.hpp"
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
@@ -40,14 +41,14 @@ std::optional<std::vector<std::optional<double>>> numbers_in(const std::vector<s
 }  // namespace
 
 std::string history_csv(const std::vector<EpochResult>& history) {
-  const auto text_of = [](const std::optional<double>& value) { return value ? fmt::format("{:.9g}", *value) : std::string(); };
-  std::string text = header + std::string("\n");
+  CsvTable table(header);
   for (const EpochResult& epoch : history) {
-    text += fmt::format("{},{:.9g},{:.9g},{},{},{:.9g},{:.9g},{:.1f},{:.3f}\n", epoch.epoch, epoch.loss, epoch.accuracy,
-                        text_of(epoch.validation_loss), text_of(epoch.validation_accuracy), epoch.learning_rate,
-                        epoch.gradient_norm, epoch.images_per_s, epoch.seconds);
+    const auto number = [](const std::optional<double>& value) { return value ? fmt::format("{:.9g}", *value) : std::string(); };
+    table.add_row(epoch.epoch, number(epoch.loss), number(epoch.accuracy), number(epoch.validation_loss),
+                  number(epoch.validation_accuracy), number(epoch.learning_rate), number(epoch.gradient_norm),
+                  fmt::format("{:.1f}", epoch.images_per_s), fmt::format("{:.3f}", epoch.seconds));
   }
-  return text;
+  return table.text();
 }
 
 std::vector<EpochResult> read_history(const std::filesystem::path& file) {

@@ -193,8 +193,9 @@ FittedTemporal fit_temporal(std::span<const float> features, std::span<const Tou
   for (unsigned epoch = 1; epoch <= training.epochs; ++epoch) {
     fitted.history.push_back(steps_of.pass(epoch));
     const EpochResult& last = fitted.history.back();
-    tell(progress, std::uint64_t{epoch} * truth.size(), std::uint64_t{training.epochs} * truth.size(),
-         fmt::format("epoch {}/{}: loss {:.4f}, accuracy {:.1f} %", epoch, training.epochs, last.loss, 100 * last.accuracy));
+    report_progress(
+        progress, std::uint64_t{epoch} * truth.size(), std::uint64_t{training.epochs} * truth.size(),
+        fmt::format("epoch {}/{}: loss {:.4f}, accuracy {:.1f} %", epoch, training.epochs, last.loss, 100 * last.accuracy));
   }
   fitted.weights = weights_of(network, options, std::move(standard));
   check_finite(fitted.weights, "training");

@@ -105,7 +105,7 @@ BoostedTrees fit_trees(std::span<const float> features, std::span<const Touch> t
   const Booster booster = booster_of(matrix, options, seed);
   for (unsigned round = 0; round < options.rounds; ++round) {
     check_call(XGBoosterUpdateOneIter(booster.get(), static_cast<int>(round), matrix.get()));
-    tell(progress, round + 1, options.rounds, fmt::format("round {} of {} of trees", round + 1, options.rounds));
+    report_progress(progress, round + 1, options.rounds, fmt::format("round {} of {} of trees", round + 1, options.rounds));
   }
   return trees_of(booster, features.size() / truth.size(), options.depth);
 }

@@ -16,7 +16,7 @@ constexpr std::size_t rows_at_once = sixteen_lanes == 16 ? 5 : sixteen_lanes == 
 
 /// Adds to the first layer's gradient what channels of one tile, all largest at the same place, give it.
 template <std::size_t rows>
-HWY_INLINE void add_to_pooled(const Packed& packed, unsigned channels, const float* slopes, std::size_t first_row, float* out,
+HWY_INLINE void add_to_pooled(const Packed& packed, unsigned channels, const float* gradients, std::size_t first_row, float* out,
                               std::size_t stride) {
   const Sixteen d;
   hn::Vec<Sixteen> sum[rows][vectors_a_row];
@@ -25,11 +25,11 @@ HWY_INLINE void add_to_pooled(const Packed& packed, unsigned channels, const flo
   }
   for (unsigned left = channels; left != 0; left &= left - 1) {
     const auto c = static_cast<std::size_t>(__builtin_ctz(left));
-    const auto slope = hn::Set(d, slopes[c]);
+    const auto gradient = hn::Set(d, gradients[c]);
     const float* weight = packed.second_back.data() + (c * kernel + first_row) * padded_row;
     for (std::size_t r = 0; r < rows; ++r) {
       for (std::size_t v = 0; v < vectors_a_row; ++v)
-        sum[r][v] = hn::MulAdd(slope, hn::Load(d, weight + r * padded_row + v * sixteen_lanes), sum[r][v]);
+        sum[r][v] = hn::MulAdd(gradient, hn::Load(d, weight + r * padded_row + v * sixteen_lanes), sum[r][v]);
     }
   }
   for (std::size_t r = 0; r < rows; ++r) {
@@ -42,7 +42,7 @@ HWY_INLINE void add_to_pooled(const Packed& packed, unsigned channels, const flo
 
 /// Adds one channel's gradient of the weights.
 template <std::size_t rows>
-HWY_INLINE void add_to_weights(const std::uint32_t* places, const float* slopes, std::size_t count, const float* pooled,
+HWY_INLINE void add_to_weights(const std::uint32_t* places, const float* gradients, std::size_t count, const float* pooled,
                                std::size_t first_row, float* out, std::size_t stride) {
   const Sixteen d;
   hn::Vec<Sixteen> sum[rows][vectors_a_row];
@@ -51,11 +51,11 @@ HWY_INLINE void add_to_weights(const std::uint32_t* places, const float* slopes,
   }
   const float* from = pooled + first_row * stride;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto slope = hn::Set(d, slopes[i]);
+    const auto gradient = hn::Set(d, gradients[i]);
     const float* at = from + places[i];
     for (std::size_t r = 0; r < rows; ++r) {
       for (std::size_t v = 0; v < vectors_a_row; ++v)
-        sum[r][v] = hn::MulAdd(slope, hn::LoadU(d, at + r * stride + v * sixteen_lanes), sum[r][v]);
+        sum[r][v] = hn::MulAdd(gradient, hn::LoadU(d, at + r * stride + v * sixteen_lanes), sum[r][v]);
     }
   }
   for (std::size_t r = 0; r < rows; ++r) {
@@ -86,8 +86,8 @@ void second_backward(const LeNetLayers& layers, const Packed& packed, const Kept
   std::array<std::size_t, second_channels> counts{};
   std::array<float, second_channels> bias{};
   for (std::size_t tile = 0; tile < tiles; ++tile) {
-    float slopes[second_channels] = {};
-    for (std::size_t c = 0; c < layers.second_channels; ++c) slopes[c] = gradient[c * tiles + tile];
+    float gradients[second_channels] = {};
+    for (std::size_t c = 0; c < layers.second_channels; ++c) gradients[c] = gradient[c * tiles + tile];
     const std::size_t corner = tile / tiles_x * 2 * stride + tile % tiles_x * 2 * first_channels;
     const std::uint8_t* largest = kept.second_largest.data() + tile * second_channels;
     for (std::size_t place = 0; place < 4; ++place) {
@@ -102,18 +102,18 @@ void second_backward(const LeNetLayers& layers, const Packed& packed, const Kept
       for (unsigned left = channels; left != 0; left &= left - 1) {
         const auto c = static_cast<std::size_t>(__builtin_ctz(left));
         work.places[c][counts[c]] = static_cast<std::uint32_t>(at);
-        work.slopes[c][counts[c]] = slopes[c];
+        work.gradients[c][counts[c]] = gradients[c];
         ++counts[c];
-        bias[c] += slopes[c];
+        bias[c] += gradients[c];
       }
       for_rows([&](auto rows, std::size_t row)
-                   HWY_ATTR { add_to_pooled<rows>(packed, channels, slopes, row, work.pooled_gradient.data() + at, stride); });
+                   HWY_ATTR { add_to_pooled<rows>(packed, channels, gradients, row, work.pooled_gradient.data() + at, stride); });
     }
   }
   for (std::size_t c = 0; c < second_channels; ++c) {
     sums.second_bias[c] += bias[c];
     for_rows([&](auto rows, std::size_t row) HWY_ATTR {
-      add_to_weights<rows>(work.places[c].data(), work.slopes[c].data(), counts[c], kept.pooled.data(), row,
+      add_to_weights<rows>(work.places[c].data(), work.gradients[c].data(), counts[c], kept.pooled.data(), row,
                            sums.second.data() + c * kernel * padded_row, stride);
     });
   }
@@ -160,13 +160,14 @@ void first_backward(const LeNetLayers& layers, const Kept& kept, Gradients& sums
       auto bias_here = hn::Zero(d);
       for (std::size_t x = 0; x < pooled_width; ++x) {
         const std::size_t in = (y * pooled_width + x) * first_channels + v;
-        const auto slope = hn::LoadU(d, work.pooled_gradient.data() + in);
+        const auto gradient_here = hn::LoadU(d, work.pooled_gradient.data() + in);
         const auto which = hn::PromoteTo(whole, hn::LoadU(bytes, kept.first_largest.data() + in));
-        bias_here = hn::Add(bias_here, hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(which, hn::Set(whole, cut_off))), slope));
+        bias_here =
+            hn::Add(bias_here, hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(which, hn::Set(whole, cut_off))), gradient_here));
         float* above = strip + (2 * x + margin) * lanes_of_first + v;
         float* below = above + columns * lanes_of_first;
         const auto put = [&](int place, float* at) HWY_ATTR {
-          hn::Store(hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(which, hn::Set(whole, place))), slope), d, at);
+          hn::Store(hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(which, hn::Set(whole, place))), gradient_here), d, at);
         };
         put(0, above);
         put(1, above + lanes_of_first);

@@ -80,7 +80,7 @@ FusedConvolutions::Workspace FusedConvolutions::make_workspace() const {
   work.lit.resize(static_cast<std::size_t>(layers_.input.width));
   for (std::size_t c = 0; c < channels_2; ++c) {
     work.places[c].resize(tiles);
-    work.slopes[c].resize(tiles);
+    work.gradients[c].resize(tiles);
   }
   return work;
 }

@@ -66,7 +66,7 @@ class FusedConvolutions {
     std::vector<std::uint32_t> tiles;  ///< of the second layer, that see nonzero cells
     std::vector<std::uint8_t> lit;
     std::array<std::vector<std::uint32_t>, 16> places;  ///< of gradients, for each channel
-    std::array<std::vector<float>, 16> slopes;
+    std::array<std::vector<float>, 16> gradients;
   };
   Workspace make_workspace() const;
 

@@ -43,16 +43,16 @@ class LargestOfBlocks : public torch::autograd::Function<LargestOfBlocks> {
       float* upper_out = result.data_ptr<float>() + blocks.offset(row);
       float* lower_out = upper_out + blocks.stride;
       for (std::int64_t i = 0; i < blocks.width; ++i) {
-        const float a = upper[2 * i], b = upper[2 * i + 1], c = lower[2 * i], d = lower[2 * i + 1], slope = in[i];
+        const float a = upper[2 * i], b = upper[2 * i + 1], c = lower[2 * i], d = lower[2 * i + 1], gradient_of_block = in[i];
         const bool takes_b = takes(a, b);
         const float of_two = takes_b ? b : a;
         const bool takes_c = takes(of_two, c);
         const bool takes_d = takes(takes_c ? c : of_two, d);
-        const float above = takes_d || takes_c ? 0.0F : slope, below = takes_d ? 0.0F : slope;
+        const float above = takes_d || takes_c ? 0.0F : gradient_of_block, below = takes_d ? 0.0F : gradient_of_block;
         upper_out[2 * i] = takes_b ? 0.0F : above;
         upper_out[2 * i + 1] = takes_b ? above : 0.0F;
         lower_out[2 * i] = takes_c ? below : 0.0F;
-        lower_out[2 * i + 1] = takes_d ? slope : 0.0F;
+        lower_out[2 * i + 1] = takes_d ? gradient_of_block : 0.0F;
       }
     }
     return {result};

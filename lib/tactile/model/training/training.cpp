@@ -226,7 +226,7 @@ class Training {
                     between_epochs ? last.images_per_s : seen / state_.epoch_seconds);
     if (last.validation_accuracy) text += fmt::format(", validation {:.1f} %", 100 * *last.validation_accuracy);
     try {
-      tell(control_.progress, done, std::uint64_t{task_.options.epochs} * samples(), text);
+      report_progress(control_.progress, done, std::uint64_t{task_.options.epochs} * samples(), text);
     } catch (...) {
       if (state_.done > 0) save();
       throw;

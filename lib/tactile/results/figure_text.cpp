@@ -1,0 +1,31 @@
+#include "tactile/results/figure_text.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace tactile::results {
+
+std::string value_text(const Figure& figure, double scale, int decimals) {
+  return std::isfinite(figure.value) ? fmt::format("{:.{}f}", scale * figure.value, decimals) : "-";
+}
+
+std::string interval_text(const Figure& figure, double scale, int decimals) {
+  if (!std::isfinite(figure.value) || (!figure.low && !figure.high)) return "";
+  if (!is_bounded(figure)) return "[not bounded]";
+  const auto bound = [&](const std::optional<double>& value) {
+    return value ? fmt::format("{:.{}f}", scale * *value, decimals) : "?";
+  };
+  return fmt::format("[{}, {}]", bound(figure.low), bound(figure.high));
+}
+
+std::string figure_text(const Figure& figure, double scale, int decimals) {
+  const std::string value = value_text(figure, scale, decimals), interval = interval_text(figure, scale, decimals);
+  return interval.empty() ? value : value + " " + interval;
+}
+
+bool is_bounded(const Figure& figure) {
+  return !figure.has_interval() || !(figure.value > 0 && *figure.low<1e-3 * figure.value&& * figure.high> 1e3 * figure.value);
+}
+
+}  // namespace tactile::results

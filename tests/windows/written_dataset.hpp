@@ -1,0 +1,37 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile::test {
+
+/// A folder of runs and the dataset of them.
+class WriteDataset : public ::testing::Test {
+ protected:
+  std::filesystem::path data() const { return folder.path() / "data"; }
+  std::filesystem::path file() const { return data() / "dataset.h5"; }
+  TemporaryFolder folder;
+};
+
+inline std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+inline bool mentions(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+}  // namespace tactile::test
