@@ -175,7 +175,7 @@ TEST_F(RecordCommand, ReportsInOneLineWhyItDoesNotBegin) {
     const CommandResult result = run(std::string("record ") + arguments);
     EXPECT_EQ(result.exit_code, 1) << arguments;
     EXPECT_EQ(lines_in(result.err), 1) << arguments << "\n" << result.err;
-    EXPECT_FALSE(fs::exists(folder / "data")) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim")) << arguments;
   }
   for (const char* arguments : {"--object Fan", "--run 0", "--duration 0", "--duration nan", "--speed -1", "--compression best",
                                 "--queue-mb 0", "--session no-plan.json --run 01"}) {
@@ -196,10 +196,14 @@ TEST_F(RecordCommand, TakesTheSimulatorForAWholeRun) {
   const CommandResult result = run("record --json --from sim --speed 0 --object fan");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("simulated"), true);
-  EXPECT_EQ(run_json("fan", "01").at("files").size(), 5U);
-  EXPECT_EQ(run("info --check data/fan/01").exit_code, 0);
-  const CommandResult label = run("label --json data/fan/01");
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("folder"), "data-sim/fan/01");
+  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_EQ(read_run_info(run_folder_at(folder / "data-sim/fan/01")).extra.at("files").size(), 5U);
+  EXPECT_EQ(run("info --check data-sim/fan/01").exit_code, 0);
+  const CommandResult label = run("label --json data-sim/fan/01");
   EXPECT_EQ(label.exit_code, 0) << label.err;
+  const CommandResult named = run("record --json --from sim:fan --speed 0 --duration 0.1 --object fan --out data");
+  EXPECT_EQ(nlohmann::json::parse(named.out).at("folder"), "data/fan/01");
 }
 
 TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
@@ -244,7 +248,7 @@ TEST_F(RecordCommand, LeavesAServerThatSendsNothingOnCtrlC) {
     EXPECT_EQ(result.err, "");
   }
   is_over = true;
-  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim"));
 }
 
 TEST_F(RecordCommand, RefusesAReadOutModeAheadOfALookForACamera) {
@@ -295,7 +299,7 @@ TEST_F(RecordCommand, WalksASession) {
   write_whole(folder / "plan.json",
               R"({"session": "monday", "objects": [{"name": "fan", "runs": 2}, {"name": "usb-hub"}], "duration": 0.1})");
   {
-    RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+    RunningCommand command("record --json --out data --session plan.json --from sim --speed 0", folder.path());
     command.type("\n\nr\nnonsense\n\n\n");
     const auto says = [&](const std::string& text) {
       return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); });
@@ -321,7 +325,7 @@ TEST_F(RecordCommand, WalksASession) {
 
   // An interrupted session resumes where it stopped.
   write_whole(folder / "longer.json", R"({"objects": [{"name": "fan", "runs": 3}, {"name": "usb-hub"}], "duration": 0.1})");
-  RunningCommand command("record --json --session longer.json --from sim --speed 0", folder.path());
+  RunningCommand command("record --json --out data --session longer.json --from sim --speed 0", folder.path());
   command.type("\n\n");
   command.close_input();
   const CommandResult result = command.wait();
@@ -346,7 +350,8 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 1}], "start_on": "actual_digital_output_bits:0",
                                         "stop_on": "actual_digital_input_bits:1"})");
   RunningCommand command(
-      "record --json --session plan.json --from sim:fan --robot 127.0.0.1:" + std::to_string(controller.port()), folder.path());
+      "record --json --out data --session plan.json --from sim:fan --robot 127.0.0.1:" + std::to_string(controller.port()),
+      folder.path());
   const CommandResult result = command.wait();
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
@@ -396,7 +401,7 @@ TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
   test::FakeController controller;
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 4}], "duration": 0.1})");
   RunningCommand command(
-      "record --json --session plan.json --from sim --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()),
+      "record --json --out data --session plan.json --from sim --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()),
       folder.path());
   const auto says = [&](const std::string& text) {
     return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); }) &&
@@ -438,7 +443,7 @@ TEST_F(RecordCommand, RefusesABitThatTheRobotDoesNotHave) {
         run("record --from sim " + std::string(field) + " --robot 127.0.0.1:" + std::to_string(controller.port()));
     EXPECT_EQ(result.exit_code, 1) << field;
     EXPECT_EQ(lines_in(result.err), 1) << result.err;
-    EXPECT_FALSE(fs::exists(folder / "data")) << field;
+    EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim")) << field;
   }
 }
 
@@ -467,7 +472,7 @@ TEST_F(RecordCommand, EndsWithoutARunIfStoppedWhileItOpensItsSources) {
   const CommandResult result = command.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "no run recorded\n");
-  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim"));
 }
 
 TEST_F(RecordCommand, RecordsAnInterruptedRunOfASessionAgain) {
@@ -496,7 +501,7 @@ TEST_F(RecordCommand, ReportsWhatASessionRecordedAheadOfAnError) {
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan"}, {"name": "usb-hub"}], "duration": 0.1})");
   fs::create_directory(folder / "data");
   write_whole(folder / "data/usb-hub", "no folder");
-  RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+  RunningCommand command("record --json --out data --session plan.json --from sim --speed 0", folder.path());
   command.type("\n\n");
   const CommandResult result = command.wait();
   EXPECT_EQ(result.exit_code, 1);
