@@ -188,7 +188,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   }
   if (found.empty() && plan.left_out.empty() && plan.warnings.empty() && plan.errors.empty())
     throw Error(data.string() +
-                ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording");
+                ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings");
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
   std::vector<PlannedRun> chosen;
