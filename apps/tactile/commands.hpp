@@ -20,6 +20,7 @@ void add_info_command(CLI::App& app);
 void add_repair_command(CLI::App& app);
 void add_characterise_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
+void add_import_command(CLI::App& app);
 void add_split_command(CLI::App& app);
 void add_label_command(CLI::App& app);
 void add_review_command(CLI::App& app);
@@ -65,6 +66,7 @@ consteval auto command_table() {
       CommandEntry{"repair", Program::tactile, add_repair_command},
       CommandEntry{"characterise", Program::runs, add_characterise_command},
       CommandEntry{"convert", Program::runs, add_convert_command},
+      CommandEntry{"import", Program::runs, add_import_command},
       CommandEntry{"split", Program::runs, add_split_command},
       CommandEntry{"label", Program::runs, add_label_command},
       CommandEntry{"review", Program::model, add_review_command},

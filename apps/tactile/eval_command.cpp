@@ -89,6 +89,27 @@ void warn_of_scenes(const windows::Dataset& dataset, const model::ModelDescripti
   warnings.push_back(remark);
 }
 
+/// What a model learned from, and which runs of this dataset are therefore left out.
+nlohmann::json json_of_learning(const windows::Dataset& dataset, const model::ModelDescription& model) {
+  return {{"dataset", model.dataset},
+          {"manifest_hash", model.manifest_hash},
+          {"runs", names_of(model.learned_from)},
+          {"left_out", names_of(dataset, model::learned_runs_of(dataset, model))}};
+}
+
+/// The same of a model of another dataset, as a sentence. @param judged  number of runs
+std::string sentence_on_learning(const model::ModelBundle& bundle, const windows::Dataset& dataset,
+                                 const model::ModelDescription& model, std::size_t judged) {
+  const std::size_t left_out = model::learned_runs_of(dataset, model).size();
+  const auto runs = [](std::size_t count) { return fmt::format("{} run{}", count, count == 1 ? "" : "s"); };
+  return fmt::format(
+      "{} learned from {} of {} with manifest {}. The dataset now has manifest {}: of its {}, the model is judged on {} that it "
+      "has not seen. {} that it learned from {} left out.",
+      bundle.name(), runs(model.learned_from.size()), model.dataset, model.manifest_hash.substr(0, 8),
+      dataset.manifest_hash().substr(0, 8), runs(dataset.runs().size()), judged, left_out == 0 ? "No run" : runs(left_out),
+      left_out > 1 ? "are" : "is");
+}
+
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
@@ -99,15 +120,12 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   auto bundle = args.model.empty() ? model::pinned_bundle(args.models) : bundle_named(args);
   if (!bundle) bundle = newest_of(args, dataset, windows::SplitKind::single_run);
   if (!bundle) {
-    const auto other = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
+    bundle = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
       return model.settings.split.kind == windows::SplitKind::single_run;
     });
-    const std::string way_out =
-        other ? fmt::format("; {} belongs to another state of it, or to another dataset, and is evaluated on it with --model {}",
-                            other->name(), shell_word(other->name()))
-              : "";
-    throw Error(fmt::format("{}: no single-run model of {}; expected one, run '{}' first{}", args.models, file.string(),
-                            train_command(args, {}), way_out));
+  }
+  if (!bundle) {
+    throw Error(fmt::format("{}: no single-run model; expected one, run '{}' first", args.models, train_command(args, {})));
   }
   check_writable(bundle->folder);
   spdlog::info("evaluating {}{}", bundle->folder.string(),
@@ -117,18 +135,18 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   evaluation::leave_out_calibration_runs(runs, dataset, classifier);
   evaluation::EvaluationOptions options = options_of(args, common);
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
-  if (options.of_another_dataset) {
-    spdlog::warn("{} was trained on another dataset than {}; it is evaluated on the {} runs that it was not trained on",
-                 bundle->name(), file.string(), runs.size());
-  }
   const std::vector<windows::SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
   std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
   const results::Evaluation evaluation = evaluation::evaluate(dataset, classifier, runs, options, progress_line(common));
   warn_of_scenes(dataset, classifier.model(), runs, common.threads, warnings);
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
+  json["learned_from"] = json_of_learning(dataset, classifier.model());
   const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
-  print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + written);
+  const std::string learning =
+      options.of_another_dataset ? "\n" + wrapped(sentence_on_learning(*bundle, dataset, classifier.model(), runs.size())) + "\n"
+                                 : "";
+  print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + learning + written);
 }
 
 /// Trainings with and without objects, and the runs to compare them on.

@@ -13,6 +13,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/model/bundle/bundle_names.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::cli {
@@ -121,7 +122,7 @@ model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& 
   if (args.held_out.empty() && !exactly) {
     if (const auto found = model::newest_bundle(args.models, same_but_held_out)) return *found;
   }
-  const model::ModelBundle bundle{fs::path(args.models) / model::default_name(settings)};
+  const model::ModelBundle bundle = model::bundle_for(args.models, dataset, settings);
   const std::string command = train_command(args, settings);
   if (settings.from) {
     const bool holds_out = settings.split.kind == windows::SplitKind::unseen;
@@ -134,9 +135,8 @@ model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& 
   if (args.no_train)
     throw Error(fmt::format("{}: missing; expected this model, run '{}' first", bundle.folder.string(), command));
   if (fs::exists(bundle.folder)) {
-    throw Error(
-        fmt::format("{}: exists, but belongs to another dataset or is damaged; expected a model of {}, run '{} --force' first",
-                    bundle.folder.string(), dataset.file().string(), command));
+    throw Error(fmt::format("{}: exists, but has other settings or is damaged; expected a model of {}, run '{} --force' first",
+                            bundle.folder.string(), dataset.file().string(), command));
   }
   spdlog::info("{} is missing: it is trained first, as with '{}': {}", bundle.folder.string(), command,
                training_size(dataset, settings));

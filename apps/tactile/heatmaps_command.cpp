@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include <string>
 #include <vector>
@@ -27,6 +28,25 @@ struct HeatmapsArguments {
   std::string pictures;
 };
 
+/// "unchanged", "written", or "1 run rendered, 29 kept" of an older dataset.
+std::string outcome_of(const heatmaps::StoredHistory& history) {
+  if (history.kept) return "unchanged";
+  if (history.runs_kept == 0) return "written";
+  return fmt::format("{} run{} rendered, {} kept", history.runs_rendered, history.runs_rendered == 1 ? "" : "s",
+                     history.runs_kept);
+}
+
+nlohmann::json json_of(const heatmaps::StoredHistory& history) {
+  const windows::StoredHeatmaps& stored = history.heatmaps;
+  return {{"name", stored.name},
+          {"outcome", history.kept ? "unchanged" : "written"},
+          {"runs_rendered", history.runs_rendered},
+          {"runs_kept", history.runs_kept},
+          {"settings", stored.settings},
+          {"width", stored.width},
+          {"height", stored.height}};
+}
+
 void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& common) {
   const fs::path given = args.data;
   const bool is_file = fs::is_regular_file(given) || (!fs::exists(given) && given.extension() == ".h5");
@@ -46,22 +66,24 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, heatmaps::stored_name(histories.back()));
   }
   if (!args.pictures.empty()) catch_termination();  // so that no incomplete folder of pictures stays
-  nlohmann::json result = {{"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}};
+  nlohmann::json result = {
+      {"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}, {"warnings", nlohmann::json::array()}};
   std::vector<std::vector<std::string>> rows;
   {
     const windows::Dataset dataset(file);
     check_mask(args.rendering, histories.front(), dataset.sensor());  // all histories have the same
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
-    for (const auto& [stored, kept] : heatmaps::store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
-      result["histories"].push_back({{"name", stored.name},
-                                     {"outcome", kept ? "unchanged" : "written"},
-                                     {"settings", stored.settings},
-                                     {"width", stored.width},
-                                     {"height", stored.height}});
+    for (const auto& history : heatmaps::store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
+      const windows::StoredHeatmaps& stored = history.heatmaps;
+      if (!history.warning.empty()) {
+        spdlog::warn("{}", history.warning);
+        result["warnings"].push_back(history.warning);
+      }
+      result["histories"].push_back(json_of(history));
       rows.push_back({stored.name, fmt::format("{} ms", stored.settings["history_us"].get<double>() / 1000),
                       fmt::format("{}x{}", stored.width, stored.height), std::to_string(dataset.samples().size()),
-                      kept ? "unchanged" : "written"});
+                      outcome_of(history)});
     }
   }
   std::string text = text_table({"history", "t_h", "size", "samples", ""}, rows);

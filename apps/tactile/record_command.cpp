@@ -36,7 +36,7 @@ struct RecordArguments {
   std::string robot, video;
   double duration_s = 0;
   std::string object = "unnamed", run;
-  std::string out = "data";
+  std::string out;  ///< empty: `usual_folder`
   std::string session;
   std::string start_on, stop_on;
   double speed = 1;
@@ -190,9 +190,16 @@ void print_runs(const CommonArguments& common, const std::string& data, bool is_
   }
 }
 
+/// Simulated runs have a folder of their own, so that they never lie among real ones.
+std::string usual_folder(const std::vector<std::string>& from) {
+  const auto is_simulator = [](const std::string& source) { return source == "sim" || source.starts_with("sim:"); };
+  return !from.empty() && std::all_of(from.begin(), from.end(), is_simulator) ? "data-sim" : "data";
+}
+
 void record(RecordArguments args, const CommonArguments& common) {
   if (args.list) return list_sources(common);
   if (!args.readout_mode.empty()) capture::readout_mode(args.readout_mode);
+  if (args.out.empty()) args.out = usual_folder(args.from);
   RunsToRecord wanted{
       .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
   if (args.from.empty()) args.from.push_back(default_source("record"));
@@ -238,7 +245,7 @@ void add_record_command(CLI::App& app) {
       command.add_option("--object", args->object, "Name of the object").check(is_object).type_name("NAME").show_default();
   const Option run =
       command.add_option("--run", args->run, "Number of the run; default: the next free number").check(is_run).type_name("NN");
-  command.add_option("--out", args->out, "Folder of runs").type_name("DATA").show_default();
+  command.add_option("--out", args->out, "Folder of runs").type_name("DATA").default_text("data, or data-sim with --from sim");
   command.add_option("--session", args->session, "Record this list of objects and runs")
       .type_name("FILE.json")
       .check(is_existing_file())

@@ -50,7 +50,7 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
   for (const std::string& place : places) {
     std::error_code unknown;
     if (fs::is_regular_file(place, unknown))
-      throw Error(place + ": is a file; expected a run's folder, or a folder of runs: 'tactile split' makes them of a recording");
+      throw Error(place + ": is a file; expected a run's folder, or a folder of runs: 'tactile import' makes them of recordings");
     if (fs::is_directory(place, unknown) && is_there(fs::path(place) / "events.aedat4")) {
       all.runs.push_back(named_run_at(place));
       continue;
@@ -67,7 +67,7 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
       throw Error(
           place +
           (found.misnamed.empty() && found.unreadable.empty()
-               ? ": holds no run; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording"
+               ? ": holds no run; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings"
                : ": no run can be used, as the messages above explain; expected DATA/<object>/<run>/events.aedat4"));
     }
     append(all.runs, found.runs);

@@ -9,15 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "bag_recording.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "converted_source.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "robot_columns.hpp"
-#include "tactile/bags/bag.hpp"
-#include "tactile/conversion/bag_import.hpp"
-#include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -42,36 +39,6 @@ struct SplitArguments {
   double quiet_s = 2.0;
   bool dry_run = false;
 };
-
-/// A recording of another format as AEDAT4, or a bag as a run, in a hidden folder next to DATA; removed when this goes.
-class ConvertedSource {
- public:
-  ConvertedSource(const std::string& in, const fs::path& data, const CommonArguments& common)
-      : folder_(fs::absolute(data).parent_path() / "recording") {
-    if (bags::is_bag(in)) {
-      const auto summary = conversion::import_bag(in, folder_.path() / "bag" / "01", {}, progress_line(common));
-      warn_about_import(in, summary);
-      source_ = splitting::split_source_at(summary.run.folder);
-    } else {
-      const fs::path file = folder_.path() / fs::path(in).stem().concat(".aedat4");
-      conversion::convert_recording(in, file, {.threads = common.threads}, progress_line(common));
-      source_ = splitting::split_source_at(file);
-    }
-    source_.name = in;
-    source_.origin = fs::path(in).lexically_normal().filename().string();
-  }
-
-  const splitting::SplitSource& source() const { return source_; }
-
- private:
-  PartFolder folder_;
-  splitting::SplitSource source_;
-};
-
-bool needs_conversion(const fs::path& in) {
-  return bags::is_bag(in) ||
-         (!fs::is_directory(in) && conversion::recording_format_of(in) != conversion::RecordingFormat::aedat4);
-}
 
 std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * static_cast<double>(t.count())); }
 
@@ -182,16 +149,6 @@ void warn_of_original(const SplitArguments& args, const splitting::SplitSource& 
   const fs::path below = place.lexically_relative(data);
   if (unknown || below.empty() || below.begin()->string() == ".." || std::distance(below.begin(), below.end()) != 3) return;
   spdlog::warn("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin, args.data);
-}
-
-void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems) {
-  if (const std::uint64_t lost = problems.broken_packets + problems.mismatched_packets; lost > 0)
-    spdlog::warn("{}: {} could not be read, and are in no run", recording, counted(lost, "packet"));
-  if (problems.truncated_bytes > 0)
-    spdlog::warn("{}: cut off, {} after the last whole packet are in no run", recording,
-                 counted(problems.truncated_bytes, "byte"));
-  if (problems.out_of_range_events > 0)
-    spdlog::warn("{}: {} outside the sensor are in no run", recording, counted(problems.out_of_range_events, "event"));
 }
 
 void split(const SplitArguments& args, const CommonArguments& common) {

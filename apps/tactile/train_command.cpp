@@ -21,6 +21,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "text_table.hpp"
 
@@ -242,7 +243,11 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   const std::vector<std::string> warnings = warn_of_splits(dataset, {&settings.split, 1}, args.strict);
   const model::ModelBundle from = named_model(args.from, args.models);
   if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
-  const model::ModelBundle bundle{fs::path(args.models) / (args.name.empty() ? model::default_name(settings) : args.name)};
+  const model::ModelBundle bundle = args.name.empty() ? model::bundle_for(args.models, dataset, settings)
+                                                      : model::ModelBundle{fs::path(args.models) / args.name};
+  if (args.name.empty() && bundle.name() != model::default_name(settings))
+    spdlog::info("{} learned from another state of {}, or from another dataset, and stays; this model is {}",
+                 model::default_name(settings), dataset.file().string(), bundle.name());
   const model::BundleState state = model::state_of(bundle, dataset, settings);
   if (state == model::BundleState::changed && !args.force) {
     throw Error(fmt::format("{}: exists already, {}; expected a new --name, or --force to replace it", bundle.folder.string(),

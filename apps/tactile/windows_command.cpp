@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,11 @@ const char* name_of(windows::DatasetSummary::Outcome outcome) {
   return "unknown";
 }
 
+nlohmann::json json_of(const std::optional<windows::DatasetChanges>& changes) {
+  if (!changes) return nullptr;
+  return {{"added", changes->added}, {"changed", changes->changed}, {"dropped", changes->dropped}, {"kept", changes->kept}};
+}
+
 nlohmann::json json_of(const windows::DatasetSummary& summary, const std::string& file) {
   nlohmann::json runs = nlohmann::json::array();
   for (const windows::WindowedRun& run : summary.runs) {
@@ -59,9 +65,26 @@ nlohmann::json json_of(const windows::DatasetSummary& summary, const std::string
           {"samples", summary.samples},
           {"events", summary.events},
           {"runs", runs},
+          {"changes", json_of(summary.changes)},
+          {"read_runs", summary.read_runs},
           {"warnings", summary.warnings},
           {"misnamed", summary.misnamed},
           {"errors", summary.errors}};
+}
+
+/// "1 run added, 29 kept"
+std::string text_of(const windows::DatasetChanges& changes) {
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& runs, const char* what) {
+    if (runs.empty()) return;
+    if (!text.empty()) text += fmt::format(", {} {}", runs.size(), what);
+    if (text.empty()) text = fmt::format("{} run{} {}", runs.size(), runs.size() == 1 ? "" : "s", what);
+  };
+  add(changes.added, "added");
+  add(changes.changed, "changed");
+  add(changes.dropped, "dropped");
+  add(changes.kept, "kept");
+  return text;
 }
 
 /// @param differing  what differs from the previous dataset
@@ -76,11 +99,13 @@ std::string text_of(const windows::DatasetSummary& summary, const std::string& f
   std::string text = text_table({"run", "none", "press", "slip", ""}, rows);
   text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
-  if (summary.was_damaged) {
-    text += "The previous dataset could not be read. It is replaced, and its heatmaps are lost.\n";
-  } else if (summary.outcome == windows::DatasetSummary::Outcome::replaced) {
-    text += fmt::format("The previous dataset had another manifest ({}). It is replaced, and its heatmaps are lost.\n",
-                        differing.empty() ? "other runs or labels" : fmt::format("{}", fmt::join(differing, ", ")));
+  if (summary.was_damaged) text += "The previous dataset could not be read. It is replaced, and its heatmaps are lost.\n";
+  if (!differing.empty() && summary.outcome == windows::DatasetSummary::Outcome::replaced && !summary.was_damaged)
+    text += fmt::format("The previous dataset had other settings: {}.\n", fmt::join(differing, ", "));
+  if (summary.changes) {
+    text += text_of(*summary.changes) + "\n";
+    text += summary.changes->kept.empty() ? "Its heatmaps are lost; 'tactile heatmaps' renders them.\n"
+                                          : "'tactile heatmaps' keeps the heatmaps of the kept runs and renders the others.\n";
   }
   if (summary.outcome == windows::DatasetSummary::Outcome::moved)
     text += "It is the previous dataset, with its heatmaps. The folders of its runs were updated.\n";

@@ -143,7 +143,7 @@ TEST_F(RecordCommand, ReportsInOneLineWhyItDoesNotBegin) {
     const CommandResult result = run(std::string("record ") + arguments);
     EXPECT_EQ(result.exit_code, 1) << arguments;
     EXPECT_EQ(lines_in(result.err), 1) << arguments << "\n" << result.err;
-    EXPECT_FALSE(fs::exists(folder / "data")) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim")) << arguments;
   }
   for (const char* arguments : {"--object Fan", "--run 0", "--duration 0", "--duration nan", "--speed -1", "--compression best",
                                 "--queue-mb 0", "--session no-plan.json --run 01"}) {
@@ -164,10 +164,14 @@ TEST_F(RecordCommand, TakesTheSimulatorForAWholeRun) {
   const CommandResult result = run("record --json --from sim --speed 0 --object fan");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("simulated"), true);
-  EXPECT_EQ(run_json("fan", "01").at("files").size(), 5U);
-  EXPECT_EQ(run("info --check data/fan/01").exit_code, 0);
-  const CommandResult label = run("label --json data/fan/01");
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("folder"), "data-sim/fan/01");
+  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_EQ(read_run_info(run_folder_at(folder / "data-sim/fan/01")).extra.at("files").size(), 5U);
+  EXPECT_EQ(run("info --check data-sim/fan/01").exit_code, 0);
+  const CommandResult label = run("label --json data-sim/fan/01");
   EXPECT_EQ(label.exit_code, 0) << label.err;
+  const CommandResult named = run("record --json --from sim:fan --speed 0 --duration 0.1 --object fan --out data");
+  EXPECT_EQ(nlohmann::json::parse(named.out).at("folder"), "data/fan/01");
 }
 
 TEST_F(RecordCommand, EndsCleanlyOnCtrlCAndTermination) {
@@ -212,7 +216,7 @@ TEST_F(RecordCommand, LeavesAServerThatSendsNothingOnCtrlC) {
     EXPECT_EQ(result.err, "");
   }
   is_over = true;
-  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim"));
 }
 
 TEST_F(RecordCommand, RefusesAReadOutModeAheadOfALookForACamera) {

@@ -35,7 +35,7 @@ TEST_F(RecordCommand, WalksASession) {
   write_whole(folder / "plan.json",
               R"({"session": "monday", "objects": [{"name": "fan", "runs": 2}, {"name": "usb-hub"}], "duration": 0.1})");
   {
-    RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+    RunningCommand command("record --json --out data --session plan.json --from sim --speed 0", folder.path());
     command.type("\n\nr\nnonsense\n\n\n");
     const auto says = [&](const std::string& text) {
       return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); });
@@ -61,7 +61,7 @@ TEST_F(RecordCommand, WalksASession) {
 
   // An interrupted session resumes where it stopped.
   write_whole(folder / "longer.json", R"({"objects": [{"name": "fan", "runs": 3}, {"name": "usb-hub"}], "duration": 0.1})");
-  RunningCommand command("record --json --session longer.json --from sim --speed 0", folder.path());
+  RunningCommand command("record --json --out data --session longer.json --from sim --speed 0", folder.path());
   command.type("\n\n");
   command.close_input();
   const CommandResult result = command.wait();
@@ -86,7 +86,8 @@ TEST_F(RecordCommand, LetsTheRobotStartAndStopRuns) {
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 1}], "start_on": "actual_digital_output_bits:0",
                                         "stop_on": "actual_digital_input_bits:1"})");
   RunningCommand command(
-      "record --json --session plan.json --from sim:fan --robot 127.0.0.1:" + std::to_string(controller.port()), folder.path());
+      "record --json --out data --session plan.json --from sim:fan --robot 127.0.0.1:" + std::to_string(controller.port()),
+      folder.path());
   const CommandResult result = command.wait();
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json runs = nlohmann::json::parse(result.out).at("runs");
@@ -136,7 +137,7 @@ TEST_F(RecordCommand, NamesASessionByTheRobotsClock) {
   test::FakeController controller;
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan", "runs": 4}], "duration": 0.1})");
   RunningCommand command(
-      "record --json --session plan.json --from sim --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()),
+      "record --json --out data --session plan.json --from sim --speed 0 --robot 127.0.0.1:" + std::to_string(controller.port()),
       folder.path());
   const auto says = [&](const std::string& text) {
     return test::comes_true([&] { return command.err().find(text) != std::string::npos || command.has_ended(); }) &&
@@ -178,7 +179,7 @@ TEST_F(RecordCommand, RefusesABitThatTheRobotDoesNotHave) {
         run("record --from sim " + std::string(field) + " --robot 127.0.0.1:" + std::to_string(controller.port()));
     EXPECT_EQ(result.exit_code, 1) << field;
     EXPECT_EQ(lines_in(result.err), 1) << result.err;
-    EXPECT_FALSE(fs::exists(folder / "data")) << field;
+    EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim")) << field;
   }
 }
 
@@ -207,7 +208,7 @@ TEST_F(RecordCommand, EndsWithoutARunIfStoppedWhileItOpensItsSources) {
   const CommandResult result = command.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "no run recorded\n");
-  EXPECT_FALSE(fs::exists(folder / "data"));
+  EXPECT_FALSE(fs::exists(folder / "data") || fs::exists(folder / "data-sim"));
 }
 
 TEST_F(RecordCommand, RecordsAnInterruptedRunOfASessionAgain) {
@@ -236,7 +237,7 @@ TEST_F(RecordCommand, ReportsWhatASessionRecordedAheadOfAnError) {
   write_whole(folder / "plan.json", R"({"objects": [{"name": "fan"}, {"name": "usb-hub"}], "duration": 0.1})");
   fs::create_directory(folder / "data");
   write_whole(folder / "data/usb-hub", "no folder");
-  RunningCommand command("record --json --session plan.json --from sim --speed 0", folder.path());
+  RunningCommand command("record --json --out data --session plan.json --from sim --speed 0", folder.path());
   command.type("\n\n");
   const CommandResult result = command.wait();
   EXPECT_EQ(result.exit_code, 1);

@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "support/kill_moments.hpp"
 #include "support/paths.hpp"
@@ -116,6 +118,121 @@ TEST_F(HeatmapsCommand, GivesTheSameBytesForAnyThreads) {
   ASSERT_EQ(run_tactile("heatmaps other --th 10,40 --threads 2", folder.path()).exit_code, 0);
   for (const char* name : {"dataset.h5", "dataset.th_010.h5", "dataset.th_040.h5"}) {
     EXPECT_EQ(sha256_of_file(folder.path() / "data" / name), sha256_of_file(folder.path() / "other" / name)) << name;
+  }
+}
+
+/// The files of a dataset that is made at once from the runs in `data`, by name.
+std::map<std::string, std::string> made_at_once(const fs::path& data, const fs::path& parent, const std::string& histories) {
+  const fs::path once = parent / "data";
+  fs::create_directories(once);
+  for (const auto& entry : fs::directory_iterator(data)) {
+    if (entry.is_directory()) fs::copy(entry.path(), once / entry.path().filename(), fs::copy_options::recursive);
+  }
+  EXPECT_EQ(run_tactile("windows", parent).exit_code, 0);
+  const auto json = nlohmann::json::parse(run_tactile("heatmaps --json --th " + histories, parent).out);
+  EXPECT_EQ(json.at("histories").at(0).at("runs_kept"), 0);
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(once)) {
+    if (entry.is_regular_file()) files[entry.path().filename().string()] = sha256_of_file(entry.path());
+  }
+  return files;
+}
+
+TEST_F(HeatmapsCommand, RendersOnlyTheRunsThatAreNew) {
+  ASSERT_EQ(run_tactile("heatmaps --th 2,40", folder.path()).exit_code, 0);
+  test::make_run(folder / "data", {.object = "fan", .run = "03", .seed = 8});
+  fs::remove_all(folder / "data/usb-hub");
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  const auto result = run_tactile("heatmaps --th 2,40 --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("warnings"), nlohmann::json::array());
+  for (const auto& history : json.at("histories")) {
+    EXPECT_EQ(history.at("runs_rendered"), 1) << history;
+    EXPECT_EQ(history.at("runs_kept"), 2) << history;
+  }
+  for (const auto& [name, hash] : made_at_once(folder / "data", folder / "once", "2,40"))
+    EXPECT_EQ(sha256_of_file(folder / "data" / name), hash) << name;
+
+  // Dropping a run renders nothing, and another rendering renders everything.
+  fs::remove_all(folder / "data/fan/03");
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  const auto dropped = run_tactile("heatmaps --th 2,10", folder.path());
+  EXPECT_NE(dropped.out.find("0 runs rendered, 2 kept"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.out.find("written"), std::string::npos) << dropped.out;
+  for (const auto& [name, hash] : made_at_once(folder / "data", folder / "twice", "2,10"))
+    EXPECT_EQ(sha256_of_file(folder / "data" / name), hash) << name;
+}
+
+TEST_F(HeatmapsCommand, TakesKeptRunsFromTheFileOfTheOlderDataset) {
+  const fs::path file = folder / "data/dataset.h5";
+  ASSERT_EQ(run_tactile("heatmaps --th 2", folder.path()).exit_code, 0);
+  const windows::StoredHeatmaps history = windows::Dataset(file).heatmaps().at(0);
+  fs::remove(folder / "data/dataset.th_002.h5");
+  const std::size_t size = static_cast<std::size_t>(history.width) * static_cast<std::size_t>(history.height);
+  {
+    const windows::Dataset dataset(file);  // heatmaps that no rendering gives
+    windows::HeatmapsWriter writer(dataset, history);
+    writer.append(writer.packed(std::vector<std::uint8_t>(size * dataset.samples().size(), 77)));
+    writer.commit();
+  }
+  test::make_run(folder / "data", {.object = "fan", .run = "03", .seed = 8});
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("heatmaps --th 2", folder.path()).exit_code, 0);
+  const windows::Dataset grown(file);
+  for (std::uint32_t i = 0; i < grown.samples().size(); ++i) {
+    const bool is_kept = grown.runs()[grown.samples()[i].run_index].run != "03";
+    const auto heatmap = grown.read_heatmaps("th_002", std::vector<std::uint32_t>{i});
+    ASSERT_EQ(heatmap == std::vector<std::uint8_t>(size, 77), is_kept) << i;
+  }
+}
+
+/// The longest packed heatmap of a history, as its file has it.
+std::string longest_chunk_of(const windows::Dataset& dataset, const windows::StoredHeatmaps& history) {
+  const windows::HeatmapsWriter writer(dataset, history);  // never committed
+  std::vector<std::uint32_t> every(dataset.samples().size());
+  std::iota(every.begin(), every.end(), 0U);
+  const auto packed = writer.packed(dataset.read_heatmaps(history.name, every));
+  const auto longest = std::max_element(packed.chunks.begin(), packed.chunks.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return {longest->begin(), longest->end()};
+}
+
+TEST_F(HeatmapsCommand, RendersARunAgainWhoseOlderHeatmapsAreDamaged) {
+  // So large that HDF5's check of a whole file does not read the values.
+  fs::remove_all(folder / "data");
+  for (const char* number : {"01", "02", "03"})
+    test::make_run(folder / "data", {.object = "fan", .run = number, .sensor = {160, 120}, .seed = std::stoul(number)});
+  const std::string heatmaps = "heatmaps --th 2 --factor 1 --json";
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile(heatmaps, folder.path()).exit_code, 0);
+  const auto [chunk, stored] = [&] {
+    const windows::Dataset dataset(folder / "data/dataset.h5");
+    const windows::StoredHeatmaps history = dataset.heatmaps().at(0);
+    return std::pair(longest_chunk_of(dataset, history), folder / "data" / ("dataset." + history.name + ".h5"));
+  }();
+  test::make_run(folder / "data", {.object = "fan", .run = "04", .sensor = {160, 120}, .seed = 8});
+  ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
+  const std::string whole = read_text(stored);
+  const auto expected = made_at_once(folder / "data", folder / "once", "2 --factor 1");
+  ASSERT_NE(whole.find(chunk), std::string::npos);
+  for (const std::size_t place : {whole.find(chunk) + 3, std::size_t{0}}) {  // one heatmap, and the whole file
+    std::string damaged = whole;
+    damaged.replace(place, 3, "???");
+    write_whole(stored, damaged);
+    const auto result = run_tactile(heatmaps, folder.path());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("histories").at(0).at("runs_rendered"), place > 0 ? 2 : 4) << result.out;
+    ASSERT_EQ(json.at("warnings").size(), 1U);
+    const std::string warning = json.at("warnings").at(0);
+    EXPECT_NE(warning.find(place > 0 ? "a run is rendered again: " : "all runs of this file are rendered again: "),
+              std::string::npos)
+        << warning;
+    EXPECT_NE(warning.find(stored.filename().string() + ": "), std::string::npos) << warning;
+    EXPECT_EQ(sha256_of_file(stored), expected.at(stored.filename().string()));
+    fs::remove(folder / "data/dataset.h5");
+    ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
   }
 }
 

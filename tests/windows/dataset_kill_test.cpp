@@ -114,6 +114,39 @@ class KilledDataset : public testing::Test {
     return true;
   }
 
+  /// Kills the command, which replaces the dataset, at every call. @param files  in the folder after it
+  void expect_old_or_new(const std::string& command, const std::set<std::string>& files) {
+    const Contents old = contents_of(file());
+    fs::create_directories(folder / "whole");
+    fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
+    ASSERT_EQ(run_tactile(command, folder / "whole").exit_code, 0);
+    const Contents replaced = contents_of(folder / "whole/data/dataset.h5");
+    ASSERT_NE(replaced.at("manifest"), old.at("manifest"));
+    ASSERT_EQ(replaced.size(), 2U);
+
+    std::vector<std::string> arguments;
+    std::istringstream words(command + " --threads 1");
+    for (std::string word; words >> word;) arguments.push_back(word);
+    std::set<bool> seen;
+    const std::size_t kills = kill_at_every_call(arguments, [&](std::size_t call) {
+      const Contents contents = contents_of(file());
+      const bool is_new = contents.at("manifest") == replaced.at("manifest");
+      EXPECT_EQ(contents, is_new ? replaced : old) << "at call " << call;
+      seen.insert(is_new);
+      keep_state();
+      if (call % 4 != 0) return;
+      EXPECT_EQ(run_tactile(command, folder.path()).exit_code, 0) << "after call " << call;
+      EXPECT_EQ(contents_of(file()), replaced) << "after call " << call;
+      std::set<std::string> left;
+      for (const auto& entry : fs::directory_iterator(data())) left.insert(entry.path().filename().string());
+      EXPECT_EQ(left, files) << "after call " << call;
+    });
+    if (kills == 0) GTEST_SKIP() << "tracing is not allowed on this machine: windows was not killed call by call";
+    EXPECT_GT(kills, 20U);
+    EXPECT_EQ(seen.size(), 2U) << "no kill came before the change, or none after it";
+    if (!h5py_agrees()) GTEST_SKIP() << "h5py is missing: only tactile's own reader read what the kills left";
+  }
+
   std::ptrdiff_t leftovers() const {
     return std::count_if(fs::directory_iterator(data()), {},
                          [](const auto& entry) { return entry.path().filename().string().starts_with("."); });
@@ -186,32 +219,12 @@ TEST_F(KilledDataset, OpensAfterHeatmapsWasKilledAtTwentyRandomMoments) {
 }
 
 TEST_F(KilledDataset, IsTheOldOneOrTheNewOneAfterWindowsWasKilledBeforeAnyCallThatTouchesIt) {
-  const Contents old = contents_of(file());
-  fs::create_directories(folder / "whole");
-  fs::copy(data(), folder / "whole/data", fs::copy_options::recursive);
-  ASSERT_EQ(run_tactile("windows --seed 2", folder / "whole").exit_code, 0);
-  const Contents replaced = contents_of(folder / "whole/data/dataset.h5");
-  ASSERT_NE(replaced.at("manifest"), old.at("manifest"));
-  ASSERT_EQ(replaced.size(), 2U);
+  expect_old_or_new("windows --seed 2", {"dataset.events.h5", "dataset.h5", "fan"});
+}
 
-  std::set<bool> seen;
-  const std::size_t kills = kill_at_every_call({"windows", "--seed", "2", "--threads", "1"}, [&](std::size_t call) {
-    const Contents contents = contents_of(file());
-    const bool is_new = contents.at("manifest") == replaced.at("manifest");
-    EXPECT_EQ(contents, is_new ? replaced : old) << "at call " << call;
-    seen.insert(is_new);
-    keep_state();
-    if (call % 4 != 0) return;
-    EXPECT_EQ(run_tactile("windows --seed 2", folder.path()).exit_code, 0) << "after call " << call;
-    EXPECT_EQ(contents_of(file()), replaced) << "after call " << call;
-    std::set<std::string> left;
-    for (const auto& entry : fs::directory_iterator(data())) left.insert(entry.path().filename().string());
-    EXPECT_EQ(left, (std::set<std::string>{"dataset.events.h5", "dataset.h5", "fan"})) << "after call " << call;
-  });
-  if (kills == 0) GTEST_SKIP() << "tracing is not allowed on this machine: windows was not killed call by call";
-  EXPECT_GT(kills, 20U);
-  EXPECT_EQ(seen.size(), 2U) << "no kill came before the change, or none after it";
-  if (!h5py_agrees()) GTEST_SKIP() << "h5py is missing: only tactile's own reader read what the kills left";
+TEST_F(KilledDataset, IsTheOldOneOrTheGrownOneAfterWindowsWasKilledBeforeAnyCallThatTouchesIt) {
+  test::make_run(data(), {.object = "fan", .run = "03", .seed = 3});
+  expect_old_or_new("windows", {"dataset.events.h5", "dataset.h5", "dataset.th_002.h5", "fan"});
 }
 
 TEST_F(KilledDataset, IsWholeOrNotThereAfterWindowsWasKilledMakingIt) {

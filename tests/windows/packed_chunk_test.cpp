@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/random.hpp"
@@ -51,6 +53,56 @@ TEST(PackedChunk, IsWhatHdf5Stores) {
     for (const double share : {0.01, 0.3, 1.0}) rows.push_back(random_row(size, share, random));
     expect_same_file(rows);
   }
+}
+
+/// Values of 8 bytes, or of 2: most of them close to each other, as times are.
+template <class T>
+void expect_same_column(std::size_t rows_per_chunk, std::size_t rows) {
+  Random random(9);
+  std::vector<T> values(rows);
+  for (T& value : values) value = static_cast<T>(std::uint64_t{1'700'000'000'000'000} + random.below(1000));
+  const test::TemporaryFolder folder;
+  const auto make = [&](const std::string& name, const auto& append) {
+    const Session session;
+    Id made = create_file(folder / name, Structure::checked);
+    Id table = create_table(made, "rows", file_type<T>(), {}, rows_per_chunk, "rows");
+    append(table);
+    table.close("rows");
+    made.close("rows");
+  };
+  make("hdf5.h5", [&](hid_t table) { append_rows(table, memory_type<T>(), values.data(), values.size(), "rows"); });
+  make("packed.h5", [&](hid_t table) {
+    for (std::size_t first = 0; first < rows; first += rows_per_chunk) {
+      std::vector<std::uint8_t> bytes(rows_per_chunk * sizeof(T));
+      const std::size_t count = std::min(rows_per_chunk, rows - first);
+      std::memcpy(bytes.data(), &values[first], count * sizeof(T));
+      append_packed_chunk(table, packed_chunk(bytes, sizeof(T)), count, "rows");
+    }
+  });
+  const Session session;
+  const Id file = open_file(folder / "packed.h5", false), other = open_file(folder / "hdf5.h5", false);
+  const Id table = open_table(file, "rows", "rows"), of_hdf5 = open_table(other, "rows", "rows");
+  for (std::size_t first = 0; first < rows; first += rows_per_chunk)
+    EXPECT_EQ(read_packed_chunk(table, first, "rows"), read_packed_chunk(of_hdf5, first, "rows")) << first;
+  EXPECT_EQ(read_table<T>(file, "rows", "rows"), values);
+}
+
+TEST(PackedChunk, IsWhatHdf5StoresOfLongerValues) {
+  expect_same_column<std::int64_t>(100, 250);
+  expect_same_column<std::uint16_t>(64, 64);
+  expect_same_column<std::uint8_t>(64, 65);
+}
+
+TEST(PackedChunk, IsUnpackedToItsValues) {
+  Random random(10);
+  const Row row = random_row(500, 0.3, random);
+  Row chunk = packed_chunk(row);
+  EXPECT_EQ(unpacked_chunk(chunk, 500, "row"), row);
+  EXPECT_THROW(unpacked_chunk(chunk, 499, "row"), Damaged);
+  EXPECT_THROW(unpacked_chunk(chunk, 501, "row"), Damaged);
+  EXPECT_THROW(unpacked_chunk(std::span(chunk).first(4), 500, "row"), Damaged);
+  chunk[chunk.size() / 2] ^= 1;
+  EXPECT_THROW(unpacked_chunk(chunk, 500, "row"), Damaged);
 }
 
 TEST(PackedChunk, IsReadBackAndItsDamageIsNoticed) {

@@ -6,6 +6,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/model/training/checkpoint.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::experiments {

@@ -10,6 +10,7 @@ namespace tactile::hdf5 {
 namespace {
 
 constexpr unsigned deflate_level = 4;
+constexpr std::size_t checksum_size = 4;                         // bytes at the end of a chunk
 constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to at most 1032 times its size
 constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // the last chunk may be almost empty
 constexpr std::size_t longest_text = std::size_t{1} << 16;
@@ -43,6 +44,15 @@ std::uint32_t fletcher_32(std::span<const std::uint8_t> bytes) {
   }
   const auto stored = [&](std::uint32_t value) { return value == 0 && !all_zero ? modulus : value; };
   return stored(sum_of_sums) << 16 | stored(sum);
+}
+
+/// Of a packed chunk: its last bytes are the checksum of the others.
+void check_checksum(std::span<const std::uint8_t> chunk, const std::string& where) {
+  std::uint32_t stored = 0;
+  for (std::size_t i = 0; i < checksum_size && chunk.size() > checksum_size; ++i)
+    stored |= std::uint32_t{chunk[chunk.size() - checksum_size + i]} << (8 * i);
+  if (chunk.size() <= checksum_size || fletcher_32(chunk.first(chunk.size() - checksum_size)) != stored)
+    throw Damaged(where + ": the checksum of a chunk differs from its bytes; expected a sound HDF5 file");
 }
 
 Id text_type(std::size_t size) {
@@ -217,7 +227,16 @@ void append_rows(hid_t table, hid_t in_memory, const void* rows, hsize_t count, 
   }
 }
 
-std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values) {
+std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std::size_t value_size) {
+  std::vector<std::uint8_t> shuffled;  // as HDF5's filter: the first bytes of all values, then the second ones, ...
+  if (value_size > 1) {
+    const std::size_t count = values.size() / value_size;
+    shuffled.resize(values.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t byte = 0; byte < value_size; ++byte) shuffled[byte * count + i] = values[i * value_size + byte];
+    }
+    values = shuffled;
+  }
   uLongf size = compressBound(static_cast<uLong>(values.size()));
   std::vector<std::uint8_t> chunk(size);
   compress2(chunk.data(), &size, values.data(), static_cast<uLong>(values.size()), deflate_level);  // the bound is enough
@@ -225,6 +244,16 @@ std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values) {
   const std::uint32_t checksum = fletcher_32(chunk);
   for (unsigned shift = 0; shift < 32; shift += 8) chunk.push_back(static_cast<std::uint8_t>(checksum >> shift & 0xff));
   return chunk;
+}
+
+std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t values, const std::string& where) {
+  check_checksum(chunk, where);
+  std::vector<std::uint8_t> unpacked(values);
+  auto size = static_cast<uLongf>(values);
+  const auto packed_size = static_cast<uLong>(chunk.size() - checksum_size);
+  if (uncompress(unpacked.data(), &size, chunk.data(), packed_size) != Z_OK || size != values)
+    throw Damaged(where + ": a chunk does not hold " + std::to_string(values) + " values; expected a sound HDF5 file");
+  return unpacked;
 }
 
 void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> rows, const std::string& where) {
@@ -238,6 +267,30 @@ void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> 
       fail_writing(where, "cannot be written");
     ++place[0];
   }
+}
+
+void append_packed_chunk(hid_t table, std::span<const std::uint8_t> chunk, hsize_t rows, const std::string& where) {
+  std::vector<hsize_t> shape = shape_of(table, where), place(shape.size(), 0);
+  place[0] = shape[0];
+  shape[0] += rows;
+  constexpr std::uint32_t all_filters = 0;
+  if (H5Dset_extent(table, shape.data()) < 0) fail_writing(where, "cannot grow");
+  if (H5Dwrite_chunk(table, H5P_DEFAULT, all_filters, place.data(), chunk.size(), chunk.data()) < 0)
+    fail_writing(where, "cannot be written");
+}
+
+std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where) {
+  std::vector<hsize_t> place(shape_of(table, where).size(), 0);
+  place[0] = first_row;
+  hsize_t size = 0;
+  if (H5Dget_chunk_storage_size(table, place.data(), &size) < 0 || size == 0 || size > largest_chunk)
+    fail(where, "a chunk cannot be found");
+  std::vector<std::uint8_t> chunk(size);
+  std::uint32_t left_out_filters = 0;
+  if (H5Dread_chunk(table, H5P_DEFAULT, place.data(), &left_out_filters, chunk.data()) < 0 || left_out_filters != 0)
+    fail(where, "a chunk cannot be read");
+  check_checksum(chunk, where);
+  return chunk;
 }
 
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where) {

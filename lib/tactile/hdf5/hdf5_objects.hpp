@@ -110,11 +110,20 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
                 const std::string& where);
 void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count, const std::string& where);
 
-/// The bytes of a chunk of one-byte values as a table of `create_table` stores it. It needs no Session, so several threads may
-/// pack chunks at the same time: HDF5 itself packs one after the other.
-std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values);
+/// The bytes of a whole chunk as a table of `create_table` stores it. It needs no Session, so several threads may pack chunks at
+/// the same time: HDF5 itself packs one after the other.
+/// @param values      little-endian, of all rows of the chunk; rows that do not exist are 0
+/// @param value_size  bytes of one value: 1, 2, 4 or 8
+std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std::size_t value_size = 1);
+/// The inverse for values of one byte. @throws Damaged  if the checksum differs, or the chunk holds another number of values
+std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t values, const std::string& where);
 /// Appends rows, each of them a packed chunk, to a table with one row per chunk.
 void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> rows, const std::string& where);
+/// Appends a packed chunk to a table of whole chunks. @param rows  those of its rows that exist; all of them unless it is the
+/// last
+void append_packed_chunk(hid_t table, std::span<const std::uint8_t> chunk, hsize_t rows, const std::string& where);
+/// The chunk that begins with this row, as it is stored. @throws Damaged  if it is missing, or its checksum differs
+std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where);
 
 /// [rows, ...]
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where);

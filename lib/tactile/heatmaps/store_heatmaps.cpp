@@ -6,30 +6,19 @@
 #include <deque>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/windows/older_heatmaps.hpp"
+#include "tactile/windows/run_samples.hpp"
 
 namespace tactile::heatmaps {
 namespace {
-
-/// The samples of one run, which are consecutive.
-struct RunSamples {
-  std::uint32_t run_index = 0;
-  std::vector<std::uint32_t> sample_indexes;
-};
-
-std::vector<RunSamples> samples_by_run(const windows::Dataset& dataset) {
-  std::vector<RunSamples> runs;
-  for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
-    const std::uint32_t run_index = dataset.samples()[i].run_index;
-    if (runs.empty() || runs.back().run_index != run_index) runs.push_back({run_index, {}});
-    runs.back().sample_indexes.push_back(i);
-  }
-  return runs;
-}
 
 /// Executes steps in order that are prepared in parallel.
 class InTurn {
@@ -59,14 +48,81 @@ class InTurn {
   bool failed_ = false;
 };
 
+using Packed = windows::HeatmapsWriter::Packed;
+
+/// A history while it is written.
+struct Rendering {
+  HeatmapOptions options;
+  StoredHistory* stored = nullptr;
+  windows::HeatmapsWriter writer;
+  std::optional<windows::OlderHeatmaps> older;  ///< in the file that it replaces
+
+  Rendering(const windows::Dataset& dataset, HeatmapOptions rendering, StoredHistory& history)
+      : options(std::move(rendering)), stored(&history), writer(dataset, history.heatmaps) {
+    try {
+      older = windows::OlderHeatmaps::find(dataset.file(), history.heatmaps);
+    } catch (const Error& e) {
+      warn(e);
+    }
+  }
+
+  void warn(const Error& e) { stored->warning = std::string("all runs of this file are rendered again: ") + e.what(); }
+};
+
+/// The histories of a run that stay, packed; nothing for the others. A history whose file is damaged keeps no further run.
+/// @param guard  of `renderings`
+std::vector<std::optional<Packed>> kept_heatmaps(std::deque<Rendering>& renderings, const std::string& source_sha256,
+                                                 std::mutex& guard) {
+  std::vector<std::optional<Packed>> kept;
+  for (Rendering& rendering : renderings) {
+    kept.emplace_back();
+    if (!rendering.older) continue;
+    try {
+      auto chunks = rendering.older->chunks_of(source_sha256);
+      if (!chunks.empty()) kept.back() = rendering.writer.unpacked(std::move(chunks));
+    } catch (const Error& e) {
+      const std::scoped_lock lock(guard);
+      rendering.stored->warning = std::string("a run is rendered again: ") + e.what();
+    }
+  }
+  return kept;
+}
+
+/// All histories of a run, packed: kept or rendered.
+std::vector<Packed> heatmaps_of_run(const windows::Dataset& dataset, const windows::RunSamples& run,
+                                    std::deque<Rendering>& renderings, std::vector<std::optional<Packed>> kept) {
+  std::vector<std::size_t> missing;  // indexes into `renderings`
+  std::vector<HeatmapOptions> options;
+  std::vector<std::vector<std::uint8_t>> heatmaps;
+  for (std::size_t i = 0; i < renderings.size(); ++i) {
+    if (kept[i]) continue;
+    missing.push_back(i);
+    options.push_back(renderings[i].options);
+    const windows::StoredHeatmaps& size = renderings[i].stored->heatmaps;
+    heatmaps.emplace_back(std::size_t{run.count} * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  }
+  std::vector<std::uint32_t> sample_indexes(run.count);
+  std::iota(sample_indexes.begin(), sample_indexes.end(), run.first);
+  if (!missing.empty()) {
+    render_run(dataset, run.run_index, options, sample_indexes, [&](std::size_t rendering_index, std::size_t place) {
+      const std::size_t length = heatmaps[rendering_index].size() / run.count;
+      return std::span(heatmaps[rendering_index]).subspan(place * length, length);
+    });
+  }
+  for (std::size_t i = 0; i < missing.size(); ++i)
+    kept[missing[i]] = renderings[missing[i]].writer.packed(std::move(heatmaps[i]));
+  std::vector<Packed> all;
+  for (std::optional<Packed>& each : kept) all.push_back(*std::move(each));
+  return all;
+}
+
 }  // namespace
 
 std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::span<const HeatmapOptions> histories,
                                           unsigned threads, const ProgressCallback& progress) {
   remove_leftovers_in(std::filesystem::absolute(dataset.file()).parent_path());  // even if nothing is missing
   std::vector<StoredHistory> stored;
-  std::vector<HeatmapOptions> renderings;       // the missing ones
-  std::deque<windows::HeatmapsWriter> writers;  // of each way
+  std::vector<HeatmapOptions> missing;
   for (const HeatmapOptions& options : histories) {
     check_renders(dataset, options);
     const events::SensorSize size = heatmap_size(dataset.sensor(), options.factor);
@@ -74,46 +130,39 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
         .name = stored_name(options), .settings = options, .width = size.width, .height = size.height};
     const auto found = dataset.find_heatmaps(wanted.name);
     const bool is_there = found && found->settings == wanted.settings;
-    const bool is_coming = std::find(renderings.begin(), renderings.end(), options) != renderings.end();
-    stored.push_back({wanted, is_there || is_coming});
-    if (!is_there && !is_coming) renderings.push_back(options);
+    const bool is_coming = std::find(missing.begin(), missing.end(), options) != missing.end();
+    stored.push_back({.heatmaps = wanted, .kept = is_there || is_coming, .warning = {}});
+    if (!is_there && !is_coming) missing.push_back(options);
   }
-  for (const StoredHistory& each : stored) {
-    if (!each.kept) writers.emplace_back(dataset, each.heatmaps);
+  if (missing.empty()) return stored;
+  std::deque<Rendering> renderings;
+  for (StoredHistory& each : stored) {
+    if (!each.kept) renderings.emplace_back(dataset, missing[renderings.size()], each);
   }
-  if (renderings.empty()) return stored;
 
-  const std::vector<RunSamples> runs = samples_by_run(dataset);
+  const std::vector<windows::RunSamples> runs = windows::samples_by_run(dataset);
   InTurn in_turn;
+  std::mutex guard;  // of warnings
   parallel_for(runs.size(), threads, [&](std::size_t i) {
-    const std::uint32_t run_index = runs[i].run_index;
-    const std::span<const std::uint32_t> sample_indexes = runs[i].sample_indexes;
+    const windows::RunSamples& run = runs[i];
     try {
-      std::vector<std::vector<std::uint8_t>> heatmaps;
-      for (const HeatmapOptions& options : renderings) {
-        const events::SensorSize size = heatmap_size(dataset.sensor(), options.factor);
-        heatmaps.emplace_back(sample_indexes.size() * static_cast<std::size_t>(size.width) *
-                              static_cast<std::size_t>(size.height));
-      }
-      render_run(dataset, run_index, renderings, sample_indexes, [&](std::size_t rendering_index, std::size_t place) {
-        const std::size_t length = heatmaps[rendering_index].size() / sample_indexes.size();
-        return std::span(heatmaps[rendering_index]).subspan(place * length, length);
-      });
-      std::vector<windows::HeatmapsWriter::Packed> packed;
-      for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
-        packed.push_back(writers[rendering_index].packed(std::move(heatmaps[rendering_index])));
+      auto kept = kept_heatmaps(renderings, windows::source_sha256_of(dataset, run), guard);
+      std::vector<bool> is_kept;
+      for (const auto& each : kept) is_kept.push_back(each.has_value());
+      const std::vector<Packed> packed = heatmaps_of_run(dataset, run, renderings, std::move(kept));
       in_turn.call(i, [&] {
-        for (std::size_t rendering_index = 0; rendering_index < renderings.size(); ++rendering_index)
-          writers[rendering_index].append(packed[rendering_index]);
-        const windows::DatasetRun& run = dataset.runs()[run_index];
-        report_progress(progress, sample_indexes.back() + 1, dataset.samples().size(), run.object + "/" + run.run);
+        for (std::size_t k = 0; k < renderings.size(); ++k) {
+          renderings[k].writer.append(packed[k]);
+          ++(is_kept[k] ? renderings[k].stored->runs_kept : renderings[k].stored->runs_rendered);
+        }
+        report_progress(progress, run.first + run.count, dataset.samples().size(), name_of(dataset.runs()[run.run_index]));
       });
     } catch (...) {
       in_turn.fail();
       throw;
     }
   });
-  for (windows::HeatmapsWriter& writer : writers) writer.commit();
+  for (Rendering& rendering : renderings) rendering.writer.commit();
   return stored;
 }
 

@@ -14,6 +14,11 @@
 
 namespace tactile::windows {
 
+/// The times of a recording's first and last event.
+struct RecordedEnds {
+  CameraTime first{}, last{};
+};
+
 /// One run of a dataset: its events, and the files it was made from.
 struct DatasetRun {
   std::string object;
@@ -23,6 +28,7 @@ struct DatasetRun {
   std::uint64_t events = 0;
   std::string events_sha256;
   std::string labels_sha256;
+  std::optional<RecordedEnds> ends;  ///< datasets of earlier versions have none
 };
 
 struct DatasetInterval {
@@ -106,6 +112,10 @@ class HeatmapsWriter {
   };
   /// Several threads may pack at the same time, also while another one appends.
   Packed packed(std::vector<std::uint8_t> heatmaps) const;
+
+  /// Heatmaps that another file stores as these chunks. @param chunks  as `hdf5::packed_chunk` packs them
+  /// @throws Error  if they hold other heatmaps than of this history's size
+  Packed unpacked(std::vector<std::vector<std::uint8_t>> chunks) const;
 
   /// @param heatmaps  in the order of the samples
   void append(const Packed& heatmaps);

@@ -13,6 +13,9 @@ namespace tactile::windows::dataset_layout {
 
 inline constexpr std::int64_t format = 1;
 
+/// Group of a file of heatmaps: `sha256` and `samples` of each run with samples, in their order (`source_sha256_of`).
+inline constexpr const char* sources = "sources";
+
 /// "dataset.h5" -> "dataset.events.h5", "dataset.th_040.h5", next to it.
 inline std::filesystem::path file_beside(const std::filesystem::path& dataset, const std::string& part) {
   return dataset.parent_path() / (dataset.stem().string() + "." + part + ".h5");

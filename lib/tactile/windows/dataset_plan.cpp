@@ -26,16 +26,34 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// @return  the sensor's size. @throws Error  if run.json has another one
+events::SensorSize sensor_of(const OpenRun& open, const PlannedRun& run) {
+  const events::SensorSize declared{run.info.width, run.info.height};  // no area without run.json
+  const events::SensorSize sensor = open.recording.stream(open.stream_id).size.value_or(declared);
+  if (declared.width > 0 && sensor != declared) {
+    throw Error(run.folder.events().string() + ": of a sensor of " + std::to_string(sensor.width) + "x" +
+                std::to_string(sensor.height) + " px; expected the " + std::to_string(declared.width) + "x" +
+                std::to_string(declared.height) + " px in run.json");
+  }
+  return sensor;
+}
+
+/// Takes the ends from the older dataset, which has read the same recording. @return  false if it has not
+bool take_ends(PlannedRun& run, const OlderDataset* older) {
+  const auto ends = older == nullptr ? std::nullopt : older->ends_of(run.events_sha256);
+  if (!ends) return false;
+  run.first_event = ends->first;
+  run.last_event = ends->last;
+  run.sensor = events::SensorSize{run.info.width, run.info.height};
+  if (run.sensor != older->sensor()) run.sensor = sensor_of(OpenRun(run.folder), run);
+  return true;
+}
+
 void find_ends(PlannedRun& run) {
+  run.was_read = true;
   OpenRun open(run.folder);
   const std::string where = run.folder.events().string();
-  const events::SensorSize declared{run.info.width, run.info.height};  // no area without run.json
-  run.sensor = open.recording.stream(open.stream_id).size.value_or(declared);
-  if (declared.width > 0 && run.sensor != declared) {
-    throw Error(where + ": of a sensor of " + std::to_string(run.sensor.width) + "x" + std::to_string(run.sensor.height) +
-                " px; expected the " + std::to_string(declared.width) + "x" + std::to_string(declared.height) +
-                " px in run.json");
-  }
+  run.sensor = sensor_of(open, run);
   std::optional<CameraTime> last;
   events::for_all_events(open.recording, open.stream_id, [&](std::span<const events::Event> events) {
     for (const events::Event& event : events) {
@@ -170,7 +188,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   }
   if (found.empty() && plan.left_out.empty() && plan.warnings.empty() && plan.errors.empty())
     throw Error(data.string() +
-                ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile split' makes such folders of a recording");
+                ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings");
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
   std::vector<PlannedRun> chosen;
@@ -262,7 +280,7 @@ struct RunOutcome {
 };
 
 /// Reads a run's labels and events, and draws its samples.
-RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options) {
+RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options, const OlderDataset* older) {
   const labels::Labels labels = labels::read_labels(run.folder.labels());
   if (labels.run_is_flagged() && !options.include_flagged) {
     const std::optional<NoSamples> why = why_no_samples(labels, options.include_flagged);
@@ -275,7 +293,7 @@ RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options) {
             .why_no_samples = has_no("labels of its present events")};
   }
   run.labels_sha256 = sha256_of_file(run.folder.labels());
-  find_ends(run);
+  if (!take_ends(run, older)) find_ends(run);
   std::string why = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
   if (run.sensor.width <= 0) why = "neither its recording nor run.json has the sensor's size";
   if (!why.empty()) return {.why_left_out = why, .error = {}, .why_no_samples = has_no("recording that can be used")};
@@ -284,6 +302,7 @@ RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options) {
 
 /// Adds a run to the dataset's runs, or to those left out.
 void add_to_plan(DatasetPlan& plan, PlannedRun run, const RunOutcome& outcome) {
+  if (run.was_read) plan.read_runs.push_back(run.folder.name());
   if (outcome.why_left_out.empty()) {
     plan.runs.push_back(std::move(run));
     return;
@@ -314,14 +333,15 @@ void add_rows(DatasetPlan& plan, const fs::path& file) {
                          .run = run.folder.run,
                          .folder = folder_name(run.folder, file),
                          .events_sha256 = run.events_sha256,
-                         .labels_sha256 = run.labels_sha256});
+                         .labels_sha256 = run.labels_sha256,
+                         .ends = RecordedEnds{run.first_event, run.last_event}});
   }
 }
 
 }  // namespace
 
 DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
-                         const ProgressCallback& progress) {
+                         const ProgressCallback& progress, const OlderDataset* older) {
   check(options.sampling);
   DatasetPlan plan;
   std::vector<PlannedRun> chosen = choose_runs(data, options, plan);
@@ -331,7 +351,7 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
   parallel_for(chosen.size(), threads, [&](std::size_t i) {
     const std::string name = chosen[i].folder.name();
     try {
-      outcomes[i] = plan_run(chosen[i], options);
+      outcomes[i] = plan_run(chosen[i], options, older);
     } catch (const std::exception& e) {
       const std::string error = sentence_of(e, name);
       outcomes[i] = {.why_left_out = error, .error = error, .why_no_samples = has_no("files that can be read")};

@@ -11,6 +11,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/older_dataset.hpp"
 #include "tactile/windows/without_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
@@ -30,7 +31,8 @@ struct PlannedRun {
   std::string events_sha256, labels_sha256;
   events::SensorSize sensor;
   CameraTime first_event{}, last_event{};
-  std::uint64_t recorded_events = 0;     ///< in the recording; the dataset stores some of them
+  bool was_read = false;                 ///< its events were read; else an older dataset knows their ends
+  std::uint64_t recorded_events = 0;     ///< in the recording, if it was read; the dataset stores some of them
   std::vector<TouchInterval> intervals;  ///< those with used labels
   std::vector<Sample> samples;           ///< `run_index` counts planned runs
 };
@@ -43,6 +45,7 @@ struct DatasetPlan {
   std::vector<std::string> misnamed;               ///< a sentence for each folder that is left out for its name
   std::vector<std::string> warnings;               ///< those of `misnamed` too
   std::vector<std::string> errors;                 ///< a sentence for each run or folder that cannot be read
+  std::vector<std::string> read_runs;              ///< whose recordings were read, those left out too
   events::SensorSize sensor;
   bool simulated = false;
 
@@ -58,9 +61,10 @@ struct OpenRun {
   std::int32_t stream_id;
 };
 
-/// Reads every run below `data` once. The plan lists runs that cannot be read. @throws Error  as `write_dataset`
+/// Reads every run below `data` once, except for recordings whose ends the older dataset knows. The plan lists runs that cannot
+/// be read. @param older  null: there is none  @throws Error  as `write_dataset`
 DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesystem::path& file, const WindowsOptions& options,
-                         unsigned threads, const ProgressCallback& progress);
+                         unsigned threads, const ProgressCallback& progress, const OlderDataset* older = nullptr);
 
 /// The union of [t - history, t) over a run's samples, as separate spans, ascending.
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);

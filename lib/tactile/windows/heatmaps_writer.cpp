@@ -9,6 +9,7 @@
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
+#include "tactile/windows/run_samples.hpp"
 
 namespace tactile::windows {
 namespace fs = std::filesystem;
@@ -55,6 +56,15 @@ HeatmapsWriter::HeatmapsWriter(const Dataset& dataset, const StoredHeatmaps& des
     if (value.is_number_float()) h5::write_attribute(state_->table, key, value.get<double>(), where);
     if (value.is_string()) h5::write_attribute(state_->table, key, value.get<std::string>(), where);
   }
+  const h5::Id sources = h5::create_group(state_->file, dataset_layout::sources, where);
+  std::vector<std::string> hashes;
+  std::vector<std::uint64_t> counts;
+  for (const RunSamples& run : samples_by_run(dataset)) {
+    hashes.push_back(source_sha256_of(dataset, run));
+    counts.push_back(run.count);
+  }
+  h5::write_table(sources, "sha256", hashes, where);
+  h5::write_table(sources, "samples", counts, where);
 }
 
 HeatmapsWriter::~HeatmapsWriter() = default;
@@ -64,6 +74,16 @@ HeatmapsWriter::Packed HeatmapsWriter::packed(std::vector<std::uint8_t> heatmaps
   const std::span<const std::uint8_t> all(packed.heatmaps);
   const std::size_t size = state_->heatmap_size();
   for (std::size_t at = 0; at + size <= all.size(); at += size) packed.chunks.push_back(h5::packed_chunk(all.subspan(at, size)));
+  return packed;
+}
+
+HeatmapsWriter::Packed HeatmapsWriter::unpacked(std::vector<std::vector<std::uint8_t>> chunks) const {
+  Packed packed{{}, std::move(chunks)};
+  packed.heatmaps.reserve(packed.chunks.size() * state_->heatmap_size());
+  for (const std::vector<std::uint8_t>& chunk : packed.chunks) {
+    const std::vector<std::uint8_t> heatmap = h5::unpacked_chunk(chunk, state_->heatmap_size(), state_->target.string());
+    packed.heatmaps.insert(packed.heatmaps.end(), heatmap.begin(), heatmap.end());
+  }
   return packed;
 }
 

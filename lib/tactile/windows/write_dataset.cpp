@@ -13,6 +13,10 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_plan.hpp"
+#include "tactile/windows/event_columns.hpp"
+#include "tactile/windows/older_dataset.hpp"
+#include "tactile/windows/older_heatmaps.hpp"
+#include "tactile/windows/run_samples.hpp"
 
 namespace tactile::windows {
 namespace fs = std::filesystem;
@@ -20,66 +24,70 @@ namespace h5 = hdf5;
 
 namespace {
 
-class EventColumns {
- public:
-  EventColumns(hid_t group, std::string where) : where_(std::move(where)) {
-    constexpr hsize_t rows_per_chunk = hsize_t{1} << 16;
-    t_table_ = h5::create_table(group, "t_us", H5T_STD_I64LE, {}, rows_per_chunk, where_);
-    x_table_ = h5::create_table(group, "x", H5T_STD_U16LE, {}, rows_per_chunk, where_);
-    y_table_ = h5::create_table(group, "y", H5T_STD_U16LE, {}, rows_per_chunk, where_);
-    on_table_ = h5::create_table(group, "on", H5T_STD_U8LE, {}, rows_per_chunk, where_);
+std::string events_file_of(const fs::path& dataset) {
+  const h5::Session session;
+  return h5::linked_file(h5::open_file(dataset, false), "events");
+}
+
+/// The older dataset's run with the same events, for each run of a plan.
+using KeptRuns = std::vector<std::optional<std::uint32_t>>;
+
+KeptRuns kept_runs(const DatasetPlan& plan, const OlderDataset* older, microseconds history) {
+  KeptRuns kept(plan.runs.size());
+  if (older == nullptr) return kept;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    kept[i] = older->with_same_events(plan.runs[i].events_sha256, plan.runs[i].samples, history);
+  return kept;
+}
+
+/// Copies the chunks before the first run that is not as in the older dataset: later chunks hold other rows than there.
+/// @throws UnusableDataset  if one is damaged
+void copy_first_chunks(EventColumns& columns, const OlderDataset& older, const KeptRuns& kept) {
+  std::uint64_t same_rows = 0;
+  for (std::uint32_t i = 0; i < kept.size() && kept[i] == i; ++i) same_rows += older.events_of(i);
+  try {
+    const fs::path dataset = older.dataset().file(), file = dataset_layout::folder_of(dataset) / events_file_of(dataset);
+    const h5::Id in = h5::open_file(file, false);
+    columns.copy_chunks(h5::open_group(in, "events", file.string()), same_rows / EventColumns::rows_per_chunk, file.string());
+  } catch (const h5::Damaged& e) {
+    throw UnusableDataset(e);
   }
+}
 
-  void append(std::span<const events::Event> events) {
-    for (const events::Event& event : events) {
-      t_.push_back(us_of(event.t));
-      x_.push_back(static_cast<std::uint16_t>(event.x));
-      y_.push_back(static_cast<std::uint16_t>(event.y));
-      on_.push_back(event.on);
-    }
-    appended_ += events.size();
-    if (t_.size() >= std::size_t{1} << 20) flush();
-  }
-
-  void flush() {
-    h5::append_rows(t_table_, H5T_NATIVE_INT64, t_.data(), t_.size(), where_);
-    h5::append_rows(x_table_, H5T_NATIVE_UINT16, x_.data(), x_.size(), where_);
-    h5::append_rows(y_table_, H5T_NATIVE_UINT16, y_.data(), y_.size(), where_);
-    h5::append_rows(on_table_, H5T_NATIVE_UINT8, on_.data(), on_.size(), where_);
-    t_.clear();
-    x_.clear();
-    y_.clear();
-    on_.clear();
-  }
-
-  std::uint64_t appended() const { return appended_; }
-
- private:
-  std::string where_;
-  h5::Id t_table_, x_table_, y_table_, on_table_;
-  std::vector<std::int64_t> t_;
-  std::vector<std::uint16_t> x_, y_;
-  std::vector<std::uint8_t> on_;
-  std::uint64_t appended_ = 0;
+struct EventSources {
+  const OlderDataset* older = nullptr;  ///< null: there is none
+  KeptRuns kept;
 };
 
 /// Writes the file of events, and their numbers to the plan's rows.
-std::uint64_t write_events(DatasetPlan& plan, const fs::path& file, const std::string& manifest_hash, microseconds history,
-                           const ProgressCallback& progress) {
+std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash,
+                           microseconds history, unsigned threads, const ProgressCallback& progress) {
   const std::string where = file.string();
   h5::Id out = h5::create_file(file, h5::Structure::checked);
   std::uint64_t written = 0;
   {
     const h5::Id group = h5::create_group(out, "events", where);
     h5::write_attribute(group, "manifest_sha256", manifest_hash, where);
-    EventColumns columns(group, where);
+    EventColumns columns(group, where, threads);
+    if (sources.older != nullptr) copy_first_chunks(columns, *sources.older, sources.kept);
+    const auto append = [&](std::span<const events::Event> events) { columns.append(events); };
+    std::uint64_t next = 0;  // event
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-      plan.rows[i].first_event = columns.appended();
-      for_stored_events(plan.runs[i], history, [&](std::span<const events::Event> events) { columns.append(events); });
-      plan.rows[i].events = columns.appended() - plan.rows[i].first_event;
+      plan.rows[i].first_event = next;
+      if (const auto same = sources.kept[i]) {
+        const std::uint64_t there = columns.appended() > next ? columns.appended() - next : 0,
+                            count = sources.older->events_of(*same);
+        sources.older->for_events(*same, std::min(there, count), append);
+        plan.rows[i].events = count;
+      } else {
+        for_stored_events(plan.runs[i], history, append);
+        if (!plan.runs[i].samples.empty() && !plan.runs[i].was_read) plan.read_runs.push_back(plan.runs[i].folder.name());
+        plan.rows[i].events = columns.appended() - next;
+      }
+      next += plan.rows[i].events;
       report_progress(progress, plan.runs.size() + i + 1, 2 * plan.runs.size(), plan.runs[i].folder.name());
     }
-    columns.flush();
+    columns.finish();
     written = columns.appended();
   }
   out.close(where);
@@ -113,6 +121,9 @@ void write_tables(const DatasetPlan& plan, const fs::path& file, const std::stri
   write_column<std::uint64_t>(out, "runs/events", plan.rows, where, [](const DatasetRun& run) { return run.events; });
   write_column<std::string>(out, "runs/events_sha256", plan.rows, where, [](const DatasetRun& run) { return run.events_sha256; });
   write_column<std::string>(out, "runs/labels_sha256", plan.rows, where, [](const DatasetRun& run) { return run.labels_sha256; });
+  write_column<std::int64_t>(out, "runs/first_us", plan.rows, where,
+                             [](const DatasetRun& run) { return us_of(run.ends->first); });
+  write_column<std::int64_t>(out, "runs/last_us", plan.rows, where, [](const DatasetRun& run) { return us_of(run.ends->last); });
 
   std::vector<DatasetInterval> intervals;
   std::vector<Sample> samples;
@@ -132,11 +143,6 @@ void write_tables(const DatasetPlan& plan, const fs::path& file, const std::stri
   write_column<std::int64_t>(out, "samples/t_us", samples, where, [](const Sample& sample) { return us_of(sample.t); });
   write_column<std::uint8_t>(out, "samples/label", samples, where, [&](const Sample& sample) { return value_of(sample.touch); });
   out.close(where);
-}
-
-std::string events_file_of(const fs::path& dataset) {
-  const h5::Session session;
-  return h5::linked_file(h5::open_file(dataset, false), "events");
 }
 
 /// Renames the events of the dataset that is about to be replaced, so that it stays complete until then.
@@ -159,7 +165,8 @@ void set_old_events_aside(const fs::path& file, const fs::path& events_file, con
   relinked.commit();
 }
 
-/// Removes the files of histories without a link in the dataset, and the events of the replaced dataset.
+/// Removes the events of the replaced dataset, and the files of histories without a link in the dataset from which no run can be
+/// taken.
 void remove_stale_files(const fs::path& file) {
   std::set<fs::path> in_use;
   {
@@ -171,12 +178,20 @@ void remove_stale_files(const fs::path& file) {
   }
   const std::string begin = file.stem().string() + ".th_",
                     old_events = dataset_layout::file_beside(file, "events.old").filename();
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  std::vector<fs::path> stale;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  std::vector<fs::path> stale, histories;
+  for (const fs::directory_entry& entry : fs::directory_iterator(dataset_layout::folder_of(file))) {
     const std::string name = entry.path().filename().string();
-    const bool ours = name == old_events || (name.starts_with(begin) && name.ends_with(".h5"));
-    if (ours && !in_use.contains(name)) stale.push_back(entry.path());
+    if (in_use.contains(name)) continue;
+    if (name == old_events) stale.push_back(entry.path());
+    if (name.starts_with(begin) && name.ends_with(".h5")) histories.push_back(entry.path());
+  }
+  if (!histories.empty()) {
+    const Dataset dataset(file);
+    std::set<std::string> sources;
+    for (const RunSamples& run : samples_by_run(dataset)) sources.insert(source_sha256_of(dataset, run));
+    for (const fs::path& each : histories) {
+      if (!lists_a_source(each, sources)) stale.push_back(each);
+    }
   }
   std::error_code ignored;
   for (const fs::path& each : stale) fs::remove(each, ignored);
@@ -222,12 +237,13 @@ bool same_folders(std::span<const DatasetRun> a, std::span<const DatasetRun> b) 
 }
 
 DatasetSummary summary_of(const DatasetPlan& plan) {
-  DatasetSummary summary{.runs = plan.left_out,
-                         .misnamed = plan.misnamed,
-                         .warnings = plan.warnings,
-                         .errors = plan.errors,
-                         .manifest_hash = hash_of(plan.manifest),
-                         .simulated = plan.simulated};
+  DatasetSummary summary;
+  summary.runs = plan.left_out;
+  summary.misnamed = plan.misnamed;
+  summary.warnings = plan.warnings;
+  summary.errors = plan.errors;
+  summary.manifest_hash = hash_of(plan.manifest);
+  summary.simulated = plan.simulated;
   for (const PlannedRun& run : plan.runs) {
     summary.runs.push_back(run.outcome);
     summary.samples += run.samples.size();
@@ -237,20 +253,29 @@ DatasetSummary summary_of(const DatasetPlan& plan) {
   return summary;
 }
 
-}  // namespace
+/// What a dataset is made of, and where.
+struct Making {
+  fs::path data, file;
+  WindowsOptions options;
+  unsigned threads = 0;
+  ProgressCallback progress;
+};
 
-DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
-                             const ProgressCallback& progress) {
-  std::optional<Dataset> old;
-  const Existing existing = examine(file, old);
-  DatasetPlan plan = plan_dataset(data, file, options, threads, progress);
+/// Makes the dataset in the place of the one in `old`, if there is one. @param reuse  takes runs from it
+/// @throws UnusableDataset  if they cannot be taken; the old dataset then stays
+DatasetSummary make_dataset(const Making& making, Existing existing, std::optional<Dataset>& old, bool reuse) {
+  const fs::path& file = making.file;
+  const microseconds history = making.options.sampling.history;
+  const std::optional<OlderDataset> older = old && reuse ? std::optional<OlderDataset>(*old) : std::nullopt;
+  EventSources sources{.older = older ? &*older : nullptr, .kept = {}};
+  DatasetPlan plan = plan_dataset(making.data, file, making.options, making.threads, making.progress, sources.older);
   DatasetSummary summary = summary_of(plan);
   const fs::path events_file = dataset_layout::file_beside(file, "events");
   remove_leftovers(file);
   remove_leftovers(events_file);
-  if (existing == Existing::dataset && old->manifest_hash() == summary.manifest_hash &&
-      events_file_of(file) == events_file.filename()) {
+  if (old && old->manifest_hash() == summary.manifest_hash && events_file_of(file) == events_file.filename()) {
     for (const DatasetRun& run : old->runs()) summary.events += run.events;
+    summary.read_runs = plan.read_runs;
     const bool moved = !same_folders(old->runs(), plan.rows);
     summary.outcome = moved ? DatasetSummary::Outcome::moved : DatasetSummary::Outcome::unchanged;
     const FolderLock lock(dataset_layout::folder_of(file));
@@ -258,11 +283,18 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
     remove_stale_files(file);  // an interrupted command may have left some
     return summary;
   }
-  old.reset();
-
+  sources.kept = kept_runs(plan, sources.older, history);
   const h5::Session session;
   WholeFile events(events_file, IfThere::replace);
-  summary.events = write_events(plan, events.path(), summary.manifest_hash, options.sampling.history, progress);
+  summary.events = write_events(plan, sources, events.path(), summary.manifest_hash, history, making.threads, making.progress);
+  if (older) {
+    std::vector<bool> same_events;
+    for (const auto& same : sources.kept) same_events.push_back(same.has_value());
+    summary.changes = changes_between(*old, plan.rows, same_events);
+  }
+  old.reset();
+  summary.read_runs = plan.read_runs;
+  std::sort(summary.read_runs.begin(), summary.read_runs.end());
   const FolderLock lock(dataset_layout::folder_of(file));
   if (existing == Existing::dataset) set_old_events_aside(file, events_file, dataset_layout::file_beside(file, "events.old"));
   WholeFile tables(file, IfThere::replace);
@@ -273,6 +305,23 @@ DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const W
   summary.was_damaged = existing == Existing::broken_dataset;
   remove_stale_files(file);
   return summary;
+}
+
+}  // namespace
+
+DatasetSummary write_dataset(const fs::path& data, const fs::path& file, const WindowsOptions& options, unsigned threads,
+                             const ProgressCallback& progress) {
+  const Making making{.data = data, .file = file, .options = options, .threads = threads, .progress = progress};
+  std::optional<Dataset> old;
+  const Existing existing = examine(file, old);
+  try {
+    return make_dataset(making, existing, old, true);
+  } catch (const UnusableDataset& e) {
+    DatasetSummary summary = make_dataset(making, existing, old, false);
+    summary.warnings.push_back("the runs of the previous dataset cannot be kept, all runs were read again: " +
+                               std::string(e.what()));
+    return summary;
+  }
 }
 
 }  // namespace tactile::windows

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,14 +28,24 @@ struct WindowedRun {
   std::string remark;  ///< why it is left out or has no samples, or what of it is left out; may be empty
 };
 
+/// What a dataset took from the one that it replaced: names of runs, "fan/01".
+struct DatasetChanges {
+  std::vector<std::string> added;
+  std::vector<std::string> changed;  ///< other recording, labels or samples
+  std::vector<std::string> dropped;  ///< no longer in the dataset
+  std::vector<std::string> kept;     ///< not read, nor stored again
+};
+
 struct DatasetSummary {
   enum class Outcome { written, replaced, moved, unchanged };  ///< moved: the same, but its runs lie elsewhere
   Outcome outcome = Outcome::written;
-  bool was_damaged = false;           ///< the replaced dataset could not be read
-  std::vector<WindowedRun> runs;      ///< every run found, by object, then run
-  std::vector<std::string> misnamed;  ///< a sentence for each folder that is left out for its name
-  std::vector<std::string> warnings;  ///< a sentence each; those of `misnamed` too
-  std::vector<std::string> errors;    ///< why runs cannot be read, a sentence each; they are left out
+  bool was_damaged = false;               ///< the replaced dataset could not be read
+  std::optional<DatasetChanges> changes;  ///< if an older dataset was replaced, and its runs could be kept
+  std::vector<std::string> read_runs;     ///< whose recordings were read, by name
+  std::vector<WindowedRun> runs;          ///< every run found, by object, then run
+  std::vector<std::string> misnamed;      ///< a sentence for each folder that is left out for its name
+  std::vector<std::string> warnings;      ///< a sentence each; those of `misnamed` too
+  std::vector<std::string> errors;        ///< why runs cannot be read, a sentence each; they are left out
   std::string manifest_hash;
   bool simulated = false;
   std::uint64_t samples = 0;
@@ -45,8 +56,9 @@ struct DatasetSummary {
 /// and to the file of its events next to it.
 ///
 /// An existing dataset with the same manifest is kept, with its histories. If its runs have moved, their folders are updated. A
-/// dataset with another manifest is replaced: at every moment `file` is either the old or the new dataset, with its events. The
-/// old histories are removed last.
+/// dataset with another manifest is replaced: at every moment `file` is either the old or the new dataset, with its events.
+/// Recordings that the old dataset knows by their hash are not read again: their events are copied from it. The bytes are those
+/// of a dataset that is made at once. Old histories remain as files if `store_heatmaps` can take a run from them.
 ///
 /// Left out, and listed in the summary: runs without labels, with unreadable files or with flags, and simulated runs if there are
 /// real ones. A run that lacks a class is in the dataset without samples, and is listed with the reason. Without run.json, the

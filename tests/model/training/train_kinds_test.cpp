@@ -9,6 +9,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/features/step_features.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/open_classifier.hpp"

@@ -11,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/write_dataset.hpp"

@@ -6,6 +6,7 @@
 
 #include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/training_step.hpp"
+#include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <set>
 #include <thread>
 
 #include "tactile/characterise/scene.hpp"
@@ -144,16 +145,25 @@ windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOpt
   return windows::split_runs(names, options);
 }
 
+std::vector<std::uint32_t> learned_runs_of(const windows::Dataset& dataset, const ModelDescription& model) {
+  std::vector<std::uint32_t> runs;
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    if (learned_from(model, dataset.runs()[run].events_sha256)) runs.push_back(run);
+  }
+  return runs;
+}
+
 std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const ModelDescription& model) {
-  const windows::SplitOptions& split = model.settings.split;
   std::vector<std::uint32_t> runs;
   if (model.manifest_hash == dataset.manifest_hash()) {
-    runs = split_of(dataset, split).test_runs;
+    runs = split_of(dataset, model.settings.split).test_runs;
   } else {
+    std::set<std::string> known_objects;  // of a model that is for objects it has not seen
+    if (model.settings.split.kind == windows::SplitKind::unseen) {
+      for (const std::string& run : names_of(model.learned_from)) known_objects.insert(run.substr(0, run.find('/')));
+    }
     for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
-      const bool is_held_out =
-          std::find(split.held_out.begin(), split.held_out.end(), dataset.runs()[run].object) != split.held_out.end();
-      if (split.kind == windows::SplitKind::single_run || is_held_out) runs.push_back(run);
+      if (!known_objects.contains(dataset.runs()[run].object)) runs.push_back(run);
     }
   }
   std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
@@ -180,18 +190,6 @@ std::vector<std::uint8_t> sample_heatmaps(const windows::Dataset& dataset, const
   const auto stored = dataset.find_heatmaps(name);
   if (stored && stored->settings == nlohmann::json(options)) return dataset.read_heatmaps(name, sample_indexes);
   return heatmaps::render_samples(dataset, options, sample_indexes, threads, progress);
-}
-
-BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset, const ModelSettings& settings) {
-  if (!std::filesystem::exists(bundle.folder)) return BundleState::missing;
-  try {
-    const ModelDescription description = read_description(bundle);
-    read_bundle_weights(bundle, description);
-    const bool same = description.manifest_hash == dataset.manifest_hash() && same_settings(description.settings, settings);
-    return same ? BundleState::unchanged : BundleState::changed;
-  } catch (const Error&) {
-    return BundleState::changed;
-  }
 }
 
 StartingPoint starting_point(const ModelBundle& from, const windows::Dataset& dataset, const ModelSettings& settings) {

@@ -19,9 +19,13 @@ namespace tactile::model {
 /// The split of a dataset's runs. @throws Error as `split_runs`
 windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOptions& options);
 
-/// The test runs of a model: those of its split; in another dataset all runs, or those of the held-out objects. Runs that the
-/// model, or its starting model, learned from are excluded. @throws Error  if none with samples remains
+/// The test runs of a model: those of its split. In another dataset, such as one that has grown, all runs; of a model with
+/// held-out objects, those of all objects that it did not learn from. Runs that the model, or its starting model, learned from
+/// are excluded. @throws Error  if none with samples remains
 std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const ModelDescription& model);
+
+/// The runs whose recordings the model, or its starting model, learned from.
+std::vector<std::uint32_t> learned_runs_of(const windows::Dataset& dataset, const ModelDescription& model);
 
 /// The samples of these runs, by their index, in the dataset's order.
 std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> run_indexes);
@@ -33,15 +37,6 @@ std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std:
 std::vector<std::uint8_t> sample_heatmaps(const windows::Dataset& dataset, const heatmaps::HeatmapOptions& options,
                                           std::span<const std::uint32_t> sample_indexes, unsigned threads = 0,
                                           const ProgressCallback& progress = {});
-
-enum class BundleState : std::uint8_t {
-  missing,
-  unchanged,  ///< made with these settings from this dataset, and intact
-  changed,    ///< made with other settings, or damaged
-};
-
-/// Compares an existing bundle with what `train_model` would write.
-BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset, const ModelSettings& settings);
 
 /// The model that training starts from, for these settings.
 /// @throws Error  if the bundle is damaged, its rendering, network or heatmap size differ, or it learned from a held-out object

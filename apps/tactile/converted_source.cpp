@@ -1,0 +1,45 @@
+#include "converted_source.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "bag_recording.hpp"
+#include "quantity_text.hpp"
+#include "tactile/bags/bag.hpp"
+#include "tactile/conversion/bag_import.hpp"
+#include "tactile/conversion/convert.hpp"
+
+namespace tactile::cli {
+
+namespace fs = std::filesystem;
+
+ConvertedSource::ConvertedSource(const std::string& in, const fs::path& data, const CommonArguments& common)
+    : folder_(fs::absolute(data).parent_path() / "recording") {
+  if (bags::is_bag(in)) {
+    const auto summary = conversion::import_bag(in, folder_.path() / "bag" / "01", {}, progress_line(common));
+    warn_about_import(in, summary);
+    source_ = splitting::split_source_at(summary.run.folder);
+  } else {
+    const fs::path file = folder_.path() / fs::path(in).stem().concat(".aedat4");
+    conversion::convert_recording(in, file, {.threads = common.threads}, progress_line(common));
+    source_ = splitting::split_source_at(file);
+  }
+  source_.name = in;
+  source_.origin = fs::path(in).lexically_normal().filename().string();
+}
+
+bool needs_conversion(const fs::path& in) {
+  return bags::is_bag(in) ||
+         (!fs::is_directory(in) && conversion::recording_format_of(in) != conversion::RecordingFormat::aedat4);
+}
+
+void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems) {
+  if (const std::uint64_t lost = problems.broken_packets + problems.mismatched_packets; lost > 0)
+    spdlog::warn("{}: {} could not be read, and are in no run", recording, counted(lost, "packet"));
+  if (problems.truncated_bytes > 0)
+    spdlog::warn("{}: cut off, {} after the last whole packet are in no run", recording,
+                 counted(problems.truncated_bytes, "byte"));
+  if (problems.out_of_range_events > 0)
+    spdlog::warn("{}: {} outside the sensor are in no run", recording, counted(problems.out_of_range_events, "event"));
+}
+
+}  // namespace tactile::cli

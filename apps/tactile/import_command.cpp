@@ -1,0 +1,255 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+#include "commands.hpp"
+#include "converted_source.hpp"
+#include "option_checks.hpp"
+#include "recording_report.hpp"
+#include "robot_columns.hpp"
+#include "tactile/bags/bag.hpp"
+#include "tactile/conversion/convert.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/numbers.hpp"
+#include "tactile/core/run_numbers.hpp"
+#include "tactile/core/runs_below.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/text_lines.hpp"
+#include "tactile/splitting/split_proposal.hpp"
+#include "tactile/splitting/split_recording.hpp"
+#include "text_table.hpp"
+
+namespace tactile::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ImportArguments {
+  std::vector<std::string> recordings;
+  std::string data = "data";
+  std::string object, run;
+  std::string robot, robot_columns, video, stream, session;
+};
+
+/// A name that the user gave, and the one that a run folder needs.
+struct Renamed {
+  std::string given, used;
+};
+
+/// The names of the runs: of their object and of the first one.
+struct RunNames {
+  std::string object;
+  std::optional<int> first_run;
+  std::vector<Renamed> renamed;
+};
+
+RunNames names_of(const ImportArguments& args) {
+  RunNames names;
+  names.object = is_object_name(args.object) ? args.object : needed_object_name(args.object);
+  if (names.object.empty()) {
+    throw Error(fmt::format(
+        "--object '{}': has neither a letter nor a digit; expected the name of an object, such as water-bottle", args.object));
+  }
+  if (names.object != args.object) names.renamed.push_back({args.object, names.object});
+  if (args.run.empty()) return names;
+  names.first_run = static_cast<int>(*whole_number_in(args.run));
+  if (const std::string id = run_id_of(*names.first_run); id != args.run) names.renamed.push_back({args.run, id});
+  return names;
+}
+
+std::string check_run_number(const std::string& text) {
+  const auto number = whole_number_in(text);
+  return number && *number >= 1 && *number <= most_runs ? std::string()
+                                                        : fmt::format("'{}' is not a number of a run; expected 1 to 99", text);
+}
+
+/// The recordings in a folder of loose ones, as DV and other programs save them, by name. A bag or a run is one recording.
+std::vector<std::string> recordings_at(const std::string& place) {
+  if (!fs::is_directory(place) || bags::is_bag(place) || is_there(run_folder_at(place).events())) return {place};
+  std::vector<std::string> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+    const std::string extension = conversion::lower_extension(entry.path());
+    const bool is_recording = entry.is_regular_file() && (extension == ".aedat4" || extension == ".raw");
+    if (is_recording || (extension != ".csv" && bags::is_bag(entry.path()))) found.push_back(entry.path().string());
+  }
+  std::sort(found.begin(), found.end());
+  if (found.empty()) throw Error(place + ": has no recording; expected .aedat4, .raw or bags in it, a run folder, or a file");
+  return found;
+}
+
+/// @throws Error  if the folder has another run than one of this recording
+void check_free(const RunFolder& run, const splitting::SplitSource& source) {
+  if (!is_there(run.folder)) return;
+  try {
+    const nlohmann::json origin = read_run_info(run).extra.value("split", nlohmann::json::object());
+    if (origin.value("sha256", "") == sha256_of_file(source.recording)) return;
+  } catch (const std::exception&) {
+    // It is no run that was imported.
+  }
+  throw Error(run.folder.string() + ": the run exists already, and is never overwritten; expected a free number, or no --run");
+}
+
+/// A recording that has become a run.
+struct ImportedRun {
+  std::string recording;
+  splitting::SplitRun made;
+  RecordingReport report;
+  std::vector<std::string> lacks;  ///< "robot log", "IMU", "film"
+};
+
+ReportOptions as_info_check() {
+  ReportOptions options;
+  options.check = true;
+  return options;
+}
+
+std::vector<std::string> lacks_of(const RecordingReport& report) {
+  std::vector<std::string> lacks;
+  if (!report.robot) lacks.emplace_back("robot log");
+  const auto is_imu = [](const events::StreamHealth& stream) {
+    return stream.stream.type == events::StreamType::imu && stream.stamps.elements > 0;
+  };
+  if (std::none_of(report.health.streams.begin(), report.health.streams.end(), is_imu)) lacks.emplace_back("IMU");
+  if (!report.video) lacks.emplace_back("film");
+  return lacks;
+}
+
+/// What `label` does without what is lacking: "mug/01 has no robot log and no film. 'tactile label' finds the lift by the IMU."
+std::string label_text(const std::string& runs, bool several, const std::vector<std::string>& lacks) {
+  const auto has = [&](const char* what) { return std::find(lacks.begin(), lacks.end(), what) == lacks.end(); };
+  std::string text = runs + (several ? " have no " : " has no ");
+  for (std::size_t i = 0; i < lacks.size(); ++i) text += (i == 0 ? "" : i + 1 == lacks.size() ? " and no " : ", no ") + lacks[i];
+  if (!has("robot log") && !has("IMU") && !has("film"))
+    return text + ". The order of the touches alone then decides which one is the slip: look at each with 'tactile review'.";
+  return text + fmt::format(". 'tactile label' finds the lift by the {}.", has("robot log") ? "robot log"
+                                                                           : has("IMU")     ? "IMU"
+                                                                                            : "film");
+}
+
+ImportedRun import_one(const std::string& recording, const ImportArguments& args, const RunNames& names,
+                       const CommonArguments& common) {
+  std::optional<ConvertedSource> converted;
+  if (needs_conversion(recording)) converted.emplace(recording, args.data, common);
+  splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(recording);
+  if (!args.robot.empty()) source.robot = args.robot;
+  source.robot_columns = args.robot_columns;
+  if (!args.video.empty()) splitting::set_video(source, args.video);
+  if (names.first_run) {
+    const std::string id = run_id_of(*names.first_run);
+    check_free({fs::path(args.data) / names.object / id, names.object, id}, source);
+  }
+  events::RecordingReader reader(source.recording, common.threads);
+  // A recording without cuts is one run, with all of its robot log and film.
+  const splitting::SplitProposal whole = splitting::proposal_with(source, reader, {}, {.stream = args.stream});
+  splitting::SplitResult result = splitting::split_recording(
+      source, reader, whole,
+      {.data = args.data, .objects = {names.object}, .first_run = names.first_run, .session = args.session},
+      progress_line(common));
+  warn_of_losses(recording, result.problems);
+  ImportedRun imported{.recording = recording, .made = std::move(result.runs.front()), .report = {}, .lacks = {}};
+  const RunFolder& run = imported.made.run;
+  imported.report = examine({run.name(), run.events(), run}, as_info_check(), common.threads, progress_line(common));
+  imported.lacks = lacks_of(imported.report);
+  return imported;
+}
+
+nlohmann::json json_of(const ImportArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
+  nlohmann::json renamed = nlohmann::json::array(), all = nlohmann::json::array();
+  for (const Renamed& name : names.renamed) renamed.push_back({{"given", name.given}, {"used", name.used}});
+  for (const ImportedRun& run : runs) {
+    all.push_back({{"recording", run.recording},
+                   {"run", run.made.run.name()},
+                   {"folder", run.made.run.folder.string()},
+                   {"kept", run.made.is_kept},
+                   {"events", run.made.events},
+                   {"bytes", run.made.bytes},
+                   {"healthy", run.report.health.healthy()},
+                   {"reasons", run.report.health.reasons},
+                   {"lacks", run.lacks}});
+  }
+  return {{"data", args.data}, {"renamed", renamed}, {"runs", all}};
+}
+
+std::string text_of(const ImportArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
+  std::string text;
+  for (const Renamed& name : names.renamed) text += fmt::format("'{}' is named {}.\n", name.given, name.used);
+  std::vector<std::vector<std::string>> rows;
+  std::vector<RecordingReport> reports;
+  std::map<std::vector<std::string>, std::vector<std::string>> runs_lacking;
+  for (const ImportedRun& run : runs) {
+    const std::string name = run.made.run.name();
+    rows.push_back({name, run.recording, run.made.is_kept ? "was imported before, and is kept" : ""});
+    reports.push_back(run.report);
+    if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
+  }
+  text += text_table({"run", "from", ""}, rows) + "\n" + summary_of(reports, as_info_check());
+  for (const auto& [lacks, which] : runs_lacking)
+    text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
+  const fs::path object = fs::path(args.data) / names.object;
+  return text + fmt::format("Next: tactile label {}\n", shell_word(object.string()));
+}
+
+void import_recordings(const ImportArguments& args, const CommonArguments& common) {
+  RunNames names = names_of(args);
+  std::vector<std::string> recordings;
+  for (const std::string& place : args.recordings) {
+    for (const std::string& recording : recordings_at(place)) recordings.push_back(recording);
+  }
+  RunNames next = names;
+  std::vector<ImportedRun> runs;
+  bool healthy = true;
+  for (const std::string& recording : recordings) {
+    runs.push_back(import_one(recording, args, next, common));
+    if (next.first_run) ++*next.first_run;
+    const ImportedRun& run = runs.back();
+    for (const std::string& reason : run.report.health.reasons) spdlog::error("{}: {}", run.made.run.name(), reason);
+    healthy = healthy && run.report.health.healthy();
+  }
+  print_result(common, json_of(args, names, runs), text_of(args, names, runs));
+  if (!healthy) throw CheckFailed{};
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app) {
+  auto args = std::make_shared<ImportArguments>();
+  Command command = add_command(app, "import", "Make run folders of loose recordings, and check them",
+                                [args](const CommonArguments& common) { import_recordings(*args, common); });
+  command
+      .add_option(
+          "recordings", args->recordings,
+          "Recordings, one for each run: .aedat4, or what 'tactile convert' reads; or folders of them. They are not changed")
+      .type_name("RECORDING")
+      .required();
+  command.add_option("--object", args->object, "Object of the runs").type_name("NAME").required();
+  command.add_option("--run", args->run, "Number of the run, or of the first of several; default: after the highest existing run")
+      .type_name("NN")
+      .check(Check{check_run_number, "1 to 99"});
+  command.add_option("--out", args->data, "Folder of runs").type_name("DATA").show_default();
+  command.add_option("--robot", args->robot, "Robot log; default: robot.csv next to events.aedat4")
+      .type_name("FILE")
+      .check(is_existing_file());
+  add_robot_columns_option(command, args->robot_columns);
+  command
+      .add_option("--video", args->video,
+                  "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
+      .type_name("FILE")
+      .check(is_existing_file());
+  command
+      .add_option("--session", args->session,
+                  "Session of the runs, if several recordings share one start of camera and controller; default: one of each "
+                  "recording")
+      .type_name("NAME");
+  command.add_option("--stream", args->stream, "Event stream that counts, if a recording has several").type_name("ID|SOURCE");
+}
+
+}  // namespace tactile::cli

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "support/events_in_file.hpp"
+#include "support/paths.hpp"
+#include "support/run_command.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_files.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
+
+namespace tactile::splitting {
+namespace {
+namespace fs = std::filesystem;
+
+class ImportCommand : public testing::Test {
+ protected:
+  ImportCommand() {
+    fs::create_directory_symlink(fs::path(test::data_folder) / "aedat4", folder / "recordings");
+    fs::create_directory_symlink(fs::path(test::data_folder) / "bags", folder / "bags");
+  }
+  test::CommandResult run(const std::string& arguments) const { return test::run_tactile(arguments, folder.path()); }
+  nlohmann::json json_of(const std::string& arguments) const {
+    const test::CommandResult result = run(arguments + " --json");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+  fs::path run_folder(const std::string& name) const { return folder / "data" / name; }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(ImportCommand, MakesAHealthyRunOfARecordingWithAllItsEvents) {
+  const auto json = json_of("import recordings/dv-lz4.aedat4 --object cup");
+  ASSERT_EQ(json.at("runs").size(), 1U);
+  const auto& run = json.at("runs").at(0);
+  EXPECT_EQ(run.at("run"), "cup/01");
+  EXPECT_EQ(run.at("folder"), "data/cup/01");
+  EXPECT_EQ(run.at("kept"), false);
+  EXPECT_EQ(run.at("healthy"), true);
+  EXPECT_EQ(json.at("renamed"), nlohmann::json::array());
+  const auto events = test::events_in_file(folder / "recordings/dv-lz4.aedat4");
+  EXPECT_EQ(test::events_in_file(run_folder("cup/01") / "events.aedat4"), events);
+  EXPECT_EQ(run.at("events"), events.size());
+  const RunInfo info = read_run_info(run_folder_at(run_folder("cup/01")));
+  EXPECT_EQ(info.object, "cup");
+  EXPECT_EQ(info.run, "01");
+  EXPECT_TRUE(info.complete);
+  EXPECT_EQ(this->run("info --check data").exit_code, 0);
+}
+
+TEST_F(ImportCommand, CorrectsNamesAndSaysSo) {
+  const auto result = run("import recordings/dv-lz4.aedat4 --object 'Water Bottle' --run 1");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("'Water Bottle' is named water-bottle.\n'1' is named 01.\n"), std::string::npos) << result.out;
+  EXPECT_TRUE(fs::exists(run_folder("water-bottle/01/events.aedat4")));
+  const auto json = json_of("import recordings/dv-zstd.aedat4 --object water_bottle --run 3");
+  EXPECT_EQ(json.at("renamed"),
+            nlohmann::json({{{"given", "water_bottle"}, {"used", "water-bottle"}}, {{"given", "3"}, {"used", "03"}}}));
+  EXPECT_TRUE(fs::exists(run_folder("water-bottle/03/events.aedat4")));
+  EXPECT_EQ(json_of("import recordings/dv-none.aedat4 --object water-bottle").at("runs").at(0).at("run"), "water-bottle/04");
+  const auto nameless = run("import recordings/dv-lz4.aedat4 --object '!?'");
+  EXPECT_EQ(nameless.exit_code, 1);
+  EXPECT_NE(nameless.err.find("'!?'"), std::string::npos) << nameless.err;
+  EXPECT_GE(run("import recordings/dv-lz4.aedat4 --object cup --run 0").exit_code, 100);
+  EXPECT_GE(run("import recordings/dv-lz4.aedat4 --object cup --run 100").exit_code, 100);
+}
+
+TEST_F(ImportCommand, OverwritesNoRunAndImportsNoRecordingTwice) {
+  ASSERT_EQ(run("import recordings/dv-lz4.aedat4 --object cup --run 02").exit_code, 0);
+  const std::string before = sha256_of_file(run_folder("cup/02/events.aedat4"));
+  const auto taken = run("import recordings/dv-zstd.aedat4 --object cup --run 2");
+  EXPECT_EQ(taken.exit_code, 1);
+  EXPECT_NE(taken.err.find("data/cup/02: the run exists already"), std::string::npos) << taken.err;
+  EXPECT_EQ(sha256_of_file(run_folder("cup/02/events.aedat4")), before);
+  for (const char* number : {"", " --run 02", " --run 05"}) {
+    const auto again = json_of(std::string("import recordings/dv-lz4.aedat4 --object cup") + number).at("runs").at(0);
+    EXPECT_EQ(again.at("kept"), true) << number;
+    EXPECT_EQ(again.at("run"), "cup/02") << number;
+  }
+  const auto elsewhere = run("import recordings/dv-lz4.aedat4 --object mug");
+  EXPECT_EQ(elsewhere.exit_code, 1);
+  EXPECT_NE(elsewhere.err.find("the same events twice"), std::string::npos) << elsewhere.err;
+  EXPECT_FALSE(fs::exists(run_folder("mug/01")));
+}
+
+TEST_F(ImportCommand, TakesWhatConvertReadsAndFoldersOfRecordings) {
+  fs::create_directory(folder / "dv");
+  fs::copy_file(folder / "recordings/dv-zstd.aedat4", folder / "dv/dvSave-2024_05_02.aedat4");
+  fs::copy_file(folder / "recordings/dv-lz4.aedat4", folder / "dv/dvSave-2024_05_01.aedat4");
+  write_whole(folder / "dv/notes.txt", "the second one is the mug");
+  const auto json = json_of("import dv bags/run.bag --object cup --run 7");
+  ASSERT_EQ(json.at("runs").size(), 3U);
+  EXPECT_EQ(json.at("runs").at(0).at("recording"), "dv/dvSave-2024_05_01.aedat4");
+  EXPECT_EQ(json.at("runs").at(0).at("run"), "cup/07");
+  EXPECT_EQ(json.at("runs").at(1).at("recording"), "dv/dvSave-2024_05_02.aedat4");
+  EXPECT_EQ(json.at("runs").at(2).at("recording"), "bags/run.bag");
+  EXPECT_EQ(json.at("runs").at(2).at("run"), "cup/09");
+  EXPECT_TRUE(fs::exists(run_folder("cup/09/robot.csv"))) << "a bag brings it";
+  ASSERT_EQ(run("convert recordings/dv-lz4.aedat4 events.csv").exit_code, 0);
+  const auto csv = json_of("import events.csv --object mug");
+  EXPECT_EQ(csv.at("runs").at(0).at("events"), json.at("runs").at(0).at("events"));
+
+  fs::create_directory(folder / "empty");
+  const auto empty = run("import empty --object cup");
+  EXPECT_EQ(empty.exit_code, 1);
+  EXPECT_NE(empty.err.find("empty: has no recording"), std::string::npos) << empty.err;
+  EXPECT_EQ(run("import nowhere.aedat4 --object cup").exit_code, 1);
+}
+
+TEST_F(ImportCommand, TakesRobotLogAndFilmAndNamesWhatIsLacking) {
+  ASSERT_EQ(run("simulate sim --preset tiny --objects fan --runs 1").exit_code, 0);
+  fs::create_directory(folder / "loose");
+  for (const auto& [from, to] : {std::pair("events.aedat4", "take.aedat4"), std::pair("robot.csv", "ur10.csv"),
+                                 std::pair("video.mp4", "cam.mp4"), std::pair("video.csv", "cam.csv")})
+    fs::copy_file(folder / "sim/fan/01" / from, folder / "loose" / to);
+  const auto whole = run("import loose/take.aedat4 --object fan --robot loose/ur10.csv --video loose/cam.mp4");
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(whole.out.find("has no"), std::string::npos) << whole.out;
+  EXPECT_NE(whole.out.find("Next: tactile label data/fan\n"), std::string::npos) << whole.out;
+  for (const char* file : {"events.aedat4", "robot.csv", "video.mp4", "video.csv"})
+    EXPECT_EQ(sha256_of_file(run_folder("fan/01") / file), sha256_of_file(folder / "sim/fan/01" / file)) << file;
+  EXPECT_EQ(run("label data/fan").exit_code, 0);
+
+  const auto bare = run("import loose/take.aedat4 --object fan --out other");
+  EXPECT_NE(bare.out.find("fan/01 has no robot log and no film. 'tactile label' finds the lift by the IMU."), std::string::npos)
+      << bare.out;
+  const auto json = json_of("import recordings/dv-events-only.aedat4 --object cup --out third");
+  EXPECT_EQ(json.at("runs").at(0).at("lacks"), nlohmann::json({"robot log", "IMU", "film"}));
+  const auto alone = run("import recordings/dv-events-only.aedat4 --object cup --out third");
+  EXPECT_NE(alone.out.find("cup/01 has no robot log, no IMU and no film."), std::string::npos) << alone.out;
+}
+
+TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {
+  const std::string whole = read_text(folder / "recordings/dv-lz4.aedat4");
+  write_whole(folder / "cut.aedat4", whole.substr(0, whole.size() * 3 / 4));
+  const auto result = run("import cut.aedat4 recordings/dv-zstd.aedat4 --object cup --json");
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("runs").at(0).at("healthy"), false);
+  EXPECT_FALSE(json.at("runs").at(0).at("reasons").empty());
+  EXPECT_EQ(json.at("runs").at(1).at("healthy"), true);
+  EXPECT_TRUE(fs::exists(run_folder("cup/01/events.aedat4")));
+}
+
+}  // namespace
+}  // namespace tactile::splitting
