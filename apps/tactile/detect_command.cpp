@@ -172,8 +172,9 @@ void detect(DetectArguments args, const CommonArguments& common) {
   const model::Classifier classifier = opened(args, bundle);
   const heatmaps::HeatmapOptions rendering = options.detector.rendering;
   detect::DetectionSession session(std::move(options), [&](events::SensorSize sensor) {
+    auto on_events = classifier.on_events(sensor, rendering);
     if (page) line.inform("page at " + page->open(sensor, rendering));
-    return classifier.on_events(sensor, rendering);
+    return on_events;
   });
   TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
   detect::DetectionSummary summary = session.run(page ? page->shown(reader.output()) : reader.output());

@@ -14,7 +14,7 @@ namespace tactile::cli {
 
 /// What is recorded at a moment.
 struct RecordMoment {
-  const char* state = "waiting";           ///< "waiting" for a run to begin, "recording" or "closing" one
+  const char* state = "waiting";           ///< "waiting" for a run to begin, or "recording" one
   std::string run{};                       ///< "fan/03"; empty while waiting
   std::string words{};                     ///< what is waited for, or how the run ends
   const capture::RunState* now = nullptr;  ///< of a run that is recorded

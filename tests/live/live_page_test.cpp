@@ -8,8 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "review/page_client.hpp"
-#include "support/comes_true.hpp"
+#include "live/live_client.hpp"
 #include "support/error_of.hpp"
 #include "tactile/live/live_server.hpp"
 
@@ -18,6 +17,7 @@ namespace {
 
 using nlohmann::json;
 using test::get;
+using test::LiveClient;
 using test::PageConnection;
 using test::request_text;
 
@@ -25,9 +25,7 @@ constexpr events::SensorSize sensor{40, 30};
 
 class LivePages : public testing::Test {
  protected:
-  LivePages()
-      : server(0, {.sensor = sensor, .values = {"p_press"}}),
-        port(static_cast<std::uint16_t>(std::stoi(server.url().substr(server.url().rfind(':') + 1)))) {}
+  LivePages() : server(0, {.sensor = sensor, .values = {"p_press"}}), port(test::port_in(server.url())) {}
 
   /// A millisecond of a stream: one event brighter at (3, 2), one darker at (5, 4).
   void add_ms() {
@@ -35,26 +33,6 @@ class LivePages : public testing::Test {
                                             {.t = camera_time(1'000 * ms + 500), .x = 5, .y = 4, .on = 0}};
     server.page().events().add(events);
     ++ms;
-  }
-
-  static json message_in(PageConnection& connection) {
-    connection.receive_until("data: ");
-    const std::string line = connection.receive_until("\n");
-    return line.empty() ? json() : json::parse(line);
-  }
-  /// The first message for which `is_it` holds.
-  template <class IsIt>
-  static json message_where(PageConnection& connection, const IsIt& is_it) {
-    const auto begun = std::chrono::steady_clock::now();
-    while (std::chrono::steady_clock::now() - begun < test::long_enough) {
-      const json message = message_in(connection);
-      if (message.is_null() || is_it(message)) return message;
-    }
-    return {};
-  }
-  void listen(PageConnection& connection) const {
-    connection.send(request_text(port, "GET /api/live", "Connection: close\r\n"));
-    EXPECT_EQ(connection.receive().headers.at("content-type"), "text/event-stream");
   }
 
   LiveServer server;
@@ -75,9 +53,9 @@ TEST_F(LivePages, ServeTheLivePageOnThisMachine) {
 TEST_F(LivePages, TellTheNewestStateAndTheStepsOfTheLastMinute) {
   server.page().publish({{"run", "fan/01"}});
   server.page().publish({{"run", "fan/02"}});
-  PageConnection connection(port);
-  listen(connection);
-  const json first = message_where(connection, [](const json& m) { return !m.at("state").is_null(); });
+  LiveClient client(port);
+  EXPECT_EQ(client.head().headers.at("content-type"), "text/event-stream");
+  const json first = client.next_where([](const json& m) { return !m.at("state").is_null(); });
   EXPECT_EQ(first.at("state").at("run"), "fan/02");
   EXPECT_EQ(first.at("columns"), json({"events_per_s", "p_press"}));
   EXPECT_FALSE(first.at("ended"));
@@ -86,7 +64,7 @@ TEST_F(LivePages, TellTheNewestStateAndTheStepsOfTheLastMinute) {
   server.page().note(std::vector{0.5});
   std::vector<double> times;
   for (const json& step : first.at("steps")) times.push_back(step.at(0));
-  const json noted = message_where(connection, [&](const json& m) {
+  const json noted = client.next_where([&](const json& m) {
     for (const json& step : m.at("steps")) times.push_back(step.at(0));
     return m.at("steps").back().at(2) == 0.75;
   });
@@ -97,8 +75,7 @@ TEST_F(LivePages, TellTheNewestStateAndTheStepsOfTheLastMinute) {
 TEST_F(LivePages, ShowPicturesOfTheNewestEventsOnlyWhileSomeoneLooks) {
   for (int i = 0; i < 300; ++i) add_ms();
   EXPECT_EQ(get(port, "/api/live/events").status, 204);
-  PageConnection connection(port);
-  listen(connection);
+  LiveClient client(port);
   std::atomic<bool> stops{false};
   std::thread adds([&] {
     while (!stops) {
@@ -106,7 +83,7 @@ TEST_F(LivePages, ShowPicturesOfTheNewestEventsOnlyWhileSomeoneLooks) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  const json message = message_where(connection, [](const json& m) { return m.at("live").at("picture") >= 2; });
+  const json message = client.next_where([](const json& m) { return m.at("live").at("picture") >= 2; });
   stops = true;
   adds.join();
   ASSERT_FALSE(message.is_null());
@@ -121,17 +98,15 @@ TEST_F(LivePages, ShowPicturesOfTheNewestEventsOnlyWhileSomeoneLooks) {
 }
 
 TEST_F(LivePages, AnEmptyPictureFollowsASilence) {
-  PageConnection connection(port);
-  listen(connection);
-  const json message = message_where(connection, [](const json& m) { return m.at("live").at("picture") >= 1; });
+  LiveClient client(port);
+  const json message = client.next_where([](const json& m) { return m.at("live").at("picture") >= 1; });
   ASSERT_FALSE(message.is_null());
   const std::string bytes = get(port, "/api/live/events").body;
   EXPECT_EQ(bytes.find_first_not_of('\0', 8), std::string::npos);
 }
 
 TEST_F(LivePages, EventsOutsideTheSensorAreLeftOut) {
-  PageConnection connection(port);
-  listen(connection);
+  LiveClient client(port);
   std::atomic<bool> stops{false};
   std::thread adds([&] {
     for (std::int64_t t = 0; !stops; t += 10'000) {
@@ -141,7 +116,7 @@ TEST_F(LivePages, EventsOutsideTheSensorAreLeftOut) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   });
-  message_where(connection, [](const json& m) { return m.at("live").at("picture") >= 1; });
+  client.next_where([](const json& m) { return m.at("live").at("picture") >= 1; });
   stops = true;
   adds.join();
   const std::string bytes = get(port, "/api/live/events").body;
@@ -167,25 +142,23 @@ TEST_F(LivePages, AClientThatTakesNothingDelaysNobody) {
   }
   // The client's connection is full after a second or so. Whoever waited for it would wait for seconds.
   EXPECT_LT(longest, std::chrono::milliseconds(500));
-  PageConnection reads(port);
-  listen(reads);
-  EXPECT_FALSE(message_in(reads).is_null());
+  LiveClient reads(port);
+  EXPECT_FALSE(reads.next().is_null());
 }
 
 TEST_F(LivePages, TheLastStateReachesWhoLooksOnAndEndsTheStream) {
-  PageConnection connection(port);
-  listen(connection);
-  message_in(connection);
+  LiveClient client(port);
+  client.next();
   server.page().end({{"state", "ended"}});
-  const json last = message_where(connection, [](const json& m) { return m.at("ended").get<bool>(); });
+  const json last = client.next_where([](const json& m) { return m.at("ended").get<bool>(); });
   ASSERT_FALSE(last.is_null());
   EXPECT_EQ(last.at("state").at("state"), "ended");
-  EXPECT_EQ(connection.receive_until("data: "), "") << "nothing follows it";
+  EXPECT_TRUE(client.next().is_null()) << "nothing follows it";
 }
 
 TEST(LiveServing, APortThatIsTakenIsNamed) {
   const LiveServer first(0, {.sensor = sensor});
-  const auto port = static_cast<std::uint16_t>(std::stoi(first.url().substr(first.url().rfind(':') + 1)));
+  const auto port = test::port_in(first.url());
   EXPECT_NE(test::error_of([&] { const LiveServer second(port, {.sensor = sensor}); }).find("another program uses this port"),
             std::string::npos);
 }

@@ -57,7 +57,7 @@ class LivePage {
       this.picture = picture;
       this.events.show(picture);
       this.heatmap.show(picture);
-      this.events.caption.title = `${picture_us / 1000} ms`;
+      this.events.caption.firstChild.textContent = `Events of ${picture_us / 1000} ms`;
     }
   }
 
