@@ -14,11 +14,13 @@
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "detect_page.hpp"
 #include "detect_plot.hpp"
 #include "detect_report.hpp"
 #include "live_line.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
+#include "page_port.hpp"
 #include "rendering_arguments.hpp"
 #include "robot_arguments.hpp"
 #include "source_arguments.hpp"
@@ -45,7 +47,7 @@ struct DetectArguments {
   GateArguments gate;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
-  std::string ticks, plot, udp, mask;
+  std::string ticks, plot, udp, mask, page;
   RobotArguments robot;
   bool no_real_time = false, no_rehearsal = false, awake = false;
   bool record = false;
@@ -151,22 +153,33 @@ void detect(DetectArguments args, const CommonArguments& common) {
   LiveLine line(!common.quiet);
   detect::DetectionOptions options = session_options(args, bundle, model);
   options.inform = [&line](const std::string& text) { line.inform(text); };
-  options.warn = [&line](const std::string& text) { line.warn(text); };
+  std::optional<DetectPage> page;  // outlives the session, whose source shows it events
+  if (args.from.empty()) args.from = default_source("detect");
+  if (!args.page.empty())
+    page.emplace(page_port("--page", args.page), DetectPageLabels{.source = args.from, .model = bundle.name()});
+  if (page) options.see_events = [&page](std::span<const events::Event> seen) { page->see(seen); };
+  options.warn = [&line, &page](const std::string& text) {
+    line.warn(text);
+    if (page) page->warn(text);
+  };
   line.inform("detecting with " + bundle.folder.string());
   if (!model.scene)
     line.inform(bundle.name() +
                 " does not know the scenes of its training runs, so the scene is not watched; 'tactile train --force' adds them");
-  if (args.from.empty()) args.from = default_source("detect");
   check_tick_count(args, options.detector.rendering);
   options.source = args.from;
 
   const model::Classifier classifier = opened(args, bundle);
   const heatmaps::HeatmapOptions rendering = options.detector.rendering;
-  detect::DetectionSession session(std::move(options),
-                                   [&](events::SensorSize sensor) { return classifier.on_events(sensor, rendering); });
+  detect::DetectionSession session(std::move(options), [&](events::SensorSize sensor) {
+    auto on_events = classifier.on_events(sensor, rendering);
+    if (page) line.inform("page at " + page->open(sensor, rendering));
+    return on_events;
+  });
   TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
-  detect::DetectionSummary summary = session.run(reader.output());
+  detect::DetectionSummary summary = session.run(page ? page->shown(reader.output()) : reader.output());
   line.clear();
+  if (page) page->end(summary);
   summary.ticks_left_out += reader.not_kept();
   const DetectModel used{.name = bundle.name(), .engine = args.engine, .precision = args.precision};
   const std::string drawn = draw(args, summary, used.name, reader.kept());
@@ -204,6 +217,7 @@ void add_model_options(Command& command, DetectArguments& args) {
 void add_output_options(Command& command, DetectArguments& args) {
   command.add_option("--udp", args.udp, "Send a record to this address at each tick").type_name("HOST:PORT");
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
+  add_page_option(command, "--page", args.page, "Show verdicts on a local page while it runs, at this port; 0 takes a free port");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");
   const Option record = command.add_flag("--record", args.record, "Also record the run, as 'record' does");
   command.add_option("--out", args.out, "With --record: folder of runs").needs(record).show_default();

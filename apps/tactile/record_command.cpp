@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <future>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +18,8 @@
 #include "interruption.hpp"
 #include "live_line.hpp"
 #include "option_checks.hpp"
+#include "page_port.hpp"
+#include "record_preview.hpp"
 #include "record_runs.hpp"
 #include "source_arguments.hpp"
 #include "tactile/capture/camera_source.hpp"
@@ -46,6 +50,7 @@ struct RecordArguments {
   std::string compression = "lz4";
   std::size_t queue_mb = 256;
   bool list = false;
+  std::string preview;
 };
 
 void list_sources(const CommonArguments& common) {
@@ -90,8 +95,8 @@ std::unique_ptr<video::VideoCapture> open_video(const RecordArguments& args, Liv
 }
 
 /// Nothing after Ctrl-C.
-std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args, const capture::SessionPlan& plan,
-                                                    LiveLine& line) try {
+std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args, const capture::SessionPlan& plan, LiveLine& line,
+                                                    RecordPreview* preview) try {
   // The cameras are opened last, because recording begins with their first data.
   std::unique_ptr<robot::RobotMonitor> robot = open_robot(args, plan, line);
   if (interrupted()) return nullptr;
@@ -104,11 +109,12 @@ std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args,
     sources.push_back(capture::open_camera_source(text, options));
     if (const std::string remark = sources.back()->remark(); !remark.empty()) line.warn(fmt::format("{}: {}", text, remark));
   }
-  return std::make_unique<capture::RunRecorder>(
-      std::move(sources), std::move(robot), std::move(video),
-      capture::RunRecorderOptions{.queue_bytes = args.queue_mb << 20,
-                                  .compression = events::compression_named(args.compression),
-                                  .log = [&line](const std::string& text) { line.warn(text); }});
+  capture::RunRecorderOptions recorder_options{.queue_bytes = args.queue_mb << 20,
+                                               .compression = events::compression_named(args.compression),
+                                               .log = [&line](const std::string& text) { line.warn(text); }};
+  if (preview != nullptr) recorder_options.see_events = [preview](std::span<const events::Event> seen) { preview->see(seen); };
+  return std::make_unique<capture::RunRecorder>(std::move(sources), std::move(robot), std::move(video),
+                                                std::move(recorder_options));
 } catch (const Error&) {
   if (!interrupted()) throw;
   return nullptr;  // after Ctrl-C an error does not matter
@@ -118,10 +124,10 @@ std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args,
 /// its thread is left running. Nothing has been written by then.
 template <class GiveUp>
 std::unique_ptr<capture::RunRecorder> open_unless_interrupted(const RecordArguments& args, const capture::SessionPlan& plan,
-                                                              LiveLine& line, const GiveUp& give_up) {
+                                                              LiveLine& line, RecordPreview* preview, const GiveUp& give_up) {
   using std::chrono::milliseconds;
   std::future<std::unique_ptr<capture::RunRecorder>> opened =
-      std::async(std::launch::async, [&] { return open_recorder(args, plan, line); });
+      std::async(std::launch::async, [&] { return open_recorder(args, plan, line, preview); });
   while (opened.wait_for(milliseconds(50)) != std::future_status::ready) {
     // A source that is just being opened, such as a camera, is closed in order.
     if (interrupted() && opened.wait_for(milliseconds(500)) != std::future_status::ready) {
@@ -201,15 +207,23 @@ void record(RecordArguments args, const CommonArguments& common) {
   if (!args.readout_mode.empty()) capture::readout_mode(args.readout_mode);
   if (args.out.empty()) args.out = usual_folder(args.from);
   RunsToRecord wanted{
-      .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}};
+      .data = args.out, .plan = plan_of(args), .is_session = !args.session.empty(), .run = args.run, .settings = {}, .watch = {}};
   if (args.from.empty()) args.from.push_back(default_source("record"));
   wanted.settings = settings_json(args, wanted.plan);
 
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk, and the data so far is kept
   LiveLine line(!common.quiet);
   const auto print = [&](const RecordedRuns& recorded) { print_runs(common, args.out, wanted.is_session, recorded); };
-  const std::unique_ptr<capture::RunRecorder> recorder = open_unless_interrupted(args, wanted.plan, line, [&] { print({}); });
+  std::optional<RecordPreview> preview;  // outlives the recorder, whose sources show it events
+  if (!args.preview.empty()) preview.emplace(page_port("--preview", args.preview), args.out);
+  const std::unique_ptr<capture::RunRecorder> recorder =
+      open_unless_interrupted(args, wanted.plan, line, preview ? &*preview : nullptr, [&] { print({}); });
+  if (recorder && preview) {
+    line.inform("preview at " + preview->open(*recorder));
+    wanted.watch = [&preview](const RecordMoment& moment) { preview->show(moment); };
+  }
   const RecordedRuns recorded = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
+  if (recorder && preview) preview->end(*recorder, recorded);
   if (!recorded.runs.empty() || recorded.error.empty()) print(recorded);
   if (!recorded.error.empty()) throw Error(recorded.error);
 }
@@ -266,6 +280,8 @@ void add_record_command(CLI::App& app) {
   command.add_option("--queue-mb", args->queue_mb, "Memory for data that waits for the disk [MiB]")
       .check(in_range(std::size_t{1}, std::size_t{65536}))
       .show_default();
+  add_page_option(command, "--preview", args->preview,
+                  "Show the recording on a local page while it runs, at this port; 0 takes a free port");
   command.add_flag("--list", args->list, "List cameras, streams and video devices, then exit");
 }
 

@@ -155,6 +155,10 @@ class Walk {
   bool record_one();
   void discard_last();
   void draw(const RunFolder& run, const capture::RunState& state);
+  void show(RecordMoment moment) const {
+    moment.recorder = &recorder_;
+    if (wanted_.watch) wanted_.watch(moment);
+  }
 
   capture::RunRecorder& recorder_;
   const RunsToRecord& wanted_;
@@ -215,14 +219,12 @@ Walk::Answer Walk::wait_to_begin() {
   }
   const bool at_end = object_index_ == plan_.objects.size();
   if (at_end && (done_.empty() || plan_.start_on)) return Answer::end;
-  if (wanted_.is_session) {
-    line_.inform(question());
-  } else {
-    line_.inform("waits for " + plan_.start_on->text());
-  }
+  const std::string words = wanted_.is_session ? question() : "waits for " + plan_.start_on->text();
+  line_.inform(words);
   recorder_.discard();
   bool has_reported_high = false;
   for (;;) {
+    show({.state = "waiting", .words = words});
     if (interrupted()) return Answer::end;
     if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
       if (done_.empty() || gone != "source ended") throw Error(gone + "; expected a source that continues until the last run");
@@ -280,13 +282,15 @@ bool Walk::record_one() {
   drawn_events_ = 0;
   const bool enter_ends = wanted_.is_session && !plan_.duration_s && !plan_.stop_on;
   const char* how_it_ends = enter_ends ? ", Enter ends it" : wanted_.is_session || plan_.duration_s ? "" : ", Ctrl-C ends it";
-  line_.inform(fmt::format("recording {}{}", request.run.folder.string(), how_it_ends));
+  const std::string words = fmt::format("recording {}{}", request.run.folder.string(), how_it_ends);
+  line_.inform(words);
   bool has_reported_drops = false;
   std::string why;
   while (why.empty()) {
     if (plan_.start_on) start_.rises(newest(recorder_, *plan_.start_on));
     const capture::RunState state = recorder_.state();
     draw(request.run, state);
+    show({.state = "recording", .run = request.run.name(), .words = words, .now = &state});
     if (!has_reported_drops && state.drops.queue_full.packets > 0) {
       has_reported_drops = true;
       line_.warn(request.run.name() + ": writing is too slow, packets are dropped and counted");

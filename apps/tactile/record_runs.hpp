@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -11,6 +12,15 @@
 
 namespace tactile::cli {
 
+/// What is recorded at a moment.
+struct RecordMoment {
+  const char* state = "waiting";           ///< "waiting" for a run to begin, or "recording" one
+  std::string run{};                       ///< "fan/03"; empty while waiting
+  std::string words{};                     ///< what is waited for, or how the run ends
+  const capture::RunState* now = nullptr;  ///< of a run that is recorded
+  const capture::RunRecorder* recorder = nullptr;
+};
+
 /// The runs to record.
 struct RunsToRecord {
   std::filesystem::path data;
@@ -18,6 +28,7 @@ struct RunsToRecord {
   bool is_session = false;  ///< follows the plan and asks before each run; else one run of the plan's only object
   std::string run;          ///< of a single run; empty: the next free number
   nlohmann::json settings;
+  std::function<void(const RecordMoment&)> watch = {};  ///< called again and again; must return soon
 };
 
 struct RecordedRuns {

@@ -64,10 +64,11 @@ std::string table_of(const splitting::SplitProposal& proposal, const std::vector
 /// What a person needs to choose --quiet-s.
 std::string quiet_text(const splitting::SplitProposal& proposal) {
   if (!proposal.looked_for_touches) return {};
-  std::string text =
-      fmt::format(fmt::runtime(proposal.cuts.empty() ? "One run: no quiet stretch of {:g} s or more lies between two touches."
-                                                     : "Cut in the middle of each quiet stretch of {:g} s or more."),
-                  1e-6 * static_cast<double>(proposal.quiet_needed.count()));
+  std::string text = fmt::format(
+      fmt::runtime(proposal.cuts.empty()
+                       ? "One run: no quiet stretch of {:g} s or more, except where an object is held."
+                       : "Cut in the middle of each quiet stretch of {:g} s or more, except where an object is held."),
+      1e-6 * static_cast<double>(proposal.quiet_needed.count()));
   if (proposal.quiet_per_s) text += fmt::format(" The skin gives {} while nothing moves.", rate_text(*proposal.quiet_per_s));
   if (!proposal.cuts.empty()) text += " Column 'quiet': without a touch before the run's first one.";
   if (const auto within = splitting::longest_quiet_within(proposal))
@@ -217,7 +218,7 @@ void add_split_command(CLI::App& app) {
       .type_name("S,...")
       .delimiter(',')
       .check(in_range(0.0, 1e6));
-  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for so long [s]")
+  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for so long [s], unless an object is held")
       .check(in_range(0.05, 3600.0))
       .show_default();
   command.add_option("--stream", args->stream, "Event stream to look at, if the recording has several").type_name("ID|SOURCE");

@@ -195,6 +195,36 @@ TEST_F(RunRecorderTest, RecordsRunAfterRunAndDiscardsWhatComesInBetween) {
   }
 }
 
+TEST_F(RunRecorderTest, ShowsTheEventsOfItsFirstStreamAlsoBetweenRuns) {
+  std::atomic<std::int64_t> newest{0}, seen{0};
+  auto steady = [&newest](CameraPacket& packet, std::chrono::milliseconds) {
+    packet.stream_id = 0;
+    packet.events.push_back(event_at(++newest));
+    std::this_thread::sleep_for(100us);
+    return CameraSource::Received::packet;
+  };
+  auto silent = [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); };
+  RunRecorderOptions options;
+  options.see_events = [&seen](std::span<const events::Event> events) {
+    for (const events::Event& event : events) seen = us_of(event.t);
+  };
+  RunRecorder recorder(
+      sources_of(event_source(steady), std::make_unique<MadeSource>("made:imu", std::vector{imu_stream()}, silent)), nullptr,
+      nullptr, std::move(options));
+  recorder.discard();
+  ASSERT_TRUE(test::comes_true([&] { return seen > 10; })) << "no run has begun";
+  recorder.begin({.run = make_run_folder(data.path(), "fan"), .session = "monday", .duration = {}});
+  const std::int64_t before = newest;
+  ASSERT_TRUE(test::comes_true([&] { return seen > before + 10; }));
+  recorder.end("interrupted");
+  const std::vector<SourceState> sources = recorder.sources();
+  ASSERT_EQ(sources.size(), 2U);
+  EXPECT_EQ(sources[0].name, "made:events");
+  EXPECT_GT(sources[0].packets, 20U);
+  EXPECT_EQ(sources[1].packets, 0U) << "the IMU is silent";
+  EXPECT_FALSE(sources[1].has_ended);
+}
+
 TEST_F(RunRecorderTest, RefusesTheSameStreamTwiceAndSourcesWithoutEvents) {
   const auto silent = [](CameraPacket&, std::chrono::milliseconds patience) { return MadeSource::silent_for(patience); };
   EXPECT_THROW(RunRecorder(sources_of(event_source(silent), event_source(silent)), nullptr, nullptr), Error);

@@ -111,6 +111,14 @@ TEST(LiveDetector, SkipsToTheNewestTickWhenItIsLate) {
   EXPECT_EQ(live.reported[0].due.skipped, 20U);
   EXPECT_EQ(live.detector.deadlines().counts().skipped, 20U);
   EXPECT_EQ(live.reported[0].verdict.events, 20U) << "all events of the history, those of skipped ticks too";
+  // The tick of 50 ms closed with the event at 50 ms.
+  ASSERT_TRUE(live.reported[0].lateness);
+  EXPECT_GE(*live.reported[0].lateness, 100us);
+  Live replay(true);
+  for (std::int64_t t = 0; t <= 50'000; t += 500) replay.take({t}, base + t);
+  replay.report_all(base + 50'100);
+  ASSERT_FALSE(replay.reported.empty());
+  EXPECT_FALSE(replay.reported[0].lateness) << "a replay has no deadline";
 }
 
 TEST(LiveDetector, WarnsOnceOfPacketsLongerThanATick) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Judges the labels of six ordinary runs, and fails if they miss a goal of judge.py by far.
+"""Judges the labels of six ordinary runs, and fails if they miss a goal of judge.py by far. Joins the runs in one recording, and
+fails if `tactile split` does not find them again.
 
   judge_test.py TACTILE
 
@@ -39,6 +40,31 @@ def missed_by_far(results):
     return wrong
 
 
+def wrong_cuts(tactile, runs, folder):
+    """What is wrong with the runs that `tactile split` proposes for a recording of all of them, 4 s apart."""
+    begins, touches, rows, next_begin = [], [], [], 0
+    for run in runs:
+        subprocess.run([tactile, "convert", run / "events.aedat4", folder / "run.csv", "--force", "--quiet"], check=True,
+                       stdout=subprocess.DEVNULL)
+        header, *lines = (folder / "run.csv").read_text().splitlines()
+        events = [line.split(",", 1) for line in lines]
+        shift = next_begin - int(events[0][0])
+        rows += [f"{int(t) + shift},{rest}" for t, rest in events]
+        begins.append(next_begin)
+        touches += [(len(begins) - 1, i["class"], i["start_us"] + shift, i["end_us"] + shift)
+                    for i in json.loads((run / "truth.json").read_text())["intervals"] if i.get("labelled", True)]
+        next_begin = int(events[-1][0]) + shift + 4_000_000
+    (folder / "joined.csv").write_text("\n".join([header, *rows]) + "\n")
+    proposed = json.loads(subprocess.run([tactile, "split", folder / "joined.csv", "--dry-run", "--json", "--quiet"], check=True,
+                                         capture_output=True, text=True).stdout)["proposal"]["runs"]
+    if len(proposed) != len(runs):
+        return [f"split proposes {len(proposed)} runs for {len(runs)}"]
+    wrong = [f"run {i + 1} begins {1e-6 * (begin - run['begin_us']):.1f} s after its cut; expected 0 to 4"
+             for i, (begin, run) in enumerate(zip(begins, proposed)) if not 0 <= begin - run["begin_us"] <= 4_000_000]
+    return wrong + [f"run {i + 1}: split sees no touch at the {what}" for i, what, start, end in touches
+                    if not any(t["begin_us"] < end and t["end_us"] > start for t in proposed[i]["touches"])]
+
+
 def python_with_packages():
     """The interpreter of the generator's environment; None if a package cannot be installed."""
     environment = SOURCES / "build/independent"
@@ -62,6 +88,8 @@ def main():
             print("FAILED: judge.py wrote no results")
             return 1
         wrong = missed_by_far(json.loads(results.read_text()))
+        runs = sorted(truth.parent for truth in (pathlib.Path(folder) / "runs").glob("*/*/truth.json"))
+        wrong += wrong_cuts(sys.argv[1], runs, pathlib.Path(folder))
     for line in wrong:
         print("FAILED:", line)
     return 1 if wrong else 0

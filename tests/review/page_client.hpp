@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "tactile/core/text.hpp"
 
@@ -70,6 +71,17 @@ class PageConnection {
     answer.body = received_.substr(head + 4, length);
     received_.erase(0, std::min(received_.size(), head + 4 + length));
     return answer;
+  }
+
+  /// What comes after the answer's head, up to these words. Empty if the connection ends before them.
+  std::string receive_until(std::string_view words) {
+    std::size_t at = 0;
+    while ((at = received_.find(words)) == std::string::npos) {
+      if (!take()) return {};
+    }
+    const std::string text = received_.substr(0, at + words.size());
+    received_.erase(0, at + words.size());
+    return text;
   }
 
   /// Whether the server has ended the connection; waits for it.

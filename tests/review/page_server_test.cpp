@@ -7,7 +7,9 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "review/page_client.hpp"
@@ -238,6 +240,93 @@ TEST_F(PageServing, AHundredSilentConnectionsDoNotKeepOthersWaiting) {
   EXPECT_EQ(get(port, "/api/x").status, 200);
   server.reset();  // ends them all
   for (const auto& connection : silent) EXPECT_TRUE(connection->is_ended());
+}
+
+/// A server whose /api/stream counts as long as it runs, and at whose / is another file.
+class PageStreaming : public testing::Test {
+ protected:
+  void serve(PageServerOptions options = {}) {
+    options.port = 0;
+    options.page = "main.js";
+    server = std::make_unique<PageServer>(options, files, [this](const PageRequest& request) {
+      PageResponse response{.type = "text/event-stream", .body = {}};
+      const bool ends = request.query.contains("ends");
+      response.parts = [this, ends, next = 0]() mutable -> std::optional<std::string> {
+        ++asked;
+        if (ends && next == 3) return std::nullopt;
+        if (next % 2 == 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return ++next % 2 == 0 && !ends ? std::string() : "data: " + std::to_string(next) + std::string(padding, ' ') + "\n\n";
+      };
+      return response;
+    });
+    port = server->port();
+  }
+
+  std::unique_ptr<PageServer> server;
+  std::uint16_t port = 0;
+  std::size_t padding = 0;
+  std::atomic<std::uint64_t> asked{0};
+};
+
+TEST_F(PageStreaming, SendsPartsAsTheyComeAbout) {
+  serve();
+  EXPECT_EQ(get(port, "/").body, "export {};");
+  PageConnection connection(port);
+  connection.send(request_text(port, "GET /api/stream"));
+  EXPECT_EQ(connection.receive().headers.at("content-type"), "text/event-stream");
+  EXPECT_NE(connection.receive_until("data: 5\n").find("data: 3\n"), std::string::npos);
+  EXPECT_EQ(get(port, "/api/stream", "Host: evil.example\r\n").status, 403);
+}
+
+TEST_F(PageStreaming, EndsWithItsLastPart) {
+  serve();
+  PageConnection connection(port);
+  connection.send(request_text(port, "GET /api/stream?ends=1", "Connection: close\r\n"));
+  connection.receive();
+  EXPECT_NE(connection.receive_until("\r\n0\r\n\r\n").find("data: 3\n"), std::string::npos);
+  EXPECT_TRUE(connection.is_ended());
+}
+
+TEST_F(PageStreaming, AsksNothingForAClientThatTakesNothing) {
+  padding = 100'000;
+  serve();
+  PageConnection stuck(port);
+  stuck.send(request_text(port, "GET /api/stream"));
+  std::uint64_t before = 0;
+  EXPECT_TRUE(test::comes_true([&] {  // once the system's buffers are full
+    const std::uint64_t now = asked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return now > 0 && now == std::exchange(before, asked.load());
+  }));
+  EXPECT_EQ(get(port, "/").status, 200);
+}
+
+TEST_F(PageStreaming, DropsAClientThatTakesNothingForLong) {
+  padding = 100'000;
+  serve({.stall = std::chrono::milliseconds(100)});
+  PageConnection stuck(port);
+  stuck.send(request_text(port, "GET /api/stream"));
+  EXPECT_TRUE(test::comes_true([&] { return asked > 0; }));
+  EXPECT_TRUE(test::comes_true([&] { return !stuck.send("x"); }));
+}
+
+TEST_F(PageStreaming, EndsWithTheServerAndWithItsClient) {
+  serve();
+  auto leaves = std::make_unique<PageConnection>(port);
+  leaves->send(request_text(port, "GET /api/stream"));
+  EXPECT_TRUE(test::comes_true([&] { return asked > 0; }));
+  leaves.reset();
+  std::uint64_t before = 0;
+  EXPECT_TRUE(test::comes_true([&] {
+    const std::uint64_t now = asked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return now == std::exchange(before, asked.load());
+  }));
+  PageConnection stays(port);
+  stays.send(request_text(port, "GET /api/stream"));
+  stays.receive();
+  server.reset();
+  EXPECT_TRUE(stays.is_ended());
 }
 
 TEST_F(PageServing, AHundredClientsAtOnceAreAllAnswered) {

@@ -82,6 +82,26 @@ TEST_F(SplitCommand, ProposesTheRunsThatWereJoinedWithTheirPressesAndSlips) {
   }
 }
 
+TEST_F(SplitCommand, CutsNoRunInItsHoldThoughNothingMovesForLong) {
+  write_whole(folder / "hold.json", R"({"presets": {"tiny": {"timings": {"quiet_s": [2.6, 3.2], "hold_s": [2.2, 2.6]}}}})");
+  ASSERT_EQ(run("simulate sim --preset tiny --objects fan --runs 3 --seed 4 --physics hold.json").exit_code, 0);
+  const test::LongRecording held = test::join_runs(find_runs(folder / "sim"), folder / "held");
+  ASSERT_EQ(run("convert held/events.aedat4 held.csv").exit_code, 0);
+  for (const char* recording : {"held", "held.csv"}) {  // with robot log and IMU, and without both
+    const nlohmann::json proposal = json_of(std::string("split --dry-run ") + recording).at("proposal");
+    ASSERT_EQ(proposal.at("runs").size(), 3U) << recording << proposal;
+    for (std::size_t i = 0; i < held.touches.size(); ++i) {
+      const nlohmann::json& touches = proposal.at("runs").at(i / 2).at("touches");
+      EXPECT_TRUE(std::any_of(touches.begin(), touches.end(),
+                              [&](const nlohmann::json& touch) {
+                                return touch.at("begin_us") < us_of(held.touches[i].end) &&
+                                       touch.at("end_us") > us_of(held.touches[i].start);
+                              }))
+          << recording << i;
+    }
+  }
+}
+
 TEST_F(SplitCommand, GivesPiecesThatAreTheRecordingElementByElement) {
   const std::string before = test::hash_of(test::image_of(folder / "take"));
   const nlohmann::json json = json_of("split take --object fan");

@@ -12,13 +12,15 @@ constexpr std::chrono::milliseconds source_patience{50};  // after which the thr
 
 }  // namespace
 
-Receiver::Receiver(std::unique_ptr<CameraSource> source, std::size_t index, PacketQueue& queue)
+Receiver::Receiver(std::unique_ptr<CameraSource> source, std::size_t index, PacketQueue& queue,
+                   std::function<void(const CameraPacket&)> see)
     : source_(std::move(source)),
       index_(index),
       queue_(queue),
       name_(source_->name()),
       live_(source_->live()),
       begins_again_(source_->begins_again()),
+      see_(std::move(see)),
       thread_([this] { receive_all(); }) {}
 
 Receiver::~Receiver() {
@@ -119,6 +121,8 @@ void Receiver::receive_all() {
     try {
       switch (source_->receive(elements, source_patience)) {
         case CameraSource::Received::packet:
+          packets_.fetch_add(1, std::memory_order_relaxed);
+          if (see_) see_(elements);
           if (hands_over_) hand_over(packet);
           break;
         case CameraSource::Received::nothing:

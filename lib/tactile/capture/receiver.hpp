@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
@@ -26,7 +27,9 @@ class Receiver {
   /// Receives nothing until `discard` or `begin`.
   /// @param index  of the source, for its packets
   /// @param queue  must outlive this
-  Receiver(std::unique_ptr<CameraSource> source, std::size_t index, PacketQueue& queue);
+  /// @param see    called with each packet that arrives, on the source's thread; may be empty
+  Receiver(std::unique_ptr<CameraSource> source, std::size_t index, PacketQueue& queue,
+           std::function<void(const CameraPacket&)> see = {});
   ~Receiver();
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
@@ -43,6 +46,7 @@ class Receiver {
 
   void pause();  ///< immediately: no more packets go to the queue, and those of a live source are discarded
 
+  std::uint64_t packets() const { return packets_.load(std::memory_order_relaxed); }  ///< that arrived so far
   std::optional<HostTime> ended_at() const;
   std::string error() const;              ///< why the source is lost; empty if it is not
   void add_drops(RunDrops& drops) const;  ///< of the present run
@@ -61,6 +65,8 @@ class Receiver {
   PacketQueue& queue_;
   const std::string name_;
   const bool live_, begins_again_;
+  const std::function<void(const CameraPacket&)> see_;
+  std::atomic<std::uint64_t> packets_{0};
   std::atomic<bool> hands_over_{false}, discards_{false};
 
   mutable std::mutex guard_;  ///< of all that follows

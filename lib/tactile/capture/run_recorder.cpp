@@ -205,8 +205,16 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
                        std::any_of(sources.begin(), sources.end(), [](const auto& source) { return source->simulated(); });
   state.robot = std::move(robot);
   state.video = std::move(video);
-  for (std::size_t i = 0; i < sources.size(); ++i)
-    state.receivers.push_back(std::make_unique<Receiver>(std::move(sources[i]), i, state.queue));
+  const RecordedStream& first = state.streams.front();  // events come first
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    std::function<void(const CameraPacket&)> see;
+    if (state.options.see_events && i == first.source_index) {
+      see = [&state, id = first.source_stream](const CameraPacket& packet) {
+        if (packet.stream_id == id && !packet.events.empty()) state.options.see_events(packet.events);
+      };
+    }
+    state.receivers.push_back(std::make_unique<Receiver>(std::move(sources[i]), i, state.queue, std::move(see)));
+  }
   state.reported_ends.resize(state.receivers.size());
 }
 
@@ -220,6 +228,15 @@ RunRecorder::~RunRecorder() {
 
 const std::vector<events::Stream>& RunRecorder::streams() const { return state_->declared; }
 bool RunRecorder::simulated() const { return state_->is_simulated; }
+std::vector<SourceState> RunRecorder::sources() const {
+  std::vector<SourceState> all;
+  for (const auto& receiver : state_->receivers)
+    all.push_back({.name = receiver->name(),
+                   .packets = receiver->packets(),
+                   .has_ended = receiver->ended_at().has_value(),
+                   .error = receiver->error()});
+  return all;
+}
 const robot::RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
 void RunRecorder::discard() {
   for (const auto& receiver : state_->receivers) receiver->discard();

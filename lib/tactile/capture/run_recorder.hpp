@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,17 @@ struct RunRecorderOptions {
   std::chrono::milliseconds sync_period{1'000};  ///< between two syncs of the disk, > 0
   /// Called once by `RunRecorder::state` when a source has ended while events continue; not for replays at full speed.
   std::function<void(const std::string&)> log = {};
+  /// Called with the events of the first event stream as they arrive, on its source's thread, also between runs. It must return
+  /// soon: what takes long delays the recording. Events may lie outside the sensor.
+  std::function<void(std::span<const events::Event>)> see_events = {};
+};
+
+/// A source of a recording, now.
+struct SourceState {
+  std::string name;
+  std::uint64_t packets = 0;  ///< that arrived since the program began
+  bool has_ended = false;
+  std::string error;  ///< why it is lost; empty if it is not
 };
 
 /// One run to record.
@@ -87,6 +99,7 @@ class RunRecorder {
 
   const std::vector<events::Stream>& streams() const;  ///< as the recordings declare them
   bool simulated() const;
+  std::vector<SourceState> sources() const;
   const robot::RobotMonitor* robot() const;  ///< null if there is none
 
   /// From now on packets of live sources are discarded until a run begins. Otherwise the first run has everything that the

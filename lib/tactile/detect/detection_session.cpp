@@ -168,15 +168,16 @@ void DetectionSession::State::record() {
 EventFeedOptions DetectionSession::State::feed_options() {
   EventFeedOptions feed;
   feed.waits = plays;
-  // A recording copies each packet, which must not delay the thread that reports ticks.
-  feed.receives_ahead = plays || recording || !source->reports_arrivals();
+  // What looks at each packet, such as a recording, must not delay the thread that reports ticks.
+  feed.receives_ahead = plays || recording || options.see_events || !source->reports_arrivals();
   feed.fault = [this](const DetectionFault& fault) { report(fault); };
   feed.wakes = [this](const capture::CameraPacket& packet) { return detector.awaits(packet.events); };
   if (source->can_reopen()) feed.open = [this] { return capture::open_camera_source(options.source, options.source_options); };
   feed.reconnect = options.reconnect;
-  if (recording) {
-    feed.see = [this, has_ended = false](const capture::CameraPacket& packet) mutable {
-      if (recording->put(packet) || std::exchange(has_ended, true)) return;
+  if (recording || options.see_events) {
+    feed.see = [this, stream = events_of(*source).id, has_ended = false](const capture::CameraPacket& packet) mutable {
+      if (options.see_events && packet.stream_id == stream && !packet.events.empty()) options.see_events(packet.events);
+      if (!recording || recording->put(packet) || std::exchange(has_ended, true)) return;
       report({"recording", "the camera's clock started again: the recording ends here, verdicts continue", host_now()});
     };
   }

@@ -35,6 +35,8 @@ struct DetectionOptions {
   std::optional<RobotReporterOptions> robot = {};       ///< report to this robot
   std::optional<SessionRecordingOptions> record = {};   ///< also record the run
   std::optional<characterise::SceneRanges> scene = {};  ///< of the training runs: reports when the scene leaves them
+  /// Called with all events as they arrive, on the thread of the source; it must return soon. They may lie outside the sensor.
+  std::function<void(std::span<const events::Event>)> see_events = {};
   std::function<void(const std::string&)> inform = [](const std::string&) {};  ///< messages; any thread
   std::function<void(const std::string&)> warn = [](const std::string&) {};    ///< faults and other warnings; any thread
 };

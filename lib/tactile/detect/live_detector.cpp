@@ -188,6 +188,7 @@ void LiveDetector::report(const DueTick& due, HostTime now) {
     const microseconds waited = passed(clock_.line().host_of(due.t), due.closed);
     times.waiting = waited;
     times.queued = passed(due.closed, now);
+    tick.lateness = *times.queued + cost.rendering + cost.network;
     if (due.by_events && due.closed != together_) quiet_stream_.tick(waited, due.closed);
     quiet_stream_.tick_reported();
   }

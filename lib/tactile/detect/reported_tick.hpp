@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -17,6 +18,8 @@ struct ReportedTick {
   bool incomplete = false;               ///< events of its history are known to be lost
   HostTime begun{};                      ///< when its processing began
   std::optional<HostTime> last_arrival;  ///< of any events
+  /// From when the tick could first be reported until it has its verdict; nothing in a replay, whose ticks have no deadline.
+  std::optional<std::chrono::nanoseconds> lateness;
 };
 
 }  // namespace tactile::detect

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "tactile/labels/brightening.hpp"
+#include "tactile/labels/stretches.hpp"
+
 namespace tactile::labels {
 namespace {
 
@@ -11,72 +14,6 @@ constexpr std::int64_t never = std::int64_t{-1} << 40;
 
 /// By cell, how many events it had in some stretch of time.
 using CellCounts = std::vector<std::uint32_t>;
-
-/// By cell, the number of brighter events less that of darker ones.
-using Brightening = std::vector<std::int32_t>;
-
-/// About 0, not about the means: cells without brightening do not count.
-double correlation_of(const Brightening& a, const Brightening& b) {
-  double aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    aa += static_cast<double>(a[i]) * a[i];
-    bb += static_cast<double>(b[i]) * b[i];
-    ab += static_cast<double>(a[i]) * b[i];
-  }
-  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0.0;
-}
-
-class Cells {
- public:
-  Cells(events::SensorSize size, int cell_px)
-      : cell_px_(cell_px), columns_((size.width + cell_px - 1) / cell_px), rows_((size.height + cell_px - 1) / cell_px) {}
-  int columns() const { return columns_; }
-  int rows() const { return rows_; }
-  std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
-  std::size_t at(const events::Event& event) const {
-    return static_cast<std::size_t>(event.y / cell_px_) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(event.x / cell_px_);
-  }
-
- private:
-  int cell_px_, columns_, rows_;
-};
-
-/// A stretch of bins of the whole recording, [begin, end).
-struct Stretch {
-  std::size_t begin = 0, end = 0;
-  bool holds(std::size_t bin) const { return bin >= begin && bin < end; }
-};
-
-/// Finds quickly which of many stretches may hold a bin: all others lie before it or after it.
-class Stretches {
- public:
-  /// @param stretches  by time, nearly: an overlap costs time only
-  explicit Stretches(const std::vector<Stretch>& stretches) {
-    for (const Stretch& stretch : stretches) {
-      latest_ends_.push_back(std::max(stretch.end, latest_ends_.empty() ? 0 : latest_ends_.back()));
-      earliest_begins_.push_back(stretch.begin);
-    }
-    for (std::size_t i = earliest_begins_.size(); i-- > 1;)
-      earliest_begins_[i - 1] = std::min(earliest_begins_[i - 1], earliest_begins_[i]);
-  }
-
-  /// Indices [begin, end) of the candidates; there may be none.
-  Stretch around(std::size_t bin) {
-    if (bin == bin_) return found_;
-    bin_ = bin;
-    const auto first = std::upper_bound(latest_ends_.begin(), latest_ends_.end(), bin);
-    const auto last = std::upper_bound(earliest_begins_.begin(), earliest_begins_.end(), bin);
-    found_ = {static_cast<std::size_t>(first - latest_ends_.begin()), static_cast<std::size_t>(last - earliest_begins_.begin())};
-    return found_;
-  }
-
- private:
-  std::vector<std::size_t> latest_ends_;      ///< up to each
-  std::vector<std::size_t> earliest_begins_;  ///< from each on
-  std::size_t bin_ = static_cast<std::size_t>(-1);
-  Stretch found_;
-};
 
 std::vector<bool> lit_cells(const CellCounts& burst, double burst_bins, const CellCounts& quiet, double quiet_bins,
                             double stands_out) {
@@ -101,7 +38,7 @@ struct Places {
   std::size_t count = 0;
 };
 
-Places places_of(const Cells& cells, const std::vector<bool>& lit, const CellCounts& burst, double burst_bins,
+Places places_of(const ImageCells& cells, const std::vector<bool>& lit, const CellCounts& burst, double burst_bins,
                  const CellCounts& quiet, double quiet_bins, const LitRateOptions& options) {
   constexpr double least = 40.0;
   std::vector<int> group(cells.count(), no_place);
@@ -159,7 +96,7 @@ double dispersion_of(std::span<const std::uint32_t> counts, std::size_t width) {
 }
 
 /// Of a burst that no single cell shows: those of every 3 x 3 cells that stand out together.
-std::vector<bool> faintly_lit_cells(const Cells& cells, const CellCounts& burst, double burst_bins, const CellCounts& quiet,
+std::vector<bool> faintly_lit_cells(const ImageCells& cells, const CellCounts& burst, double burst_bins, const CellCounts& quiet,
                                     double quiet_bins, double stands_out) {
   double mean = 0;
   for (const std::uint32_t count : quiet) mean += count / static_cast<double>(quiet.size());
@@ -208,7 +145,7 @@ class LitRates {
       if (std::find(options_.fresh_at.begin(), options_.fresh_at.end(), i) != options_.fresh_at.end())
         std::fill(so_far.begin(), so_far.end(), 0);
       rates_[i].undoes = -correlation_of(brighter_[i], so_far);
-      for (std::size_t cell = 0; cell < cells_.count(); ++cell) so_far[cell] += brighter_[i][cell];
+      add(so_far, brighter_[i]);
     }
     count_events();
     for (std::size_t i = 0; i < bursts_.size(); ++i) set_dispersions(i);
@@ -338,7 +275,7 @@ class LitRates {
   std::span<const alignment::Burst> bursts_;
   const LitRateOptions& options_;
   events::SensorSize size_;
-  Cells cells_;
+  ImageCells cells_;
   std::vector<bool> is_quiet_;  ///< by bin
   double quiet_bins_ = 0;
   CellCounts quiet_;              ///< of the quiet bins

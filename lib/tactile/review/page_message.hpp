@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -21,11 +22,16 @@ struct PageRequest {
   std::string body;
 };
 
+/// Gives the parts of an answer as they come about, on the connection's thread: the next part; an empty text if there is none
+/// within 100 ms; nothing at the end. It is only asked while the client takes what it is sent.
+using PageParts = std::function<std::optional<std::string>()>;
+
 struct PageResponse {
   int status = 200;
   std::string type = "application/json";
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers{};
+  PageParts parts{};  ///< if there are any: sent instead of `body`
 };
 
 /// A request that is not answered with what it asked for: its status, and a sentence for the person.

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <httplib.h>
 #include <netinet/tcp.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -22,9 +21,11 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/text.hpp"
+#include "tactile/review/page_connection.hpp"
 #include "tactile/review/request_checks.hpp"
 
-// The only file that includes httplib. Its members differ between Debian 12 (0.11) and 13 (0.18); both are met here.
+// This file and page_connection.hpp are the only ones that include httplib. Its members differ between Debian 12 (0.11) and 13
+// (0.18); both are met here.
 namespace tactile::review {
 namespace {
 
@@ -32,109 +33,10 @@ using SteadyClock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::size_t longest_target = 2048;   // [B] of a request: path and query
-constexpr std::size_t most_head = 32'768;      // [B] of a request before its body
-constexpr milliseconds look_up_every{100};     // whether the server ends
 constexpr std::size_t most_requests = 10'000;  // of one connection
 constexpr const char* policy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
-
-/// A client's connection. httplib limits each read and write by itself; this limits a whole request, by its time and its bytes,
-/// so that a client that sends a byte now and then holds nothing.
-class Connection final : public httplib::Stream {
- public:
-  Connection(int socket, const PageServerOptions& options, const std::atomic<bool>& ends)
-      : socket_(socket), options_(options), ends_(ends) {}
-
-  /// Waits for the first byte of a request; false if none comes.
-  bool wait_for_request() {
-    deadline_ = SteadyClock::now() + options_.idle;
-    left_ = most_head;
-    if (begin_ < end_) return true;
-    if (!wait(POLLIN)) return false;
-    deadline_ = SteadyClock::now() + options_.request_within;
-    return true;
-  }
-
-  bool is_readable() const override { return begin_ < end_ || wait_for(POLLIN, 0) > 0; }
-  bool is_writable() const override { return wait_for(POLLOUT, 0) > 0; }
-
-  ssize_t read(char* bytes, std::size_t size) override {
-    if (left_ == 0) return -1;
-    if (begin_ == end_ && !fill()) return -1;
-    const std::size_t count = std::min({size, end_ - begin_, left_});
-    std::copy_n(buffer_.data() + begin_, count, bytes);
-    begin_ += count;
-    left_ -= count;
-    return static_cast<ssize_t>(count);
-  }
-
-  ssize_t write(const char* bytes, std::size_t size) override {
-    deadline_ = SteadyClock::now() + options_.stall;
-    if (!wait(POLLOUT)) return -1;
-    return ::send(socket_, bytes, size, MSG_NOSIGNAL | MSG_DONTWAIT);
-  }
-
-  void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-  void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-  socket_t socket() const override { return socket_; }
-
-  void take_body() { left_ = options_.most_body; }  ///< the request's head is read, and what follows is wanted
-
-  /// The request was not read to its end, so that what follows it is no request.
-  void close_after_this() { closes_ = true; }
-  bool closes() const { return closes_; }
-
-  /// Ends the connection. What the client still sends is taken for a moment, because closing at once would make it lose the
-  /// answer.
-  void end() {
-    ::shutdown(socket_, SHUT_WR);
-    constexpr std::size_t most = 1 << 20;
-    deadline_ = SteadyClock::now() + milliseconds{closes_ ? 500 : 0};
-    for (std::size_t taken = 0; taken < most && wait(POLLIN);) {
-      const ssize_t count = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-      if (count <= 0) break;
-      taken += static_cast<std::size_t>(count);
-    }
-    ::close(socket_);
-  }
-
- private:
-  int wait_for(short what, int ms) const {
-    pollfd one{.fd = socket_, .events = what, .revents = 0};
-    return ::poll(&one, 1, ms);
-  }
-
-  bool wait(short what) {
-    while (!ends_) {
-      const auto left = std::chrono::duration_cast<milliseconds>(deadline_ - SteadyClock::now());
-      if (left.count() < 0) return false;
-      const int ready = wait_for(what, static_cast<int>(std::min(left, look_up_every).count()));
-      if (ready > 0) return true;
-      if (ready < 0 && errno != EINTR) return false;
-      if (ready == 0 && left.count() == 0) return false;
-    }
-    return false;
-  }
-
-  bool fill() {
-    if (!wait(POLLIN)) return false;
-    const ssize_t count = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-    if (count <= 0) return false;
-    begin_ = 0;
-    end_ = static_cast<std::size_t>(count);
-    return true;
-  }
-
-  int socket_;
-  const PageServerOptions& options_;
-  const std::atomic<bool>& ends_;
-  SteadyClock::time_point deadline_{};
-  std::array<char, 4096> buffer_{};
-  std::size_t begin_ = 0, end_ = 0;
-  std::size_t left_ = 0;  ///< [B] that this request may still have
-  bool closes_ = false;
-};
 
 thread_local Connection* current = nullptr;  // whose request this thread answers
 
@@ -274,6 +176,18 @@ PageRequest page_request(const httplib::Request& request) {
   return asked;
 }
 
+/// Sends the next part. @return  false if the connection is to end
+bool send_part(const PageParts& parts, httplib::DataSink& sink) {
+  while (current->wait_for_room()) {
+    const std::optional<std::string> part = parts();
+    if (part && part->empty()) continue;
+    if (part) return sink.write(part->data(), part->size());
+    sink.done();
+    return true;
+  }
+  return false;
+}
+
 std::string machine_name() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
@@ -315,7 +229,13 @@ struct PageServer::State {
 
   static void send(const PageResponse& answer, httplib::Response& response) {
     response.status = answer.status;
-    if (answer.status != 204) response.set_content(answer.body, answer.type);
+    if (answer.parts) {
+      current->begin_parts();
+      response.set_chunked_content_provider(
+          answer.type, [parts = answer.parts](std::size_t, httplib::DataSink& sink) { return send_part(parts, sink); });
+    } else if (answer.status != 204) {
+      response.set_content(answer.body, answer.type);
+    }
     bool is_cached = false;
     for (const auto& [name, value] : answer.headers) {
       response.set_header(name, value);
@@ -382,7 +302,9 @@ PageResponse PageServer::State::answer_to(const httplib::Request& request) const
 PageResponse PageServer::State::file_response(const httplib::Request& request) const {
   const std::string_view path = request.path;
   constexpr std::string_view folder = "/web/";
-  const std::string_view name = path == "/" ? "index.html" : path.starts_with(folder) ? path.substr(folder.size()) : "";
+  const std::string_view name = path == "/"                ? std::string_view(options.page)
+                                : path.starts_with(folder) ? path.substr(folder.size())
+                                                           : "";
   const auto file = std::find_if(files.begin(), files.end(), [&](const WebFile& one) { return one.name == name; });
   if (request.method == "POST" || name.empty() || file == files.end())
     throw Refusal(404, "there is no " + shown_text(path) + "; expected a part of this page");

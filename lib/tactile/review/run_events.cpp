@@ -1,7 +1,6 @@
 #include "tactile/review/run_events.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <opencv2/imgcodecs.hpp>
 
 #include "tactile/core/error.hpp"
@@ -10,14 +9,10 @@
 #include "tactile/labels/recording_span.hpp"
 #include "tactile/pictures/drawing.hpp"
 #include "tactile/pictures/moments.hpp"
+#include "tactile/review/count_bytes.hpp"
 
 namespace tactile::review {
 namespace {
-
-void append_u32(std::string& bytes, std::uint64_t value) {
-  const std::uint64_t held = std::min<std::uint64_t>(value, UINT32_MAX);
-  for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(held >> shift & 0xFFU));
-}
 
 /// As all commands render, with this history.
 heatmaps::HeatmapOptions rendering_of(microseconds history) {
@@ -98,31 +93,11 @@ std::optional<std::vector<CameraTime>> RunEvents::times_in(CameraTime begin, Cam
 }
 
 std::string RunEvents::counts_before(CameraTime end, microseconds history) const {
-  const events::SensorSize size = sensor();
-  const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-  std::string planes(2 * pixels, '\0');
-  std::uint64_t on = 0, off = 0;
-  {
-    const std::scoped_lock lock(guard_);
-    events::for_events_between(
-        recording_, facts_.stream_id, before(end, history), end, [&](std::span<const events::Event> events) {
-          for (const events::Event& event : events) {
-            if (event.x < 0 || event.y < 0 || event.x >= size.width || event.y >= size.height) continue;
-            const std::size_t pixel =
-                static_cast<std::size_t>(event.y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(event.x);
-            (event.on != 0 ? on : off) += 1;
-            char& count = planes[event.on != 0 ? pixel : pixels + pixel];
-            if (static_cast<unsigned char>(count) < 255) ++count;
-          }
-        });
-  }
-  std::string bytes;
-  bytes.reserve(16 + planes.size());
-  append_u32(bytes, static_cast<std::uint64_t>(size.width));
-  append_u32(bytes, static_cast<std::uint64_t>(size.height));
-  append_u32(bytes, on);
-  append_u32(bytes, off);
-  return bytes + planes;
+  CountBytes counts(sensor());
+  const std::scoped_lock lock(guard_);
+  events::for_events_between(recording_, facts_.stream_id, before(end, history), end,
+                             [&](std::span<const events::Event> events) { counts.add(events); });
+  return counts.bytes();
 }
 
 std::string RunEvents::heatmap_before(CameraTime end, microseconds history) const {
@@ -130,11 +105,8 @@ std::string RunEvents::heatmap_before(CameraTime end, microseconds history) cons
   const std::scoped_lock lock(guard_);
   std::string bytes;
   for_moment(recording_, facts_, end, history, [&](const pictures::Moment& moment) {
-    append_u32(bytes, static_cast<std::uint64_t>(moment.heatmap.cols));
-    append_u32(bytes, static_cast<std::uint64_t>(moment.heatmap.rows));
-    append_u32(bytes, moment.events);
-    append_u32(bytes, 0);
-    bytes.append(reinterpret_cast<const char*>(moment.heatmap.data), moment.heatmap.total());
+    bytes =
+        heatmap_bytes({moment.heatmap.cols, moment.heatmap.rows}, moment.events, {moment.heatmap.data, moment.heatmap.total()});
   });
   return bytes;
 }

@@ -43,7 +43,7 @@ class StretchSearch {
       : rate_(rate), options_(options), found_(found), quiet_rates_(quiet_rates) {}
 
   void search(Bins stretch) {
-    const std::size_t before = found_.bursts.size();
+    const std::size_t before = found_.bursts.size(), rates_before = quiet_rates_.size();
     constexpr microseconds needed_for_quiet = 500ms;
     if (stretch.end - stretch.begin >= bins_in(needed_for_quiet, rate_)) {
       const std::size_t length = bins_in(options_.part, rate_);
@@ -56,8 +56,9 @@ class StretchSearch {
     const double events = std::accumulate(first + static_cast<std::ptrdiff_t>(stretch.begin),
                                           first + static_cast<std::ptrdiff_t>(stretch.end), 0.0);
     const bool pauses = stretch.begin > 0 || stretch.end < rate_.counts.size();
-    if (pauses && events >= least && stretch.end - stretch.begin >= bins_in(options_.bursts.shortest, rate_))
-      found_.bursts.push_back({.begin = stretch.begin, .end = stretch.end, .events = events});
+    if (!pauses || events < least || stretch.end - stretch.begin < bins_in(options_.bursts.shortest, rate_)) return;
+    found_.bursts.push_back({.begin = stretch.begin, .end = stretch.end, .events = events});
+    quiet_rates_.resize(rates_before);  // what moves all the time shows no quiet rate
   }
 
  private:

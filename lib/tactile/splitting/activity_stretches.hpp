@@ -24,7 +24,7 @@ struct LongActivityOptions {
 
 /// As `bursts_in`, for hours: the quiet rate may drift, and the recording may pause. A stretch between two pauses that is too
 /// short for a quiet rate of its own, or shows no burst against it, is a burst as a whole if it has 100 events or more: then the
-/// sensor is silent unless something moves.
+/// sensor is silent unless something moves, and the stretch tells nothing of a quiet rate.
 LongActivity activity_in(const alignment::EventRate& rate, const LongActivityOptions& options = {});
 
 }  // namespace tactile::splitting

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/cut_recording.hpp"
-#include "tactile/labels/lit_rate.hpp"
 #include "tactile/labels/run_bursts.hpp"
-#include "tactile/labels/unlogged_lift.hpp"
+#include "tactile/splitting/run_groups.hpp"
 
 namespace tactile::splitting {
 namespace {
@@ -39,43 +37,6 @@ Extent extent_of(const events::RecordingReader& recording, std::int32_t stream) 
   return extent;
 }
 
-/// The bursts of runs one after another.
-struct Groups {
-  std::vector<Bursts> runs;
-  Bursts brief;  ///< in no run: too brief and small for a touch
-};
-
-/// Divides bursts where they are quiet for `quiet_bins`. A group of slow rises alone joins the nearer neighbour.
-Groups grouped(const EventRate& rate, const Bursts& all, std::size_t quiet_bins) {
-  Groups groups;
-  for (const Burst& burst : all) {
-    if (!burst.slow && alignment::is_after_effect(burst, rate, all)) {
-      groups.brief.push_back(burst);
-    } else if (groups.runs.empty() || burst.begin - std::min(burst.begin, groups.runs.back().back().end) >= quiet_bins) {
-      groups.runs.push_back({burst});
-    } else {
-      groups.runs.back().push_back(burst);
-    }
-  }
-  const auto is_slow = [](const Bursts& run) {
-    return std::all_of(run.begin(), run.end(), [](const Burst& b) { return b.slow; });
-  };
-  for (std::size_t i = 0; i < groups.runs.size();) {
-    if (!is_slow(groups.runs[i]) || groups.runs.size() == 1) {
-      ++i;
-      continue;
-    }
-    const bool joins_next =
-        i == 0 || (i + 1 < groups.runs.size() && groups.runs[i + 1].front().begin - groups.runs[i].back().end <
-                                                     groups.runs[i].front().begin - groups.runs[i - 1].back().end);
-    const std::size_t into = joins_next ? i + 1 : i - 1;
-    Bursts& other = groups.runs[into];
-    other.insert(joins_next ? other.begin() : other.end(), groups.runs[i].begin(), groups.runs[i].end());
-    groups.runs.erase(groups.runs.begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  return groups;
-}
-
 /// The middle of the longest stretch of [begin, end) without a brief burst.
 std::size_t middle_of_quiet(std::size_t begin, std::size_t end, const Bursts& brief) {
   std::size_t best_begin = begin, best_end = begin, from = begin;
@@ -89,49 +50,6 @@ std::size_t middle_of_quiet(std::size_t begin, std::size_t end, const Bursts& br
   }
   look_until(end);
   return best_begin + (best_end - best_begin) / 2;
-}
-
-/// The lift of a run by the IMU, if it shows one.
-std::optional<std::vector<labels::ArmMove>> felt_lift(std::span<const events::ImuSample> imu, const EventRate& rate,
-                                                      const Bursts& run, std::span<const double> undoes) {
-  constexpr microseconds around = 1s;
-  const auto at = [&](CameraTime t) {
-    return std::lower_bound(imu.begin(), imu.end(), t, [](const events::ImuSample& s, CameraTime time) { return s.t < time; });
-  };
-  const std::span<const events::ImuSample> samples(at(before(rate.begin_of(run.front().begin), around)),
-                                                   at(after(rate.begin_of(run.back().end), around)));
-  std::vector<bool> may_slip;
-  for (std::size_t i = 0; i < run.size(); ++i)
-    may_slip.push_back(i > 0 && undoes[i] <= labels::TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run));
-  const auto lift = labels::unlogged_lift(samples, {}, rate, run, may_slip);
-  return lift ? std::optional(std::vector{lift->move}) : std::nullopt;
-}
-
-/// What the bursts of each run are, by the arm's motions, their order and what they change in the picture.
-std::vector<SeenTouch> classified(events::RecordingReader& recording, std::int32_t stream, const EventRate& rate,
-                                  const std::vector<Bursts>& runs, const DeviceClockSearch& robot) {
-  labels::LitRateOptions options;
-  options.most_places = 0;  // only what a burst undoes is needed
-  options.margin = 100ms;
-  Bursts all;
-  for (const Bursts& run : runs) {
-    options.fresh_at.push_back(all.size());
-    all.insert(all.end(), run.begin(), run.end());
-  }
-  std::vector<double> undoes;
-  for (const labels::LitRate& lit : labels::lit_rates(recording, stream, rate, all, options)) undoes.push_back(lit.undoes);
-  const std::vector<events::ImuSample> imu = robot.lifts ? std::vector<events::ImuSample>() : imu_of(recording);
-  std::vector<SeenTouch> touches;
-  std::size_t next = 0;
-  for (const Bursts& run : runs) {
-    const std::span<const double> undoes_of_run = std::span(undoes).subspan(next, run.size());
-    const auto lifts = robot.lifts ? robot.lifts : felt_lift(imu, rate, run, undoes_of_run);
-    const auto kinds = labels::kinds_of(rate, run, lifts, robot.taps.value_or(std::vector<labels::ArmMove>()), undoes_of_run);
-    for (std::size_t i = 0; i < run.size(); ++i)
-      touches.push_back({.begin = rate.begin_of(run[i].begin), .end = rate.begin_of(run[i].end), .kind = kinds[i]});
-    next += run.size();
-  }
-  return touches;
 }
 
 void check_cuts(const SplitProposal& proposal, const std::string& where, const std::vector<CameraTime>& cuts) {
@@ -186,12 +104,18 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
                                      proposal.robot.lifts.value_or(std::vector<labels::ArmMove>()), activity.pauses);
 
   const auto quiet_bins = static_cast<std::size_t>(std::max<std::int64_t>(1, options.quiet / rate.bin));
-  const Groups groups = grouped(rate, all, quiet_bins);
   report_progress(progress, 3, 4, name + ": touches");
-  proposal.touches = classified(recording, proposal.event_stream, rate, groups.runs, proposal.robot);
+  const RunGroups groups = grouped_runs(recording, proposal.event_stream, rate, all, activity, quiet_bins, proposal.robot);
   std::vector<CameraTime> cuts;
-  for (std::size_t i = 1; i < groups.runs.size(); ++i)
-    cuts.push_back(rate.begin_of(middle_of_quiet(groups.runs[i - 1].back().end, groups.runs[i].front().begin, groups.brief)));
+  for (std::size_t i = 0; i < groups.runs.size(); ++i) {
+    const RunGroup& run = groups.runs[i];
+    for (std::size_t k = 0; k < run.bursts.size(); ++k)
+      proposal.touches.push_back(
+          {.begin = rate.begin_of(run.bursts[k].begin), .end = rate.begin_of(run.bursts[k].end), .kind = run.kinds[k]});
+    if (i == 0) continue;
+    const std::size_t quiet_from = groups.runs[i - 1].bursts.back().end;
+    cuts.push_back(rate.begin_of(middle_of_quiet(quiet_from, run.bursts.front().begin, groups.brief)));
+  }
   return with_cuts(std::move(proposal), recording, std::move(cuts));
 }
 

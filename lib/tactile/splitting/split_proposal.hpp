@@ -45,16 +45,17 @@ struct ProposedRun {
 
 struct ProposeOptions {
   std::string stream{};           ///< of several event streams, by id or source
-  microseconds quiet{2'000'000};  ///< without a touch for so long, a run has ended, > 0
+  microseconds quiet{2'000'000};  ///< without a touch for so long, a run has ended unless an object is held, > 0
   LongActivityOptions activity{};
   std::size_t most_bins = 4'000'000;  ///< of the event rate: a long recording has longer bins, so that memory stays bounded
 };
 
-/// Proposes a cut in the middle of each quiet stretch of at least `options.quiet`. The quiet rate follows from the recording
-/// itself (`activity_in`). Bursts are those that `tactile label` finds, slow ones too; a burst that is too brief and small for a
-/// touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Slow rises alone make no run: they belong to the
-/// nearer one. Within each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else
-/// by the motions that the IMU felt (`unlogged_lift`).
+/// Proposes a cut in the middle of each quiet stretch of at least `options.quiet` in which no object is held (`grouped_runs`).
+/// The quiet rate follows from the recording itself (`activity_in`). Bursts are those that `tactile label` finds, slow ones too;
+/// a burst that is too brief and small for a touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Within
+/// each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else by the motions that the
+/// IMU felt
+/// (`unlogged_lift`).
 ///
 /// Reads the recording up to seven times. Memory: 20 bytes per bin, and 50 KB per burst.
 /// @throws Error  if the recording has no event or no sane sensor, or its events lie more than two days apart; if robot log or

@@ -17,6 +17,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path += [HERE, os.path.join(HERE, "..", "..", "support"), os.path.join(HERE, "..", "..", "report")]
 from browser import chromium  # noqa: E402
 import editing_steps as editing  # noqa: E402
+import live_steps as live  # noqa: E402
 import looking_steps as looking  # noqa: E402
 from review_world import World  # noqa: E402
 
@@ -46,6 +47,8 @@ def main():
             editing.is_used_by_finger,
             looking.compares_models_and_studies,
             looking.shows_what_has_no_labels,
+            live.watches_a_recording,
+            live.watches_a_detection,
         ):
             begun = time.monotonic()
             step(world)

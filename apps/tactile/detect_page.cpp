@@ -1,0 +1,107 @@
+#include "detect_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tactile/core/duration_units.hpp"
+
+namespace tactile::cli {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+constexpr std::size_t most_messages = 5;
+
+}  // namespace
+
+void DetectPage::warn(const std::string& text) {
+  const std::scoped_lock lock(guard_);
+  messages_.push_back(text);
+  if (messages_.size() > most_messages) messages_.pop_front();
+}
+
+std::string DetectPage::open(events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) {
+  tick_ = rendering.tick;
+  return view_.open({.sensor = sensor, .rendering = rendering, .values = {"p_press", "p_slip", "lateness_ms"}});
+}
+
+detect::TickOutput DetectPage::shown(detect::TickOutput output) {
+  output.ticks = [this, next = std::move(output.ticks)](std::span<const detect::ReportedTick> ticks) {
+    take(ticks);
+    next(ticks);
+  };
+  return output;
+}
+
+void DetectPage::take(std::span<const detect::ReportedTick> ticks) {
+  const Steady::time_point now = Steady::now();
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  std::array<double, 3> highest{none, none, none};
+  for (const detect::ReportedTick& tick : ticks) {
+    ++ticks_;
+    skipped_ += tick.due.skipped;
+    incomplete_ += tick.incomplete ? 1 : 0;
+    const model::Probabilities& p = tick.verdict.probabilities;
+    highest[0] = std::fmax(highest[0], static_cast<double>(p[1]));
+    highest[1] = std::fmax(highest[1], static_cast<double>(p[2]));
+    if (!tick.lateness) continue;
+    late_ += *tick.lateness > tick_ ? 1 : 0;
+    const double ms = in_ms(*tick.lateness);
+    highest[2] = std::fmax(highest[2], ms);
+    lateness_.push_back({now, ms});
+  }
+  while (!lateness_.empty() && now - lateness_.front().at > std::chrono::seconds(1)) lateness_.pop_front();
+  if (!ticks.empty()) {
+    newest_ = ticks.back();
+    view_.note(highest);
+  }
+  if (view_.is_due()) view_.publish(state_json("detecting"));
+}
+
+/// Of the last second; null without ticks that have a deadline.
+nlohmann::json DetectPage::lateness_json() const {
+  if (lateness_.empty()) return nullptr;
+  std::vector<double> ms;
+  for (const Lateness& one : lateness_) ms.push_back(one.ms);
+  std::sort(ms.begin(), ms.end());
+  const auto at = [&](double share) {
+    return ms[std::min(ms.size() - 1, static_cast<std::size_t>(share * static_cast<double>(ms.size())))];
+  };
+  return {{"p50_ms", at(0.5)}, {"p99_ms", at(0.99)}, {"max_ms", ms.back()}};
+}
+
+nlohmann::json DetectPage::state_json(const char* state) {
+  nlohmann::json json = {{"kind", "detect"},
+                         {"state", state},
+                         {"source", labels_.source},
+                         {"model", labels_.model},
+                         {"tick", nullptr},
+                         {"ticks", {{"reported", ticks_}, {"skipped", skipped_}, {"late", late_}, {"incomplete", incomplete_}}},
+                         {"lateness", lateness_json()},
+                         {"warnings", nlohmann::json::array()}};
+  if (newest_) {
+    const detect::TickVerdict& verdict = newest_->verdict;
+    const model::Probabilities& p = verdict.probabilities;
+    json["tick"] = {{"t_us", us_of(verdict.t)},
+                    {"verdict", name_of(verdict.verdict)},
+                    {"predicted", name_of(verdict.predicted)},
+                    {"p", {p[0], p[1], p[2]}},
+                    {"events", verdict.events},
+                    {"gated", verdict.gated},
+                    {"beginning", newest_->beginning}};
+  }
+  const std::scoped_lock lock(guard_);
+  json["messages"] = messages_;
+  return json;
+}
+
+void DetectPage::end(const detect::DetectionSummary& summary) {
+  nlohmann::json state = state_json("ended");
+  state["words"] = summary.ended;
+  view_.end(std::move(state));
+}
+
+}  // namespace tactile::cli

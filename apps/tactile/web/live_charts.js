@@ -1,0 +1,66 @@
+// The last minute of the live page, as charts on one time axis. dygraphs draws them.
+
+import { chart, onScheme } from "./chart.js";
+import { colour, el } from "./dom.js";
+
+const MINUTE_S = 60;
+
+const CHARTS = [
+  { title: "Probabilities", names: ["p_press", "p_slip"], labels: ["press", "slip"], colours: ["press", "slip"], range: [0, 1.02] },
+  { title: "Event rate [1/s]", names: ["events_per_s"], labels: ["events/s"], colours: ["series-1"] },
+  { title: "Lateness [ms]", names: ["lateness_ms"], labels: ["ms"], colours: ["series-4"] },
+];
+
+export class LiveCharts {
+  constructor() {
+    this.element = el("div", { class: "live-charts" });
+    this.drawn = null;
+    onScheme(() => this.#begin());
+  }
+
+  show(steps, columns) {
+    this.steps = steps;
+    this.columns = columns;
+    if (!this.drawn) return void this.#begin();
+    for (const { names, graph } of this.drawn) graph.updateOptions({ file: this.#rows(names) });
+  }
+
+  #rows(names) {
+    const rows = this.steps.of(names, this.columns);
+    return rows.length ? rows : [[0, ...names.map(() => null)]];
+  }
+
+  #begin() {
+    if (!this.columns) return;
+    for (const { graph } of this.drawn ?? []) graph.destroy();
+    const wanted = CHARTS.filter(({ names }) => names.every((name) => this.columns.includes(name)));
+    const places = wanted.map(() => el("div", { class: "live-chart" }));
+    this.element.replaceChildren(
+      ...wanted.map(({ title, labels, colours }, i) =>
+        el(
+          "figure",
+          {},
+          el(
+            "figcaption",
+            {},
+            title,
+            labels.length > 1 &&
+              el("span", {}, labels.map((label, k) => el("span", { class: "legend" }, el("span", { class: `swatch swatch-${colours[k]}` }), label))),
+          ),
+          places[i],
+        ),
+      ),
+    );
+    this.drawn = wanted.map(({ names, labels, colours, range }, i) => ({
+      names,
+      graph: chart(places[i], {
+        labels: ["s", ...labels],
+        rows: this.#rows(names),
+        colours: colours.map(colour),
+        dateWindow: [-MINUTE_S, 0],
+        valueRange: range ?? [0, null],
+        axes: { x: { axisLabelFormatter: (s) => `${s.toFixed(0)} s` } },
+      }),
+    }));
+  }
+}

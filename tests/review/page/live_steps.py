@@ -1,0 +1,95 @@
+"""What a person does to watch a recording and a detection: steps of review_page_test.py."""
+
+import os
+import re
+import signal
+import subprocess
+import threading
+
+from browser import Tab
+from page_checks import problems_of, unreachable
+from review_world import NOT_THERE, check
+
+
+class Live:
+    """A running `tactile record --preview` or `tactile detect --page`."""
+
+    def __init__(self, world, *arguments):
+        self.process = subprocess.Popen(
+            [world.tactile, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        lines = []
+        for line in self.process.stdout:
+            lines.append(line)
+            if address := re.search(r"http://[\d.]+:\d+/", line):
+                self.url = address.group(0)
+                break
+        else:
+            raise AssertionError(f"tactile {arguments[0]} ended: " + "".join(lines))
+        threading.Thread(target=self.process.stdout.read, daemon=True).start()
+
+    def end(self, number=signal.SIGINT):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        return self.process.wait(60)
+
+
+def picture_is_drawn(tab, kind):
+    tab.wait(
+        f"(() => {{ const c = document.querySelector('.picture.{kind} canvas'); return c.width > 30 &&"
+        " new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size > 3; })()",
+        f"the {kind} are drawn",
+    )
+
+
+def watches_a_recording(world):
+    live = Live(world, "record", "--from", "sim", "--object", "fan", "--out", os.path.join(world.home, "live"), "--speed", "0.2", "--preview", "0")
+    tab = Tab(world.browser)
+    try:
+        tab.go(live.url)
+        tab.wait("document.querySelector('h1')?.textContent === 'Recording fan/01'", "the page says what is recorded")
+        picture_is_drawn(tab, "events")
+        picture_is_drawn(tab, "heatmap")
+        tab.wait("/events\\/s/.test(document.querySelector('.live-facts')?.textContent)", "the event rate is there")
+        tab.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the last minute is a chart")
+        before = tab.text(".live-detail")
+        tab.wait(f"document.querySelector('.live-detail').textContent !== '{before}'", "the time goes on")
+        for width, dark in ((1280, True), (390, False)):
+            look = Tab(world.browser, width, dark)
+            look.go(live.url)
+            look.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the chart is there")
+            picture_is_drawn(look, "events")
+            problems = problems_of(look, width, dark)
+            look.picture(os.path.join(world.home, f"live-{width}.png"))
+            look.close()
+            check(not problems, f"live page at {width} px: {problems}")
+        problems = unreachable(tab)
+        check(not problems, f"live page: {problems}")
+        world.quiet("watching a recording")
+        check(live.end() == 0, "the recording ends well")
+        tab.wait("/^Recording has ended, with 1 run/.test(document.querySelector('h1').textContent)", "the page says that it has ended")
+        tab.wait("!document.getElementById('lost').hidden", "and that it shows its last state")
+        world.quiet("the end of a recording")
+    finally:
+        live.end()
+        tab.close()
+
+
+def watches_a_detection(world):
+    live = Live(world, "detect", "--from", "sim:fan", "--model", os.path.join(world.models, "first"), "--speed", "0.5", "--page", "0")
+    tab = Tab(world.browser)
+    try:
+        tab.go(live.url)
+        tab.wait("['none', 'press', 'slip'].includes(document.querySelector('h1')?.textContent)", "the present class is there")
+        tab.wait("document.querySelectorAll('.live-charts figure').length === 3", "three charts")
+        picture_is_drawn(tab, "heatmap")
+        tab.wait("/none \\d\\.\\d\\d, press/.test(document.querySelector('.live-facts').textContent)", "probabilities")
+        world.quiet("watching a detection")
+        live.end(signal.SIGKILL)
+        world.allowed = list(NOT_THERE) + ["ERR_INCOMPLETE_CHUNKED_ENCODING"]
+        tab.wait("/^The program does not answer/.test(document.getElementById('lost').textContent)", "a killed program is named")
+        world.quiet("a killed detection")
+    finally:
+        world.allowed = []
+        live.end()
+        tab.close()

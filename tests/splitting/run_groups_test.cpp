@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "support/temporary_folder.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/events/recording_writer.hpp"
+#include "tactile/splitting/split_proposal.hpp"
+
+namespace tactile::splitting {
+namespace {
+
+/// What a burst does to the skin: a marker becomes brighter or darker, or moves aside.
+enum class Change : std::uint8_t { brighter, darker, aside };
+
+struct SkinBurst {
+  double start_s = 0;
+  Change change = Change::brighter;
+  double length_s = 0.2;
+};
+
+struct SkinRecording {
+  std::vector<SkinBurst> bursts;
+  double length_s = 0;
+  double noise_per_ms = 2;                          ///< over the image
+  std::vector<std::pair<double, double>> off = {};  ///< [from, to) s without any event
+};
+
+class HeldPress : public testing::Test {
+ protected:
+  /// The touches of each proposed run: "press slip, press".
+  std::string runs_of_recording(const SkinRecording& made) {
+    write(made);
+    events::RecordingReader recording(folder / "events.aedat4");
+    std::string text;
+    for (const ProposedRun& run : runs_of(propose_runs(split_source_at(folder / "events.aedat4"), recording))) {
+      text += text.empty() ? "" : ",";
+      for (const SeenTouch& touch : run.touches) text += " " + std::string(name_of(touch.kind));
+    }
+    return text;
+  }
+
+  test::TemporaryFolder folder;
+
+ private:
+  void write(const SkinRecording& made) {
+    Random random(5);
+    events::RecordingWriter writer(folder / "events.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
+    std::vector<events::Event> all;
+    const auto add = [&](std::int64_t ms, std::uint64_t x, std::uint64_t y, bool on) {
+      all.push_back({.t = camera_time(1'000'000 + 1000 * ms),
+                     .x = static_cast<std::int16_t>(x),
+                     .y = static_cast<std::int16_t>(y),
+                     .on = static_cast<std::uint8_t>(on)});
+    };
+    for (std::int64_t ms = 0; ms < static_cast<std::int64_t>(1000 * made.length_s); ++ms) {
+      const double s = 1e-3 * static_cast<double>(ms);
+      bool is_off = false;
+      for (const auto& [from, to] : made.off) is_off = is_off || (from <= s && s < to);
+      if (is_off) continue;
+      for (std::uint64_t n = random.poisson(made.noise_per_ms); n > 0; --n)
+        add(ms, random.below(64), random.below(48), random.below(2) == 1);
+      for (const SkinBurst& burst : made.bursts) {
+        if (s < burst.start_s || s >= burst.start_s + burst.length_s) continue;
+        const std::uint64_t left = burst.change == Change::aside ? 32 : 16;
+        for (std::uint64_t n = random.poisson(15); n > 0; --n) {
+          const std::uint64_t x = left + random.below(16);
+          add(ms, x, 16 + random.below(16), burst.change == Change::aside ? x < 40 : burst.change == Change::brighter);
+        }
+      }
+    }
+    writer.write_events(0, all);
+    writer.close();
+  }
+};
+
+constexpr Change press = Change::brighter, release = Change::darker, slip = Change::aside;
+
+TEST_F(HeldPress, ARunDoesNotEndInItsHoldHoweverLongThatIs) {
+  EXPECT_EQ(runs_of_recording({.bursts = {{1, press}, {4.5, slip, 0.5}, {9, press}, {10, slip, 0.5}}, .length_s = 11}),
+            " press slip, press slip");
+}
+
+TEST_F(HeldPress, ARunEndsWithTheReleaseOfItsPress) {
+  EXPECT_EQ(runs_of_recording({.bursts = {{1, press}, {4.5, release}, {9, press}, {12.5, release}}, .length_s = 14}),
+            " press release, press release");
+}
+
+TEST_F(HeldPress, APressThatRepeatsTheLastOneBeginsARun) {
+  // The release between the two was not seen.
+  EXPECT_EQ(runs_of_recording({.bursts = {{1, press}, {4.5, press}, {5.5, slip, 0.5}, {9, press}}, .length_s = 11}),
+            " press, press slip, press");
+}
+
+TEST_F(HeldPress, ARunThatBeginsAsItsNeighboursDoBeginsWithAPress) {
+  // The recording begins while an object is held: its slip stands alone, and could be a press.
+  EXPECT_EQ(runs_of_recording({.bursts = {{1, slip}, {4.5, press}, {5.5, slip, 0.5}, {9, press}, {10, slip}}, .length_s = 11}),
+            " press, press slip, press slip");
+}
+
+TEST_F(HeldPress, APauseOfTheRecordingEndsARun) {
+  const SkinRecording made{.bursts = {{1, press}, {4.5, slip, 0.5}}, .length_s = 6, .off = {{1.8, 4.0}}};
+  EXPECT_EQ(runs_of_recording(made), " press, press");
+}
+
+TEST_F(HeldPress, TheSilenceOfASensorWithoutNoiseIsNoPause) {
+  EXPECT_EQ(runs_of_recording({.bursts = {{1, press}, {4.5, slip, 0.5}, {9, press}}, .length_s = 11, .noise_per_ms = 0}),
+            " press slip, press");
+}
+
+}  // namespace
+}  // namespace tactile::splitting
