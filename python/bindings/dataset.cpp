@@ -1,3 +1,5 @@
+#include "tactile/windows/dataset.hpp"
+
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -9,7 +11,6 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
-#include "tactile/windows/dataset.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile::python {

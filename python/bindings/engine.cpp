@@ -122,10 +122,9 @@ void bind_engine(nb::module_& module) {
           nb::arg("bundle"), nb::arg("precision"), nb::arg("threads"))
       .def_prop_ro("description", [](const Classifier& classifier) { return classifier.description().dump(); })
       .def_prop_ro("temperature", [](const Classifier& classifier) { return classifier.temperature().value; })
-      .def_prop_ro("input_size",
-                   [](const Classifier& classifier) {
-                     return std::pair(classifier.input_size().height, classifier.input_size().width);
-                   })
+      .def_prop_ro(
+          "input_size",
+          [](const Classifier& classifier) { return std::pair(classifier.input_size().height, classifier.input_size().width); })
       .def("classify", &classify, nb::arg("heatmaps"))
       .def("probabilities", &probabilities, nb::arg("logits"))
       .def("predict", &predict, nb::arg("recording"), nb::arg("tick_ms"));

@@ -1,7 +1,7 @@
+#include <fmt/format.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <fmt/format.h>
 
 #include "arrays.hpp"
 #include "recording.hpp"
@@ -133,7 +133,8 @@ class Renderer {
  private:
   template <class Number>
   NumpyArray<Number> rendered() {
-    const auto height = static_cast<std::size_t>(renderer_.size().height), width = static_cast<std::size_t>(renderer_.size().width);
+    const auto height = static_cast<std::size_t>(renderer_.size().height),
+               width = static_cast<std::size_t>(renderer_.size().width);
     std::vector<Number> values(width * height);
     renderer_.render(std::span(values));
     return array_of(std::move(values), {height, width});
@@ -153,8 +154,9 @@ std::span<const Event> events_of(const GivenEventBytes& bytes) {
 void bind_heatmaps(nb::module_& module) {
   module.def("render_every_tick", &render_every_tick, nb::arg("recording"), nb::arg("settings"));
   module.def("render_ticks", &render_ticks, nb::arg("recording"), nb::arg("settings"), nb::arg("ticks_us"));
-  module.def("stored_name", [](const std::string& settings) { return heatmaps::stored_name(options_in(settings)); },
-             nb::arg("settings"));
+  module.def(
+      "stored_name", [](const std::string& settings) { return heatmaps::stored_name(options_in(settings)); },
+      nb::arg("settings"));
   nb::class_<Renderer>(module, "Renderer")
       .def(nb::init<int, int, const std::string&>(), nb::arg("width"), nb::arg("height"), nb::arg("settings"))
       .def("add", &Renderer::add, nb::arg("events"))

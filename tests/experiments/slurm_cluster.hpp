@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "support/comes_true.hpp"
@@ -44,9 +45,9 @@ class SlurmCluster {
     start("/usr/sbin/munged",
           {"--foreground", "--force", "--key-file=" + file("munge.key"), "--socket=" + file("munge.socket"),
            "--pid-file=" + file("munged.pid"), "--log-file=" + file("munged.log"), "--seed-file=" + file("seed")});
-    comes_true([&] { return std::filesystem::exists(file("munge.socket")); });
+    comes_up([&] { return std::filesystem::exists(file("munge.socket")); });
     start("/usr/sbin/slurmctld", {"-D"});
-    comes_true([] { return run_shell("scontrol ping").out.find("UP") != std::string::npos; });
+    comes_up([] { return run_shell("scontrol ping").out.find("UP") != std::string::npos; });
     for (const char* node : {"node1", "node2"}) start_node(node);
   }
   ~SlurmCluster() {
@@ -60,7 +61,13 @@ class SlurmCluster {
   SlurmCluster& operator=(const SlurmCluster&) = delete;
 
   bool is_up() const {
-    return comes_true([] { return run_shell("sinfo --noheader --format=%D --states=idle").out == "2\n"; });
+    return comes_up([] { return run_shell("sinfo --noheader --format=%D --states=idle").out == "2\n"; });
+  }
+  /// The last message of each daemon.
+  std::string why_it_is_down() const {
+    return run_shell("tail -q -n 1 '" + file("munged.log") + "' '" + file("log-ctld") + "' '" + file("log-node1") + "' '" +
+                     file("log-node2") + "'")
+        .out;
   }
   void start_node(const std::string& name) { nodes_.insert_or_assign(name, daemon("/usr/sbin/slurmd", {"-D", "-N", name})); }
 
@@ -79,25 +86,39 @@ class SlurmCluster {
   }
 
  private:
+  /// Waits less long than other tests: a machine on which a daemon cannot start tests no cluster.
+  template <class Condition>
+  static bool comes_up(const Condition& holds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return true;
+  }
+
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
 
   void write_configuration() const {
     std::string host = run_shell("hostname -s").out;
     host.pop_back();
     const HeldPort control, first, second;
-    std::ofstream(file("slurm.conf"))
-        << "ClusterName=test\nSlurmctldHost=" << host << "(127.0.0.1)\nSlurmctldPort=" << control.port()
-        << "\nAuthType=auth/munge\nAuthInfo=socket=" << file("munge.socket")
-        << "\nSlurmUser=root\nStateSaveLocation=" << file("state") << "\nSlurmdSpoolDir=" << file("spool-%n")
-        << "\nSlurmctldPidFile=" << file("slurmctld.pid") << "\nSlurmdPidFile=" << file("slurmd-%n.pid")
-        << "\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\n"
-           "JobAcctGatherType=jobacct_gather/none\nAccountingStorageType=accounting_storage/none\n"
-           "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n"
-           "ReturnToService=2\nKillWait=2\nSlurmdTimeout=6\nMaxArraySize=4\n"
-           "NodeName=node1 NodeHostname="
-        << host << " NodeAddr=127.0.0.1 Port=" << first.port() << " CPUs=2 State=UNKNOWN\nNodeName=node2 NodeHostname=" << host
-        << " NodeAddr=127.0.0.1 Port=" << second.port()
-        << " CPUs=2 State=UNKNOWN\nPartitionName=short Nodes=node[1-2] Default=YES State=UP\n";
+    std::ofstream(file("slurm.conf")) << "ClusterName=test\nSlurmctldHost=" << host
+                                      << "(127.0.0.1)\nSlurmctldPort=" << control.port()
+                                      << "\nAuthType=auth/munge\nAuthInfo=socket=" << file("munge.socket")
+                                      << "\nSlurmUser=root\nStateSaveLocation=" << file("state")
+                                      << "\nSlurmdSpoolDir=" << file("spool-%n") << "\nSlurmctldPidFile=" << file("slurmctld.pid")
+                                      << "\nSlurmdPidFile=" << file("slurmd-%n.pid") << "\nSlurmctldLogFile=" << file("log-ctld")
+                                      << "\nSlurmdLogFile=" << file("log-%n")
+                                      << "\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\n"
+                                         "JobAcctGatherType=jobacct_gather/none\nAccountingStorageType=accounting_storage/none\n"
+                                         "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n"
+                                         "ReturnToService=2\nKillWait=2\nSlurmdTimeout=6\nMaxArraySize=4\n"
+                                         "NodeName=node1 NodeHostname="
+                                      << host << " NodeAddr=127.0.0.1 Port=" << first.port()
+                                      << " CPUs=2 State=UNKNOWN\nNodeName=node2 NodeHostname=" << host
+                                      << " NodeAddr=127.0.0.1 Port=" << second.port()
+                                      << " CPUs=2 State=UNKNOWN\nPartitionName=short Nodes=node[1-2] Default=YES State=UP\n";
   }
 
   std::vector<pid_t> tasks_on(const std::string& node) const {
