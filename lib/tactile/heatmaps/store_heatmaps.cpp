@@ -111,8 +111,8 @@ std::vector<Packed> heatmaps_of_run(const windows::Dataset& dataset, const windo
   }
   for (std::size_t i = 0; i < missing.size(); ++i)
     kept[missing[i]] = renderings[missing[i]].writer.packed(std::move(heatmaps[i]));
-  std::vector<Packed> all;
-  for (std::optional<Packed>& each : kept) all.push_back(*std::move(each));
+  std::vector<Packed> all(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) all[i] = *std::move(kept[i]);
   return all;
 }
 
@@ -147,8 +147,8 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
     const windows::RunSamples& run = runs[i];
     try {
       auto kept = kept_heatmaps(renderings, windows::source_sha256_of(dataset, run), guard);
-      std::vector<bool> is_kept;
-      for (const auto& each : kept) is_kept.push_back(each.has_value());
+      std::vector<bool> is_kept(kept.size());
+      std::transform(kept.begin(), kept.end(), is_kept.begin(), [](const auto& each) { return each.has_value(); });
       const std::vector<Packed> packed = heatmaps_of_run(dataset, run, renderings, std::move(kept));
       in_turn.call(i, [&] {
         for (std::size_t k = 0; k < renderings.size(); ++k) {

@@ -253,6 +253,11 @@ DatasetSummary summary_of(const DatasetPlan& plan) {
   return summary;
 }
 
+std::vector<std::string> in_order(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 /// What a dataset is made of, and where.
 struct Making {
   fs::path data, file;
@@ -275,7 +280,7 @@ DatasetSummary make_dataset(const Making& making, Existing existing, std::option
   remove_leftovers(events_file);
   if (old && old->manifest_hash() == summary.manifest_hash && events_file_of(file) == events_file.filename()) {
     for (const DatasetRun& run : old->runs()) summary.events += run.events;
-    summary.read_runs = plan.read_runs;
+    summary.read_runs = in_order(plan.read_runs);
     const bool moved = !same_folders(old->runs(), plan.rows);
     summary.outcome = moved ? DatasetSummary::Outcome::moved : DatasetSummary::Outcome::unchanged;
     const FolderLock lock(dataset_layout::folder_of(file));
@@ -293,8 +298,7 @@ DatasetSummary make_dataset(const Making& making, Existing existing, std::option
     summary.changes = changes_between(*old, plan.rows, same_events);
   }
   old.reset();
-  summary.read_runs = plan.read_runs;
-  std::sort(summary.read_runs.begin(), summary.read_runs.end());
+  summary.read_runs = in_order(plan.read_runs);
   const FolderLock lock(dataset_layout::folder_of(file));
   if (existing == Existing::dataset) set_old_events_aside(file, events_file, dataset_layout::file_beside(file, "events.old"));
   WholeFile tables(file, IfThere::replace);
