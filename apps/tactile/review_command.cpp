@@ -61,9 +61,9 @@ review::ReviewHelp review_help(const ReviewArguments& args) {
   review::ReviewHelp help{
       .classify = classify, .default_model = [models = args.models] { return default_model(models); }, .draw_labels = {}};
   if (!args.no_pictures) {
-    help.draw_labels = [](const RunFolder& run, const labels::Labels& labels) {
+    help.draw_labels = [](const RunFolder& run, const labels::Labels&) {
       LabelPictures pictures;
-      pictures.draw_again(run, labels);
+      pictures.draw_again(run);
       pictures.warn_of_failures();
     };
   }
