@@ -102,9 +102,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
       const auto drawn = fs::last_write_time(label_picture_of(run), missing);
       return !missing && drawn >= fs::last_write_time(run.labels(), missing);
     };
-    options.make_companions = [&](const alignment::RunSignals& signals, const labels::Labels& labels) {
-      pictures.draw(signals, labels);
-    };
+    options.make_companions = [&](const alignment::RunSignals& signals, const labels::Labels&) { pictures.draw(signals); };
   }
   Outcome outcome;
   std::size_t labelled = 0;

@@ -5,24 +5,32 @@
 
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/labels/label_options.hpp"
+#include "tactile/labels/saved_labels.hpp"
 #include "tactile/pictures/run_picture.hpp"
 
 namespace tactile::cli {
 
 std::filesystem::path label_picture_of(const RunFolder& run) { return run.folder / "labels.png"; }
 
-void LabelPictures::draw(const alignment::RunSignals& signals, const labels::Labels& labels) {
+void LabelPictures::draw(const alignment::RunSignals& signals) {
   try {
-    pictures::draw_label_picture(pictures::picture_of(signals, labels), label_picture_of(signals.run));
+    for (bool is_drawn = false; !is_drawn;) {
+      const labels::VersionedLabels now = labels::read_versioned_labels(signals.run);
+      WholeFile picture(label_picture_of(signals.run), IfThere::replace);
+      pictures::draw_label_picture(pictures::picture_of(signals, now.labels), picture.path());
+      is_drawn = labels::while_unchanged(signals.run, now.version, [&] { picture.commit(); });
+    }
   } catch (const std::exception& e) {
     note_failure(signals.run, e);
   }
 }
 
-void LabelPictures::draw_again(const RunFolder& run, const labels::Labels& labels) {
+void LabelPictures::draw_again(const RunFolder& run) {
   try {
-    draw(alignment::read_run_signals(run, labels::signals_options_of(labels.provenance)), labels);
+    const labels::Labels now = labels::read_versioned_labels(run).labels;
+    draw(alignment::read_run_signals(run, labels::signals_options_of(now.provenance)));
   } catch (const std::exception& e) {
     note_failure(run, e);
   }
@@ -43,7 +51,7 @@ void LabelPictures::note_failure(const RunFolder& run, const std::exception& e) 
 
 void draw_label_pictures(std::span<const RunAndLabels> edited, unsigned threads) {
   LabelPictures pictures;
-  parallel_for(edited.size(), threads, [&](std::size_t i) { pictures.draw_again(edited[i].run, edited[i].labels); });
+  parallel_for(edited.size(), threads, [&](std::size_t i) { pictures.draw_again(edited[i].run); });
   pictures.warn_of_failures();
 }
 

@@ -14,14 +14,15 @@ namespace tactile::cli {
 /// "DATA/fan/01/labels.png"
 std::filesystem::path label_picture_of(const RunFolder& run);
 
-/// Draws labels.png next to the labels of each run. A picture that cannot be drawn is left out, because the labels matter more.
-/// All of it can be called from several threads.
+/// Draws labels.png next to the labels of each run, as labels.json is then: if somebody edits it meanwhile, the picture is drawn
+/// again, so that no old picture replaces a newer one. A picture that cannot be drawn is left out, because the labels matter
+/// more. All of it can be called from several threads.
 class LabelPictures {
  public:
-  void draw(const alignment::RunSignals& signals, const labels::Labels& labels);
+  void draw(const alignment::RunSignals& signals);
 
-  /// Reads the run's signals as for these labels, and draws them.
-  void draw_again(const RunFolder& run, const labels::Labels& labels);
+  /// Reads the run's signals as for its labels first.
+  void draw_again(const RunFolder& run);
 
   void warn_of_failures() const;  ///< names those that were not drawn
 

@@ -38,7 +38,7 @@ struct ReviewArguments {
   std::string host = "127.0.0.1";
   std::uint16_t port = 7790;
   bool open = false, no_pictures = false;
-  std::string who, models = "models", studies = ".";
+  std::string who, models = "models", studies = ".", pieces = "pieces";
   double history_ms = 40;
 };
 
@@ -61,9 +61,9 @@ review::ReviewHelp review_help(const ReviewArguments& args) {
   review::ReviewHelp help{
       .classify = classify, .default_model = [models = args.models] { return default_model(models); }, .draw_labels = {}};
   if (!args.no_pictures) {
-    help.draw_labels = [](const RunFolder& run, const labels::Labels& labels) {
+    help.draw_labels = [](const RunFolder& run, const labels::Labels&) {
       LabelPictures pictures;
-      pictures.draw_again(run, labels);
+      pictures.draw_again(run);
       pictures.warn_of_failures();
     };
   }
@@ -76,6 +76,7 @@ review::ReviewOptions review_options(const ReviewArguments& args) {
   return {.data = data,
           .models = args.models,
           .studies = args.studies,
+          .pieces = args.pieces,
           .who = args.who.empty() ? labels::system_user() : args.who,
           .history = whole_us(args.history_ms, "--th")};
 }
@@ -125,6 +126,9 @@ void add_review_command(CLI::App& app) {
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--studies", args->studies, "Folder of the folders of studies, trades and stress tests")
       .type_name("DIR")
+      .show_default();
+  command.add_option("--pieces", args->pieces, "Folder of runs for recordings that are cut on the page")
+      .type_name("DATA")
       .show_default();
   command.add_option("--th", args->history_ms, "History t_h that is shown at first [ms]")
       .check(in_range(0.001, 1e3))

@@ -53,6 +53,20 @@ class LabelEdits : public testing::Test {
   std::int64_t first_us = 0;
 };
 
+TEST_F(LabelEdits, ThePictureShowsTheLastOfEditsThatAreMadeAtTheSameTime) {
+  std::string together;
+  for (int i = 0; i < 5; ++i)
+    together += "'" + std::string(test::tactile_binary) + "' label --quiet --set fan/01:press-1.start=0." +
+                std::to_string(60 + 3 * i) + " & ";
+  ASSERT_EQ(test::run_shell(together + "wait", folder.path()).exit_code, 0);
+  ASSERT_EQ(labels().at("history").at("entries").size(), 5U);
+  const std::string picture = text_of("fan/01/labels.png");
+  done("data/fan/01 --undo");
+  EXPECT_NE(text_of("fan/01/labels.png"), picture);
+  done("data/fan/01 --redo");
+  EXPECT_EQ(text_of("fan/01/labels.png"), picture);
+}
+
 TEST_F(LabelEdits, AnOnsetIsSetInSecondsFromTheFirstEvent) {
   const std::string picture = text_of("fan/01/labels.png");
   const std::string out = done("--set fan/01:press-1.start=0.7005 --who ada --why 'the first contact'");

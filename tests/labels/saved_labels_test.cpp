@@ -52,6 +52,16 @@ TEST_F(SavedLabels, AnEditOfTheLabelsThatThePersonSawIsSaved) {
   EXPECT_EQ(read.labels.history.entries[0].who, "ada");
 }
 
+TEST_F(SavedLabels, WhatShowsThemIsKeptOnlyWhileTheyAreUnchanged) {
+  const std::string version = read_versioned_labels(run).version;
+  int used = 0;
+  EXPECT_TRUE(while_unchanged(run, version, [&] { ++used; }));
+  save_edit(run, std::nullopt, ConfirmRun{}, ada);
+  EXPECT_FALSE(while_unchanged(run, version, [&] { ++used; }));
+  EXPECT_EQ(used, 1);
+  EXPECT_THROW(while_unchanged(run, read_versioned_labels(run).version, [] { throw Error("no room"); }), Error);
+}
+
 TEST_F(SavedLabels, AnEditOfOlderLabelsIsAConflictThatChangesNothing) {
   const std::string now = saved(save_edit(run, machines.version, ConfirmInterval{"slip-1"}, ada)).version;
   const std::string before = text();

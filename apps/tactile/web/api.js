@@ -119,6 +119,18 @@ export async function getThumbnail(name, options) {
   return answer.status === 202 ? null : undefined;
 }
 
+const ofSplit = (name) => `/api/splits/${name.split("/").map(encodeURIComponent).join("/")}`;
+
+/// The cuts of a recording, proposed with this quiet time, and how far the server is with them.
+export const getSplit = (name, quiet_ms, options) => getJson(ofSplit(name) + query({ quiet_ms }), options);
+
+/// Begins to write the runs between cuts.
+export async function sendSplit(name, wanted) {
+  const answer = await ask(ofSplit(name), { method: "POST", body: JSON.stringify(wanted), headers: { "Content-Type": "application/json" } });
+  if (!answer.ok) throw await refusal(answer);
+  return answer.json();
+}
+
 /// Sends an operation on labels of this version, and gives the new labels.
 export async function sendOperation(name, { op, edit, why }, version) {
   const path = ofRun(name, op === "edit" ? "/edits" : `/${op}`);

@@ -8,9 +8,10 @@ import { ModelsPage } from "./models_page.js";
 import { StudiesPage } from "./studies_page.js";
 import { RunPage } from "./run_page.js";
 import { RunTable } from "./run_table.js";
+import { SplitPage } from "./split_page.js";
 import { routeOf } from "./router.js";
 
-const PAGES = { runs: RunTable, run: RunPage, models: ModelsPage, compare: ComparePage, studies: StudiesPage };
+const PAGES = { runs: RunTable, run: RunPage, split: SplitPage, models: ModelsPage, compare: ComparePage, studies: StudiesPage };
 const RETRY_MS = 2000;
 
 let shown = null;

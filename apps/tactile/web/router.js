@@ -10,6 +10,7 @@ export function routeOf(hash) {
     const at_us = asked.has("t") && Number.isFinite(seconds) ? Math.round(seconds * 1e6) : null;
     return { page: "run", name: `${parts[1]}/${parts[2]}`, at_us };
   }
+  if (parts[0] === "split" && parts.length >= 3) return { page: "split", name: `${parts[1]}/${parts[2]}` };
   if (parts[0] === "models" && parts.length >= 4 && parts[2] === "vs") {
     return { page: "compare", first: parts[1], second: parts[3], run: asked.get("run") };
   }
@@ -30,6 +31,11 @@ export function runAddress(name, at_us = null) {
   const [object, run] = name.split("/");
   const at = at_us === null ? "" : `?t=${(at_us / 1e6).toFixed(6)}`;
   return `#/run/${encodeURIComponent(object)}/${encodeURIComponent(run)}${at}`;
+}
+
+export function splitAddress(name) {
+  const [object, run] = name.split("/");
+  return `#/split/${encodeURIComponent(object)}/${encodeURIComponent(run)}`;
 }
 
 export function compareAddress(first, second, run = null) {

@@ -3,6 +3,7 @@
 import { button, el, refill } from "./dom.js";
 import { counted, secondsText } from "./format.js";
 import { SPEEDS } from "./player.js";
+import { splitAddress } from "./router.js";
 import { showHelp } from "./keys.js";
 import { keptPlace } from "./kept.js";
 
@@ -62,6 +63,7 @@ export class RunBar {
       this.head,
       el("h1", {}, page.name),
       this.badge,
+      el("a", { href: splitAddress(page.name) }, "Cut into runs"),
       el("span", { class: "spacer" }),
       this.saved,
       this.who ? el("span", { class: "who" }, `as ${this.who}`) : null,

@@ -24,6 +24,13 @@ VersionedLabels read_versioned_labels(const RunFolder& run) {
   return read_locked(run);
 }
 
+bool while_unchanged(const RunFolder& run, const std::string& version, const std::function<void()>& use) {
+  const FolderLock lock(run.folder);
+  if (!is_there(run.labels()) || sha256_of_file(run.labels()) != version) return false;
+  use();
+  return true;
+}
+
 SaveOutcome save_change(const RunFolder& run, const std::optional<std::string>& expected,
                         const std::function<Labels(Labels, const RecordingSpan&)>& change) {
   const RecordingSpan recording = span_of_events(run);

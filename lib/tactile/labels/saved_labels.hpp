@@ -28,6 +28,10 @@ using SaveOutcome = std::variant<VersionedLabels, EditConflict>;
 /// @throws Error  if the run has no labels, or they cannot be read
 VersionedLabels read_versioned_labels(const RunFolder& run);
 
+/// Calls `use` if the labels are still those of that version; meanwhile nobody changes them. @return  whether they are
+/// @throws Error  if the file cannot be read; what `use` throws
+bool while_unchanged(const RunFolder& run, const std::string& version, const std::function<void()>& use);
+
 /// Changes labels.json, whole or not at all. A lock on the run's folder is held meanwhile, as by `tactile label`, so that no edit
 /// is lost; it dies with its process.
 /// @param expected  the version that the person saw; nothing: whatever it is

@@ -14,6 +14,7 @@
 #include "tactile/review/model_list.hpp"
 #include "tactile/review/picture_queue.hpp"
 #include "tactile/review/run_store.hpp"
+#include "tactile/review/split_desk.hpp"
 #include "tactile/review/study_list.hpp"
 
 namespace tactile::review {
@@ -64,7 +65,8 @@ struct Review::State {
         help(std::move(with_help)),
         runs(std::move(find), labels),
         store(help.classify),
-        pictures(help.draw_labels) {}
+        pictures(help.draw_labels),
+        desk(options.pieces) {}
 
   ReviewOptions options;
   ReviewHelp help;
@@ -72,9 +74,11 @@ struct Review::State {
   RunList runs;
   RunStore store;
   PictureQueue pictures;
+  SplitDesk desk;
 
   PageResponse of_run(const PageRequest& request, const std::vector<std::string>& parts);
   PageResponse edit(const PageRequest& request, const RunFolder& run, const std::string& what);
+  PageResponse split(const PageRequest& request, const RunFolder& run);
   PageResponse of_view(const PageRequest& request, const std::string& what, RunView& view);
   json run_json(const RunView& view);
   json film_json(const RunView& view);
@@ -208,6 +212,25 @@ PageResponse Review::State::edit(const PageRequest& request, const RunFolder& ru
   return json_response(labels_json(saved, first));
 }
 
+PageResponse Review::State::split(const PageRequest& request, const RunFolder& run) {
+  if (request.method == "GET")
+    return json_response(desk.look(run, microseconds{1000 * whole_number_of(request, "quiet_ms", 50, 3'600'000, 2'000)}));
+  const json body = json_in(request);
+  std::vector<microseconds> cuts;
+  std::vector<std::string> objects;
+  try {
+    for (const std::int64_t cut : body.at("cuts_us").get<std::vector<std::int64_t>>()) {
+      if (cut <= 0 || cut > longest_us)
+        throw Refusal(400, "a cut lies outside the recording; expected one after its first event");
+      cuts.emplace_back(cut);
+    }
+    objects = body.at("objects").get<std::vector<std::string>>();
+  } catch (const json::exception&) {
+    throw Refusal(400, "the request is no cut; expected 'cuts_us', a list of whole numbers, and 'objects', a list of names");
+  }
+  return json_response(desk.cut(run, cuts, objects));
+}
+
 PageResponse Review::State::of_run(const PageRequest& request, const std::vector<std::string>& parts) {
   const RunFolder run = runs.find(parts[2], parts[3]);
   const std::string what = parts.size() > 4 ? parts[4] : "";
@@ -243,6 +266,7 @@ PageResponse Review::answer(const PageRequest& request) {
   if (parts.size() < 2 || parts[0] != "api") refuse_path();
   const std::string& what = parts[1];
   if (what == "runs" && parts.size() >= 4) return state_->of_run(request, parts);
+  if (what == "splits" && parts.size() == 4) return state_->split(request, state_->runs.find(parts[2], parts[3]));
   if (parts.size() != 2) refuse_path();
   if (request.method != "GET") throw Refusal(405, "this path is asked for by GET");
   if (what == "runs") {

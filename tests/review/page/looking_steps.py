@@ -180,7 +180,49 @@ PAGES = [
     ),
     ("compare", "#/models/first/vs/second", "document.querySelector('.compare .band') && !document.querySelector('.strip.pending')"),
     ("studies", "#/studies", "document.querySelector('table.figures')"),
+    ("split", f"#/split/{RUN}", "document.querySelector('.cut-chart canvas') && document.querySelector('.split-runs tbody tr')"),
 ]
+
+
+def cut_us(tab):
+    return [round(1e6 * float(at)) for at in tab.js("[...document.querySelectorAll('.cut')].map(e => e.ariaValueNow ?? e.getAttribute('aria-valuenow'))")]
+
+
+def cuts_a_recording(world):
+    tab = Tab(world.browser)
+    open_run(world, tab)
+    tab.click(".run-head a")
+    tab.wait("document.querySelector('.cut-chart canvas') && document.querySelectorAll('.split-runs tbody tr').length === 1", "one run is proposed")
+    check(tab.text(".split-runs tbody td[data-label=Press]") == "1", "with its press")
+    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; document.querySelector('.tools button').click(); })()")
+    tab.wait("document.querySelectorAll('.split-runs tbody tr').length === 2", "a cut makes two runs")
+    check(cut_us(tab) == [1_250_000], f"the cut is at {cut_us(tab)}")
+    left, top, width, height = tab.box(".cut")
+    tab.drag(left + width / 2, top + height / 2, left + width / 2 + 60)
+    dragged = cut_us(tab)
+    check(dragged[0] > 1_260_000, f"it is dragged to {dragged}")
+    tab.js("document.querySelector('.cut').focus()")
+    tab.key("ArrowLeft")
+    check(cut_us(tab) == [dragged[0] - 10_000], "a key moves it by 10 ms")
+    check(tab.js("document.activeElement.matches('.cut')"), "and it keeps the focus")
+    area = tab.box(".cut-lines")
+    tab.js(
+        f"document.querySelector('.cut-lines').dispatchEvent(new MouseEvent('dblclick', {{clientX: {area[0] + 0.8 * area[2]}, bubbles: true}}))"
+    )
+    tab.wait("document.querySelectorAll('.cut').length === 2", "a double click adds one")
+    tab.click("[data-key=remove-2]")
+    tab.wait("document.querySelectorAll('.cut').length === 1", "and its button removes it")
+    check(tab.text("[data-key=write]") == "Write 2 runs", tab.text("[data-key=write]"))
+    tab.js("(() => { document.getElementById('objects').value = '../fan'; })()")
+    tab.click("[data-key=write]")
+    tab.wait("/is no name of an object/.test(document.getElementById('message').textContent)", "a wrong name is refused")
+    check(not os.path.exists(world.pieces), "and nothing is written")
+    tab.js("(() => { document.getElementById('objects').value = 'mug'; })()")
+    tab.click("[data-key=write]")
+    tab.wait("/^2 runs in .*mug.01, mug.02/.test(document.querySelector('.written')?.textContent)", "the runs are written")
+    check(os.path.exists(os.path.join(world.pieces, "mug", "02", "events.aedat4")), "they are there")
+    world.quiet("cutting a recording")
+    tab.close()
 
 
 def is_sound_on_every_screen(world, axe):

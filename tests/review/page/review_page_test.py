@@ -47,6 +47,7 @@ def main():
             editing.is_used_by_finger,
             looking.compares_models_and_studies,
             looking.shows_what_has_no_labels,
+            looking.cuts_a_recording,
             live.watches_a_recording,
             live.watches_a_detection,
         ):

@@ -50,7 +50,7 @@ class Server:
 class World:
     def __init__(self, tactile, home):
         self.tactile, self.home = tactile, home
-        self.data = os.path.join(home, "data")
+        self.data, self.pieces = os.path.join(home, "data"), os.path.join(home, "pieces")
         self.made("simulate", self.data, "--preset", "tiny", "--runs", "1", "--objects", "fan,usb-hub")
         os.remove(os.path.join(self.data, OTHER, "robot.csv"))  # its labels are flagged
         self.made("label", self.data, "--no-pictures")
@@ -81,7 +81,7 @@ class World:
         self.allowed = []
 
     def new_server(self, port=0):
-        return Server(self.tactile, self.data, "--models", self.models, "--studies", self.studies, "--port", str(port))
+        return Server(self.tactile, self.data, "--models", self.models, "--studies", self.studies, "--pieces", self.pieces, "--port", str(port))
 
     def made(self, *arguments):
         result = subprocess.run([self.tactile, *arguments, "--quiet"], capture_output=True, text=True)

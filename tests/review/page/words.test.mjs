@@ -12,7 +12,7 @@ import {
   whenText,
   withinText,
 } from "../../../apps/tactile/web/format.js";
-import { compareAddress, routeOf, runAddress } from "../../../apps/tactile/web/router.js";
+import { compareAddress, routeOf, runAddress, splitAddress } from "../../../apps/tactile/web/router.js";
 import { filtered, nextToReview, sorted, stateOf, stillComputing } from "../../../apps/tactile/web/run_order.js";
 
 test("seconds have the decimals that the view can show", () => {
@@ -188,4 +188,9 @@ test("the next run to review is flagged while there are flagged ones, and begins
 test("numbers that are still computed make the table look again; unreadable runs do not", () => {
   assert.equal(stillComputing(runs), true);
   assert.equal(stillComputing([runs[0], runs[3]]), false);
+});
+
+test("the page that cuts a recording has an address of its own", () => {
+  assert.deepEqual(routeOf(splitAddress("fan/01")), { page: "split", name: "fan/01" });
+  assert.deepEqual(routeOf("#/split/fan"), { page: "runs" });
 });
