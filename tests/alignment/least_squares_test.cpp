@@ -53,6 +53,18 @@ TEST(Descend, GivesInfinityWhereItCannotStart) {
   EXPECT_EQ(parameters, (std::vector<double>{1, -1}));
 }
 
+TEST(Descend, StaysIfThereAreMoreParametersThanValues) {
+  const LeastSquares sum{.residuals =
+                             [](std::span<const double> p, std::vector<double>& residuals) {
+                               residuals = {p[0] + p[1] - 3};
+                               return true;
+                             },
+                         .steps = {0.5, 0.5}};
+  std::vector<double> parameters{1, 0};
+  EXPECT_EQ(descend(sum, parameters, 10), 4);
+  EXPECT_EQ(parameters, (std::vector<double>{1, 0}));
+}
+
 TEST(CurvatureAt, IsTheProductOfTheDerivatives) {
   const LeastSquares line{.residuals =
                               [](std::span<const double> p, std::vector<double>& residuals) {

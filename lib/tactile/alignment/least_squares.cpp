@@ -1,8 +1,9 @@
 #include "tactile/alignment/least_squares.hpp"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
+#include <Eigen/Core>
 #include <limits>
+#include <unsupported/Eigen/NonLinearOptimization>
+#include <utility>
 
 namespace tactile::alignment {
 namespace {
@@ -30,36 +31,67 @@ MatrixXd jacobian_at(const LeastSquares& problem, const std::vector<double>& par
   return jacobian;
 }
 
+/// The problem as Eigen takes it.
+class EigenProblem {
+ public:
+  EigenProblem(const LeastSquares& problem, std::vector<double> parameters, std::vector<double> residuals)
+      : problem_(problem), at_(std::move(parameters)), residuals_(std::move(residuals)) {}
+
+  Eigen::Index values() const { return as_vector(residuals_).size(); }
+
+  /// Eigen ends where this fails. Residuals beyond all others make it shorten its step instead.
+  int operator()(const VectorXd& parameters, VectorXd& residuals) {
+    std::vector<double> there;
+    const bool is_possible = evaluate(parameters, there);
+    residuals = is_possible ? VectorXd(as_vector(there)) : VectorXd::Constant(values(), 1e100);
+    return 0;
+  }
+
+  int df(const VectorXd& parameters, MatrixXd& jacobian) {
+    std::vector<double> there;
+    evaluate(parameters, there);
+    jacobian = jacobian_at(problem_, at_, there);
+    return 0;
+  }
+
+ private:
+  bool evaluate(const VectorXd& parameters, std::vector<double>& residuals) {
+    std::vector<double> at(parameters.data(), parameters.data() + parameters.size());
+    if (at == at_) {
+      residuals = residuals_;
+      return true;
+    }
+    if (!problem_.residuals(at, residuals)) return false;
+    at_ = std::move(at);
+    residuals_ = residuals;
+    return true;
+  }
+
+  const LeastSquares& problem_;
+  std::vector<double> at_, residuals_;  ///< the last possible parameters that were asked for
+};
+
 }  // namespace
 
 double descend(const LeastSquares& problem, std::vector<double>& parameters, int iterations) {
-  constexpr double least_gain = 1e-6, most_damping = 1e8, least_damping = 1e-9, raise = 4, lower = 10;
-  std::vector<double> residuals, tried, there(parameters.size());
+  std::vector<double> residuals;
   if (!problem.residuals(parameters, residuals)) return std::numeric_limits<double>::infinity();
-  double cost = as_vector(residuals).squaredNorm(), damping = 1e-3;
+  constexpr double least_gain = 1e-6;
+  EigenProblem function(problem, parameters, residuals);
+  Eigen::LevenbergMarquardt<EigenProblem> descent(function);
+  descent.parameters.ftol = least_gain;
+  descent.parameters.xtol = 1e-12;
+  VectorXd at = as_vector(parameters);
+  auto status = descent.minimizeInit(at);
+  if (status != Eigen::LevenbergMarquardtSpace::NotStarted)
+    return as_vector(residuals).squaredNorm();  // more parameters than values
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    const MatrixXd jacobian = jacobian_at(problem, parameters, residuals);
-    const MatrixXd curvature = jacobian.transpose() * jacobian;
-    const VectorXd gradient = jacobian.transpose() * as_vector(residuals);
-    const double before = cost;
-    for (; !(cost < before) && damping < most_damping; damping *= raise) {
-      MatrixXd damped = curvature;
-      damped.diagonal() += damping * curvature.diagonal();
-      damped.diagonal().array() += 1e-12;  // held parameters have nothing else
-      const Eigen::LLT<MatrixXd> factor(damped);
-      if (factor.info() != Eigen::Success) continue;
-      VectorXd::Map(there.data(), gradient.size()) = as_vector(parameters) - factor.solve(gradient);
-      if (!problem.residuals(there, tried)) continue;
-      const double reached = as_vector(tried).squaredNorm();
-      if (!(reached < cost)) continue;
-      parameters.swap(there);
-      residuals.swap(tried);
-      cost = reached;
-      damping = std::max(damping / lower, least_damping) / raise;  // the loop raises it again
-    }
-    if (!(cost < (1 - least_gain) * before)) break;
+    const double before = descent.fnorm * descent.fnorm;
+    status = descent.minimizeOneStep(at);
+    if (status != Eigen::LevenbergMarquardtSpace::Running || !(descent.fnorm * descent.fnorm < (1 - least_gain) * before)) break;
   }
-  return cost;
+  parameters.assign(at.data(), at.data() + at.size());
+  return descent.fnorm * descent.fnorm;
 }
 
 std::vector<double> curvature_at(const LeastSquares& problem, const std::vector<double>& parameters) {

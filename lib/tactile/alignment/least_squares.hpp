@@ -14,9 +14,11 @@ struct LeastSquares {
 };
 
 /// Descends from `parameters` to a minimum, which `parameters` gets: at most so many iterations, fewer if one gains less than a
-/// millionth. Derivatives are differences, forward or, where these are impossible, backward.
+/// millionth. Derivatives are differences, forward or, where these are impossible, backward. The method is Eigen's, of Levenberg
+/// and Marquardt; a step to impossible parameters is shortened. Nothing moves if there are more
+/// parameters than residuals.
 /// @return the sum of squares reached; infinite if the first parameters are impossible
-/// Source: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, SIAM J. Appl. Math. 11 (1963).
+/// Source: J. J. More, The Levenberg-Marquardt algorithm: implementation and theory, Lecture Notes in Mathematics 630 (1978).
 double descend(const LeastSquares& problem, std::vector<double>& parameters, int iterations);
 
 /// J^T J of the residuals' derivatives J, row by row; parameters that are held have 0. The parameters must be possible.
