@@ -147,8 +147,8 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
 void detect(DetectArguments args, const CommonArguments& common) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
-  const model::ModelBundle bundle = chosen_model(args.model, args.models);
-  if (args.model.empty()) spdlog::info("model {}: {}", bundle.folder.string(), why_chosen(bundle, args.models));
+  const ChosenModel chosen = chosen_model(args.model, args.models);
+  const model::ModelBundle& bundle = chosen.bundle;
   const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
   detect::DetectionOptions options = session_options(args, bundle, model);
@@ -162,7 +162,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     line.warn(text);
     if (page) page->warn(text);
   };
-  line.inform("detecting with " + bundle.folder.string());
+  line.inform("detecting with " + bundle.folder.string() + (chosen.why.empty() ? "" : ", " + chosen.why));
   if (!model.scene)
     line.inform(bundle.name() +
                 " does not know the scenes of its training runs, so the scene is not watched; 'tactile train --force' adds them");
@@ -190,7 +190,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
 }
 
 void add_model_options(Command& command, DetectArguments& args) {
-  command.add_option("--model", args.model, "Model: a folder, or a name in --models; default: the newest single-run model");
+  command.add_option("--model", args.model, default_model_help);
   command.add_option("--models", args.models, "Folder of models").show_default();
   command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
