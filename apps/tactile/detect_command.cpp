@@ -49,7 +49,7 @@ struct DetectArguments {
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, mask, page;
   RobotArguments robot;
-  bool no_real_time = false, no_rehearsal = false, awake = false;
+  bool no_real_time = false, no_rehearsal = false, awake = false, camera_time = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
 };
@@ -176,7 +176,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
     if (page) line.inform("page at " + page->open(sensor, rendering));
     return on_events;
   });
-  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
+  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .camera_time = args.camera_time, .prints = !common.json},
+                    line);
   detect::DetectionSummary summary = session.run(page ? page->shown(reader.output()) : reader.output());
   line.clear();
   if (page) page->end(summary);
@@ -216,6 +217,7 @@ void add_model_options(Command& command, DetectArguments& args) {
 
 void add_output_options(Command& command, DetectArguments& args) {
   command.add_option("--udp", args.udp, "Send a record to this address at each tick").type_name("HOST:PORT");
+  command.add_flag("--camera-time", args.camera_time, "Print camera times instead of seconds since the first event");
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
   add_page_option(command, "--page", args.page, "Show verdicts on a local page while it runs, at this port; 0 takes a free port");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");

@@ -141,10 +141,11 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   json["learned_from"] = json_of_learning(dataset, classifier.model());
-  const std::string written = write_result(result_file(bundle.evaluation(), args, options, dataset), json, evaluation, common, bundle);
-  const std::string learning =
-      options.of_another_dataset ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
-                                 : "";
+  const std::string written =
+      write_result(result_file(bundle.evaluation(), args, options, dataset), json, evaluation, common, bundle);
+  const std::string learning = options.of_another_dataset
+                                   ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
+                                   : "";
   print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + learning + written);
 }
 

@@ -76,6 +76,7 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   pictures::PredictionPicture picture;
   picture.title = fmt::format("{}{}, predicted by {}{}", prediction.run, prediction.simulated ? " (simulated)" : "",
                               classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
+  picture.first_event = prediction.first_event;
   const double history_ms = in_ms(classifier.rendering().history);
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const model::Probabilities& p = prediction.full.probabilities[k];

@@ -402,6 +402,10 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   EXPECT_TRUE(contains(remarks_of(),
                        "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
       << remarks_of();
+  other["network"] = {{"kind", "trees"}, {"rounds", 150}};
+  write_json(folder / "models/a/model.json", other);
+  EXPECT_TRUE(contains(remarks_of(), "b and a differ in more than their history: another kind of model; another dataset."))
+      << remarks_of();
 
   const auto brief = run_tactile("report models/a --quiet", folder.path());
   EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 15) << brief.out;

@@ -30,7 +30,16 @@ nlohmann::json compared_settings(const nlohmann::json& model, const std::string&
 /// The other differences of two models: "training.learning_rate: 0.001 and 0.01; ..."; empty if there are none.
 std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
   std::string text;
-  for (const auto& [path, ours, theirs] : changed_values(compared_settings(one, where), compared_settings(two, where))) {
+  nlohmann::json first = compared_settings(one, where), second = compared_settings(two, where);
+  // Models of two kinds share no settings of network and training: a list of them would tell nothing.
+  if (results::JsonView(one, where)["network"]["kind"].words() != results::JsonView(two, where)["network"]["kind"].words()) {
+    text = "another kind of model";
+    for (nlohmann::json* settings : {&first, &second}) {
+      settings->erase("network");
+      settings->erase("training");
+    }
+  }
+  for (const auto& [path, ours, theirs] : changed_values(first, second)) {
     if (ours == theirs) continue;
     text += text.empty() ? "" : "; ";
     text += path == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", path, ours.dump(), theirs.dump());

@@ -31,9 +31,8 @@ ModelBundle bundle_for(const std::filesystem::path& models, const windows::Datas
   } catch (const Error&) {
     // Missing, or damaged: the new one has another name.
   }
-  return free_bundle(models, default_name(settings), [&](const ModelBundle&, const ModelDescription& model) {
-    return !is_of(model, dataset, settings);
-  });
+  return free_bundle(models, default_name(settings),
+                     [&](const ModelBundle&, const ModelDescription& model) { return !is_of(model, dataset, settings); });
 }
 
 }  // namespace tactile::model
