@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "tactile/model/bundle/model_bundle.hpp"
@@ -9,12 +10,28 @@ namespace tactile::cli {
 /// The model that `--model` names: a folder, or a name in the folder `models`.
 model::ModelBundle named_model(const std::string& model, const std::string& models);
 
-/// That model; if `model` is empty, the pinned one (`tactile models pin`), else the newest single-run model in `models`, else the
-/// newest model: a study trains the models with held-out objects last.
-/// @throws Error  if there is none
-model::ModelBundle chosen_model(const std::string& model, const std::string& models);
+/// The help of --model.
+constexpr const char* default_model_help =
+    "Model: a folder, or a name in --models; default: the pinned one, else the last one that 'train' made here";
 
-/// Why a command without --model takes this one: "pinned", or "the newest".
-std::string why_chosen(const model::ModelBundle& chosen, const std::string& models);
+/// A model that a command takes, and why: "the pinned model", "the last one that 'train' made here".
+struct ChosenModel {
+  model::ModelBundle bundle;
+  std::string why;
+};
+
+/// The model that a command without --model takes: the pinned one (`tactile models pin`), else the last one that `tactile train`
+/// made here. Folders of older versions have no note of the last one: there it is the newest single-run model, else the newest
+/// model.
+/// @param dataset  hash of the manifest of the dataset that all but a pinned model must have learned from; null: of any
+/// @return         nothing if there is none
+std::optional<ChosenModel> model_without_name(const std::string& models, const std::string* dataset = nullptr);
+
+/// The model that `model` names as `named_model` does; if it is empty, `model_without_name`.
+/// @throws Error  if there is none
+ChosenModel chosen_model(const std::string& model, const std::string& models);
+
+/// Logs the choice and its reason: "detecting with models/th40-single-1, the pinned model"; without a reason if --model named it.
+void log_choice(const std::string& doing, const ChosenModel& chosen);
 
 }  // namespace tactile::cli

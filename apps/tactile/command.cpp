@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "effective_settings.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "standard_streams.hpp"
@@ -41,7 +42,8 @@ void fill_in_from(const std::string& file, CLI::App& command) {
   if (!json.is_object()) throw Error(file + ": no JSON object; expected {\"option\": value, ...}");
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
-    if (const std::string name = option->get_single_name(); name != "help" && name != "config") names.push_back(name);
+    if (const std::string name = option->get_single_name(); name != "help" && name != "config" && name != "print-config")
+      names.push_back(name);
   }
   for (const auto& [key, value] : json.items()) {
     if (std::find(names.begin(), names.end(), key) == names.end()) {
@@ -76,6 +78,7 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
   command.add_option("--config", common->config, "JSON file with option values; the command line overrides them")
       .type_name("FILE.json")
       .check(is_existing_file());
+  command.add_flag("--print-config", common->print_config, "Print the effective settings as a file for --config, and end");
   command.add_flag("--json", common->json, "Print the result as JSON");
   command.add_flag("--quiet", common->quiet, "Hide progress and all log messages below warnings");
   command.add_option("--threads", common->threads, "Number of worker threads")
@@ -83,6 +86,8 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
       .default_text("one per core");
   declared->callback([declared, common, run = std::move(run), ctrl_c] {
     if (!common->config.empty()) fill_in_from(common->config, *declared);
+    common->settings = effective_settings(*declared);
+    if (common->print_config) return print(json_text(common->settings, 2) + "\n");
     catch_ctrl_c();
     if (ctrl_c == CtrlC::is_the_end) catch_termination();
     release_signals();
@@ -99,6 +104,12 @@ void stop_if_interrupted() {
 
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text) {
   print(common.json ? json_text(json, 2) + "\n" : text);
+}
+
+void write_settings(const CommonArguments& common, const std::filesystem::path& file, const nlohmann::json& decided) {
+  nlohmann::json settings = common.settings;
+  settings.merge_patch(decided);
+  write_json(file, settings);
 }
 
 void end_with(const std::vector<std::string>& errors) {

@@ -18,7 +18,9 @@ struct CommonArguments {
   std::string config;
   bool json = false;
   bool quiet = false;
-  unsigned threads = 0;  ///< of --threads; default: the machine's cores
+  bool print_config = false;
+  unsigned threads = 0;     ///< of --threads; default: the machine's cores
+  nlohmann::json settings;  ///< the `effective_settings` of the command
 };
 
 /// A check failed, without an error: the command ends with 2.
@@ -30,8 +32,9 @@ struct Interrupted {};
 /// The meaning of Ctrl-C for a command: it interrupts the work, or is its usual end.
 enum class CtrlC : std::uint8_t { breaks_off, is_the_end };
 
-/// Declares a command with --config, --json, --quiet and --threads, and the function that runs once its options are read. Options
-/// that were not given take their value from --config; an unknown key there is an error that names the nearest option. A Ctrl-C
+/// Declares a command with --config, --print-config, --json, --quiet and --threads, and the function that runs once its options
+/// are read. Options that were not given take their value from --config; an unknown key there is an error that names the nearest
+/// option. With --print-config, the effective settings are printed instead, and nothing runs. A Ctrl-C
 /// before the command runs interrupts it. If Ctrl-C is the command's end, `interrupted()` returns true instead, also after
 /// SIGTERM and SIGHUP.
 Command add_command(CLI::App& app, const std::string& name, const std::string& description,
@@ -41,6 +44,12 @@ void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C
 
 /// Prints a result to stdout: the JSON with --json, else the text.
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text);
+
+/// Writes the command's effective settings to a file for --config.
+/// @param decided  values that the command chose itself, such as the model without --model; null leaves an option out
+/// @throws Error  if it cannot be written
+void write_settings(const CommonArguments& common, const std::filesystem::path& file,
+                    const nlohmann::json& decided = nlohmann::json::object());
 
 /// Ends the command with 1 if there are errors, and prints each on a line after `tactile`. Call it after the result is printed.
 /// @throws Error  the last of `errors`

@@ -49,7 +49,7 @@ struct DetectArguments {
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, mask, page;
   RobotArguments robot;
-  bool no_real_time = false, no_rehearsal = false, awake = false;
+  bool no_real_time = false, no_rehearsal = false, awake = false, camera_time = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
 };
@@ -147,8 +147,8 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
 void detect(DetectArguments args, const CommonArguments& common) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
-  const model::ModelBundle bundle = chosen_model(args.model, args.models);
-  if (args.model.empty()) spdlog::info("model {}: {}", bundle.folder.string(), why_chosen(bundle, args.models));
+  const ChosenModel chosen = chosen_model(args.model, args.models);
+  const model::ModelBundle& bundle = chosen.bundle;
   const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
   detect::DetectionOptions options = session_options(args, bundle, model);
@@ -162,7 +162,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     line.warn(text);
     if (page) page->warn(text);
   };
-  line.inform("detecting with " + bundle.folder.string());
+  line.inform("detecting with " + bundle.folder.string() + (chosen.why.empty() ? "" : ", " + chosen.why));
   if (!model.scene)
     line.inform(bundle.name() +
                 " does not know the scenes of its training runs, so the scene is not watched; 'tactile train --force' adds them");
@@ -176,7 +176,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
     if (page) line.inform("page at " + page->open(sensor, rendering));
     return on_events;
   });
-  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .prints = !common.json}, line);
+  TickReader reader({.csv = args.ticks, .keeps = !args.plot.empty(), .camera_time = args.camera_time, .prints = !common.json},
+                    line);
   detect::DetectionSummary summary = session.run(page ? page->shown(reader.output()) : reader.output());
   line.clear();
   if (page) page->end(summary);
@@ -190,7 +191,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
 }
 
 void add_model_options(Command& command, DetectArguments& args) {
-  command.add_option("--model", args.model, "Model: a folder, or a name in --models; default: the newest single-run model");
+  command.add_option("--model", args.model, default_model_help);
   command.add_option("--models", args.models, "Folder of models").show_default();
   command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
@@ -216,6 +217,7 @@ void add_model_options(Command& command, DetectArguments& args) {
 
 void add_output_options(Command& command, DetectArguments& args) {
   command.add_option("--udp", args.udp, "Send a record to this address at each tick").type_name("HOST:PORT");
+  command.add_flag("--camera-time", args.camera_time, "Print camera times instead of seconds since the first event");
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
   add_page_option(command, "--page", args.page, "Show verdicts on a local page while it runs, at this port; 0 takes a free port");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");

@@ -19,6 +19,7 @@ void draw_ticks(const std::vector<detect::ReportedTick>& ticks, const heatmaps::
   const std::uint32_t beginnings = first->beginning - ticks.front().beginning;
   pictures::PredictionPicture picture;
   picture.title = title;
+  picture.first_event = first->first_event;
   const double history_ms = static_cast<double>(rendering.history.count()) / 1000;
   TickRange range{.first = first->verdict.t, .count = 0, .tick = rendering.tick};
   std::vector<Touch> verdicts;

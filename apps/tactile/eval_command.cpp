@@ -27,7 +27,6 @@
 #include "tactile/evaluation/evaluation_table.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
-#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -48,12 +47,15 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   return options;
 }
 
-/// Writes the result to `file`, and as a table next to it. @return  a sentence that names both
-std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation) {
-  fs::path table = file;
+/// Writes the result to `file`, as a table next to it, and the settings. @return  a sentence that names result and table
+std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation,
+                         const CommonArguments& common, const model::ModelBundle& bundle) {
+  fs::path table = file, settings = file;
   table.replace_extension(".csv");
+  settings.replace_filename(file.stem().string() + "-settings.json");
   write_json(file, json);
   write_whole(table, evaluation::table_of(evaluation));
+  write_settings(common, settings, {{"model", bundle.folder.string()}});
   return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
 }
 
@@ -117,20 +119,17 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
         fmt::format("{}: no such dataset; expected one with a model, run '{}' first", file.string(), train_command(args, {})));
   }
   const windows::Dataset dataset(file);
-  auto bundle = args.model.empty() ? model::pinned_bundle(args.models) : bundle_named(args);
-  if (!bundle) bundle = newest_of(args, dataset, windows::SplitKind::single_run);
-  if (!bundle) {
-    bundle = model::newest_bundle(args.models, [](const model::ModelDescription& model) {
-      return model.settings.split.kind == windows::SplitKind::single_run;
-    });
+  const std::string hash = dataset.manifest_hash();
+  std::optional<ChosenModel> chosen =
+      args.model.empty() ? model_without_name(args.models, &hash) : ChosenModel{bundle_named(args), {}};
+  if (!chosen) chosen = model_without_name(args.models);
+  if (!chosen) {
+    throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
   }
-  if (!bundle) {
-    throw Error(fmt::format("{}: no single-run model; expected one, run '{}' first", args.models, train_command(args, {})));
-  }
-  check_writable(bundle->folder);
-  spdlog::info("evaluating {}{}", bundle->folder.string(),
-               args.model.empty() ? ", " + why_chosen(*bundle, args.models) : std::string());
-  const model::Classifier classifier = model::open_classifier(bundle->folder, common.threads, model::engine_named(args.engine));
+  const model::ModelBundle& bundle = chosen->bundle;
+  check_writable(bundle.folder);
+  log_choice("evaluating", *chosen);
+  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
   auto runs = model::test_runs_of(dataset, classifier.model());
   evaluation::leave_out_calibration_runs(runs, dataset, classifier);
   evaluation::EvaluationOptions options = options_of(args, common);
@@ -142,10 +141,11 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   json["learned_from"] = json_of_learning(dataset, classifier.model());
-  const std::string written = write_result(result_file(bundle->evaluation(), args, options, dataset), json, evaluation);
-  const std::string learning =
-      options.of_another_dataset ? "\n" + wrapped(sentence_on_learning(*bundle, dataset, classifier.model(), runs.size())) + "\n"
-                                 : "";
+  const std::string written =
+      write_result(result_file(bundle.evaluation(), args, options, dataset), json, evaluation, common, bundle);
+  const std::string learning = options.of_another_dataset
+                                   ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
+                                   : "";
   print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + learning + written);
 }
 
@@ -197,6 +197,18 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
   return trainings;
 }
 
+/// The model to compare with one of the other split: the named one, else the one that commands take if it is of this dataset.
+std::optional<ChosenModel> one_of_pair(const EvalArguments& args, const windows::Dataset& dataset) {
+  if (!args.model.empty()) return ChosenModel{bundle_named(args), {}};
+  const std::string hash = dataset.manifest_hash();
+  auto chosen = model_without_name(args.models, &hash);
+  if (chosen && model::read_description(chosen->bundle).manifest_hash != hash) {
+    spdlog::info("{} is pinned, but learned from another dataset; it is not compared", chosen->bundle.name());
+    return std::nullopt;
+  }
+  return chosen;
+}
+
 void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   const fs::path file = dataset_file(args.data);
   if (args.no_train && !fs::exists(file)) {
@@ -205,21 +217,20 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   }
   const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   const windows::Dataset dataset(file);
-  std::optional<model::ModelBundle> known =
-      args.model.empty() ? newest_of(args, dataset, windows::SplitKind::single_run) : bundle_named(args);
-  if (!known) known = newest_of(args, dataset, windows::SplitKind::unseen);
+  const std::optional<ChosenModel> known = one_of_pair(args, dataset);
   model::ModelSettings settings;
-  if (known) settings = model::read_description(*known).settings;
+  if (known) settings = model::read_description(known->bundle).settings;
   const bool knows_unseen = known && settings.split.kind == windows::SplitKind::unseen;
   const model::ModelBundle seen =
-      known && !knows_unseen ? *known
+      known && !knows_unseen ? known->bundle
                              : partner_of(args, common, dataset, with_split(settings, windows::SplitKind::single_run, {}));
   const auto unseen_settings = [&] {
     return with_split(settings, windows::SplitKind::unseen, objects_to_hold_out(args.held_out, dataset));
   };
-  const model::ModelBundle held_out = knows_unseen ? *known : partner_of(args, common, dataset, unseen_settings());
+  const model::ModelBundle held_out = knows_unseen ? known->bundle : partner_of(args, common, dataset, unseen_settings());
   check_writable(seen.folder);
-  spdlog::info("evaluating {} and {}", held_out.folder.string(), seen.folder.string());
+  spdlog::info("evaluating {} and {}{}", held_out.folder.string(), seen.folder.string(),
+               known && !known->why.empty() ? fmt::format("; {} is {}", known->bundle.name(), known->why) : "");
 
   const UnseenTrainings trainings = open_trainings(args, common, dataset, seen, held_out);
   const evaluation::EvaluationOptions options = options_of(args, common);
@@ -229,7 +240,8 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
   json["warnings"] = trainings.warnings;
-  const std::string written = write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation);
+  const std::string written =
+      write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation, common, seen);
   print_result(common, json,
                text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" +
                    (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + written);
@@ -247,8 +259,7 @@ void add_eval_command(CLI::App& app) {
                                 });
   command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; its run folders are read too")
       .show_default();
-  command.add_option("--model", args->model,
-                     "Model: a folder, or a name in --models; default: the newest single-run model of the dataset");
+  command.add_option("--model", args->model, default_model_help);
   command.add_option("--models", args->models, "Folder of models").show_default();
   const Option unseen = command.add_flag(
       "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains missing models");

@@ -84,12 +84,6 @@ model::ModelBundle bundle_named(const EvalArguments& args) {
                   names.empty() ? ", as 'tactile train' creates it" : fmt::format(", such as {}", fmt::join(names, ", "))));
 }
 
-std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const windows::Dataset& dataset, windows::SplitKind kind) {
-  return model::newest_bundle(args.models, [&](const model::ModelDescription& model) {
-    return model.manifest_hash == dataset.manifest_hash() && model.settings.split.kind == kind;
-  });
-}
-
 model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind,
                                 const std::vector<std::string>& held_out) {
   settings.split.kind = kind;

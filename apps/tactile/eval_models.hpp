@@ -32,9 +32,6 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
 /// The model of `--model`. @throws Error  if it is not there or not finished
 model::ModelBundle bundle_named(const EvalArguments& args);
 
-/// The newest model of this dataset with this kind of split.
-std::optional<model::ModelBundle> newest_of(const EvalArguments& args, const windows::Dataset& dataset, windows::SplitKind kind);
-
 /// The same settings with another split. @param held_out  for the split unseen
 model::ModelSettings with_split(model::ModelSettings settings, windows::SplitKind kind, const std::vector<std::string>& held_out);
 

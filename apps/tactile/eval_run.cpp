@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "chosen_model.hpp"
 #include "model_arguments.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
@@ -18,7 +19,6 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
-#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/pictures/prediction_picture.hpp"
@@ -54,13 +54,13 @@ ChosenRun chosen_run(const std::string& given, const EvalArguments& args, const 
   return {named_run_at(folder), {}};
 }
 
-model::ModelBundle model_for_runs(const EvalArguments& args, const std::optional<windows::Dataset>& dataset) {
-  if (!args.model.empty()) return bundle_named(args);
-  std::optional<model::ModelBundle> found = model::pinned_bundle(args.models);
-  if (!found && dataset) found = newest_of(args, *dataset, windows::SplitKind::single_run);
-  if (!found) found = model::newest_bundle(args.models, [](const model::ModelDescription&) { return true; });
-  if (!found) throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
-  return *found;
+ChosenModel model_for_runs(const EvalArguments& args, const std::optional<windows::Dataset>& dataset) {
+  if (!args.model.empty()) return {bundle_named(args), {}};
+  const std::string hash = dataset ? dataset->manifest_hash() : std::string();
+  auto chosen = model_without_name(args.models, dataset ? &hash : nullptr);
+  if (!chosen) chosen = model_without_name(args.models);
+  if (!chosen) throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
+  return *std::move(chosen);
 }
 
 /// The outcome of an interval; "in doubt" if its labels are.
@@ -76,6 +76,7 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   pictures::PredictionPicture picture;
   picture.title = fmt::format("{}{}, predicted by {}{}", prediction.run, prediction.simulated ? " (simulated)" : "",
                               classifier.bundle().filename().string(), learned_from ? ", which learned from this run" : "");
+  picture.first_event = prediction.first_event;
   const double history_ms = in_ms(classifier.rendering().history);
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const model::Probabilities& p = prediction.full.probabilities[k];
@@ -213,9 +214,10 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   std::vector<ChosenRun> chosen;
   for (const std::string& given : args.runs) attempt([&] { chosen.push_back(chosen_run(given, args, dataset)); });
   if (chosen.empty()) return end_with(errors);
-  const model::ModelBundle bundle = model_for_runs(args, dataset);
+  const ChosenModel by = model_for_runs(args, dataset);
+  const model::ModelBundle& bundle = by.bundle;
   const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
-  spdlog::info("every tick, predicted by {}", bundle.folder.string());
+  log_choice("every tick, predicted by", by);
   const evaluation::PredictionOptions options = prediction_options(args, common.threads, dataset, bundle, classifier.model());
   RunsOfModel shown{.args = args, .dataset = dataset, .bundle = bundle, .classifier = classifier, .options = options};
 

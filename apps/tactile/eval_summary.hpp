@@ -10,7 +10,7 @@ namespace tactile::cli {
 /// tables of `text_of` have the rest.
 std::string summary_of(const results::Evaluation& evaluation);
 
-/// "Evaluation of th040-single-run-01-s1 on simulated runs, confirmed in 2/3 ticks, gated"
+/// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks, gated"
 std::string heading_of(const results::Evaluation& evaluation);
 
 /// Whether the model's accuracy interval lies above every baseline's, in a sentence.

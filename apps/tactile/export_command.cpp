@@ -91,9 +91,10 @@ nlohmann::json export_json(const model::ModelBundle& bundle, const model::ModelD
 
 void export_model(const ExportArguments& args, const CommonArguments& common) {
   check_places(args);
-  const model::ModelBundle bundle = chosen_model(args.model, args.models);
+  const ChosenModel chosen = chosen_model(args.model, args.models);
+  const model::ModelBundle& bundle = chosen.bundle;
   const model::ModelDescription model = model::read_description(bundle);
-  if (args.model.empty()) spdlog::info("exporting {}", bundle.folder.string());
+  if (args.model.empty()) log_choice("exporting", chosen);
   if (!args.onnx.empty() && !reads_heatmaps(model.settings.kind)) {
     throw Error(
         fmt::format("--onnx: {} is of kind {}, which reads features of events; expected a model of kind lenet, or "
@@ -146,7 +147,7 @@ void add_export_command(CLI::App& app) {
   auto args = std::make_shared<ExportArguments>();
   Command command = add_command(app, "export", "Write a model in formats that other software reads",
                                 [args](const CommonArguments& common) { export_model(*args, common); });
-  command.add_option("--model", args->model, "Model: a folder, or a name in --models; default: the model trained last");
+  command.add_option("--model", args->model, default_model_help);
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
   command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");

@@ -13,7 +13,7 @@
 namespace tactile::cli {
 namespace {
 
-constexpr std::array common_names{"--help", "--config", "--json", "--quiet", "--threads"};
+constexpr std::array common_names{"--help", "--config", "--print-config", "--json", "--quiet", "--threads"};
 constexpr std::size_t text_column = 24;
 
 std::size_t columns() {

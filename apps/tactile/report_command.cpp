@@ -14,6 +14,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/report/reported_stress.hpp"
 #include "tactile/results/json_view.hpp"
@@ -29,21 +30,33 @@ struct ReportArguments {
   std::string out;
   std::string models = "models";
   std::string trade, stress;
+  bool verbose = false;
 };
 
 /// A model for a report.
 struct FoundModel {
   fs::path folder;
-  bool single_run = false, evaluated = false;
+  bool preferred = false, single_run = false, evaluated = false;
   std::string trained_at;
 };
 
-/// Models of the dataset; the first gives all its results: of single runs, evaluated, trained last. Models with held-out objects
-/// appear in the comparison that the other model's folder has.
-std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path& models) {
+/// The model that a report of a dataset begins with, if it is of that dataset: the pinned one, else the last one that `train`
+/// made here. One without an evaluation has nothing to show: only a pin puts it first.
+std::pair<std::optional<model::ModelBundle>, std::string> preferred_model(const fs::path& models) {
+  if (auto pinned = model::pinned_bundle(models)) return {std::move(pinned), "the pinned model"};
+  auto last = model::last_bundle(models);
+  if (last && !is_file(last->evaluation())) last.reset();
+  return {std::move(last), "the last one that 'train' made here"};
+}
+
+/// Models of the dataset; the first gives all its results: the pinned one, else the last one that `train` made here, else the
+/// newest one of single runs with an evaluation. Models with held-out objects appear in the comparison that the other model's
+/// folder has.
+std::vector<fs::path> models_of(const std::string& manifest_hash, const ReportArguments& args) {
+  const auto [preferred, why] = preferred_model(args.models);
   std::vector<FoundModel> found;
   std::error_code none;
-  for (fs::directory_iterator entry(models, none), end; !none && entry != end; entry.increment(none)) {
+  for (fs::directory_iterator entry(args.models, none), end; !none && entry != end; entry.increment(none)) {
     const fs::path file = entry->path() / "model.json";
     if (!is_file(file)) continue;
     try {
@@ -51,6 +64,7 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
       const results::JsonView model(document, file.string());
       if (model["dataset"]["manifest_hash"].text() != manifest_hash) continue;
       found.push_back({.folder = entry->path(),
+                       .preferred = preferred && preferred->folder == entry->path(),
                        .single_run = model["split"]["kind"].text() == "single-run",
                        .evaluated = is_file(entry->path() / "eval.json"),
                        .trained_at = model["trained_at"].text()});
@@ -59,9 +73,14 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const fs::path
     }
   }
   std::sort(found.begin(), found.end(), [](const FoundModel& a, const FoundModel& b) {
-    return std::tuple(a.single_run, a.evaluated, a.trained_at, b.folder) >
-           std::tuple(b.single_run, b.evaluated, b.trained_at, a.folder);
+    return std::tuple(a.preferred, a.single_run, a.evaluated, a.trained_at, b.folder) >
+           std::tuple(b.preferred, b.single_run, b.evaluated, b.trained_at, a.folder);
   });
+  if (!found.empty()) {
+    const FoundModel& first = found.front();
+    spdlog::info("reporting {}, {}", first.folder.string(),
+                 first.preferred ? why : (first.evaluated ? "the newest one with an evaluation" : "the newest model"));
+  }
   std::vector<fs::path> folders;
   for (const FoundModel& model : found) {
     if (model.single_run || folders.empty()) folders.push_back(model.folder);
@@ -111,7 +130,7 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
                     "'train', 'trade', 'stress' or 'windows' wrote",
                     what.string()));
   }
-  const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args.models);
+  const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args);
   if (folders.empty()) {
     throw Error(fmt::format("{}: no model of {}; expected one, run 'tactile train' and 'tactile eval' first", args.models,
                             dataset.string()));
@@ -134,12 +153,18 @@ void report(const ReportArguments& args, const CommonArguments& common) {
         stop_if_interrupted();
         spdlog::info("drawing {}", figure);
       });
+  write_settings(common, summary.page.parent_path() / "settings.json");
   std::string text = summary.title + "\n\n";
   if (summary.claims > 0) {
     text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} cannot be decided.\n\n", summary.claims,
                         summary.hold, summary.do_not, summary.claims - summary.hold - summary.do_not);
   }
-  if (!summary.missing.empty()) {
+  if (!summary.missing.empty() && !args.verbose) {
+    text += fmt::format("{} not in it; --verbose lists {}.\n\n",
+                        summary.missing.size() == 1 ? "1 part is" : fmt::format("{} parts are", summary.missing.size()),
+                        summary.missing.size() == 1 ? "it" : "them");
+  }
+  if (!summary.missing.empty() && args.verbose) {
     text += "Missing:\n";
     for (const std::string& missing : summary.missing) text += wrapped("- " + missing, 2) + "\n";
     text += "\n";
@@ -173,6 +198,7 @@ void add_report_command(CLI::App& app) {
       .type_name("DIR");
   command.add_option("--stress", args->stress, "Folder of 'stress' results to include; default: stress/ if it exists")
       .type_name("DIR");
+  command.add_flag("--verbose", args->verbose, "List what is not in the report, and why");
   command.add_option("--models", args->models, "Folder of models, for DATA").type_name("DIR").show_default();
 }
 

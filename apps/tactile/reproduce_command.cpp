@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
@@ -36,7 +38,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReproduceArguments {
-  std::string data = "data", models = "models", out = "study";
+  std::string data = "data", models, out = "study";
   std::string preset = "quick";
   std::vector<std::string> objects{"all"};
   int runs = 0;
@@ -51,7 +53,7 @@ struct ReproduceArguments {
   double width = 1;
   int last_pool = 2;
   bool include_flagged = false, strict = false;
-  bool without_report = false;
+  bool without_report = false, verbose = false;
   ExecutorArguments executor;
 };
 
@@ -77,7 +79,7 @@ std::string check_splits(const std::string& text) {
 study::StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
   study::StudyOptions options;
   options.data = args.data;
-  options.models = args.models;
+  options.models = experiments::models_folder(args.models, args.out);
   options.out = args.out;
   options.preset = args.preset;
   options.objects = args.objects;
@@ -123,11 +125,10 @@ bool is_judged(const nlohmann::json& study) {
 /// Commands that use the chosen model.
 std::string next_commands(const ReproduceArguments& args, const nlohmann::json& study) {
   const std::string model = study.at("choice").at("model").get<std::string>();
-  const std::string folder = shell_word((fs::path(args.models) / model).string());
-  std::string data = args.data == "data" ? "" : " " + shell_word(args.data), models;
-  if (args.models != "models") models = " --models " + shell_word(args.models);
-  return fmt::format("To use the chosen model{}:\n  tactile eval{} --model {}{}\n  tactile export --model {} --onnx model.onnx\n",
-                     is_judged(study) ? "" : ", whose delays and false alarms 'eval' measures", data, folder, models, folder);
+  const std::string folder = shell_word((experiments::models_folder(args.models, args.out) / model).string());
+  const std::string data = args.data == "data" ? "" : " " + shell_word(args.data);
+  return fmt::format("To use the chosen model{}:\n  tactile eval{} --model {}\n  tactile export --model {} --onnx model.onnx\n",
+                     is_judged(study) ? "" : ", whose delays and false alarms 'eval' measures", data, folder, folder);
 }
 
 std::string text_of(const study::StudySummary& summary) {
@@ -189,6 +190,43 @@ std::string text_of(const study::StudySummary& summary) {
   return text;
 }
 
+/// The label, and its words in a column of their own.
+std::string short_line(const std::string& label, const std::string& words) {
+  constexpr std::size_t column = 12;
+  return wrapped(fmt::format("{:<{}}{}", label, column, words), column) + "\n";
+}
+
+/// The claims' outcomes, counted: "4 yes, 2 no, 5 cannot tell".
+std::string outcomes_of(const nlohmann::json& claims) {
+  std::map<std::string, std::size_t> outcomes;
+  for (const auto& claim : claims) ++outcomes[claim.at("verdict").get<std::string>()];
+  std::string text;
+  for (const auto& [outcome, count] : outcomes) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, outcome);
+  return text;
+}
+
+/// The figures that matter most: at most 9 lines.
+std::string short_text(const study::StudySummary& summary) {
+  const nlohmann::json& study = summary.study;
+  std::string text = wrapped(study.at("title").get<std::string>()) + "\n\n";
+  const nlohmann::json& choice = study.at("choice");
+  for (const auto& history : study.at("histories")) {
+    if (history.at("th_ms") != choice.at("th_ms")) continue;
+    text += short_line("accuracy", fmt::format("{} % with t_h {:g} ms, on the reported runs",
+                                               mean_of(history.at("accuracy").at("reported")), choice.at("th_ms").get<double>()));
+  }
+  const nlohmann::json& unseen = study.at("unseen");
+  if (!unseen.is_null() && !unseen.at("reported").is_null()) {
+    const nlohmann::json& mean = unseen.at("reported").at("mean");
+    text += short_line("held out", fmt::format("{} %, {} points from seen objects", figure_text(mean.at("held_out"), 100, 2),
+                                               figure_text(mean.at("difference"), 100, 2)));
+  }
+  text += short_line("claims", fmt::format("of the paper's {}: {}", study.at("claims").size(), outcomes_of(study.at("claims"))));
+  text += short_line("steps", fmt::format("{} done, {} kept; --verbose prints all tables", summary.done, summary.kept));
+  if (study.at("simulated").get<bool>()) text += "Results on simulated runs say nothing about real ones.\n";
+  return text;
+}
+
 /// What was found: the last screen.
 std::string found_text(const nlohmann::json& study) {
   std::string text = "What was found\n\n";
@@ -222,14 +260,15 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   const auto new_progress = [&] { return progress_line(common); };
   const study::StudySummary summary =
       study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  write_settings(common, fs::path(args.out) / "settings.json");
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
   result["report"] = nullptr;
   result["errors"] = summary.errors;
-  std::string text = text_of(summary) + found_text(summary.study) + fmt::format("\nWritten to {}\n", summary.file.string()) +
-                     next_commands(args, summary.study);
+  std::string text = (args.verbose ? text_of(summary) + found_text(summary.study) : short_text(summary)) +
+                     fmt::format("\nWritten to {}\n", summary.file.string()) + next_commands(args, summary.study);
   if (args.without_report) {
     print_result(common, result, text);
     return end_with(summary.errors);
@@ -305,8 +344,11 @@ void add_reproduce_command(CLI::App& app) {
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   add_executor_options(command, args->executor);
+  command.add_flag("--verbose", args->verbose, "Print all tables and what was found");
   command.add_flag("--no-report", args->without_report, "Do not write the report");
-  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--models", args->models, "Folder of the models that it trains")
+      .type_name("DIR")
+      .default_text("models/ in --out");
   command.add_option("--out", args->out, "Output folder of the study").show_default();
 }
 

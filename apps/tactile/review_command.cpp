@@ -45,7 +45,7 @@ struct ReviewArguments {
 /// The name of the model in the folder that commands take without --model.
 std::optional<std::string> default_model(const std::string& models) {
   try {
-    return chosen_model({}, models).name();
+    return chosen_model({}, models).bundle.name();
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -42,7 +42,7 @@ struct StressArguments {
   std::optional<unsigned> runs;
   std::uint64_t seed = 1;
   DecisionArguments decision;
-  bool gate = false, quick = false, force = false, no_figures = false;
+  bool gate = false, quick = false, force = false, verbose = false, no_figures = false;
 };
 
 std::vector<stress::StressSeries> series_of(const StressArguments& args) {
@@ -68,7 +68,7 @@ std::vector<stress::StressSeries> series_of(const StressArguments& args) {
   return series;
 }
 
-/// The named models; else the newest single-run model of the dataset.
+/// The named models; else the one that commands without --model take, with a dataset one of it.
 std::vector<fs::path> models_of(const StressArguments& args, const std::optional<fs::path>& dataset) {
   std::vector<fs::path> models;
   for (const std::string& model : args.model) {
@@ -78,18 +78,20 @@ std::vector<fs::path> models_of(const StressArguments& args, const std::optional
     models.push_back(bundle_named(named).folder);
   }
   if (!models.empty()) return models;
+  ChosenModel chosen;
   if (dataset) {
     const std::string hash = windows::Dataset(*dataset).manifest_hash();
-    const auto newest = model::newest_bundle(args.models, [&](const model::ModelDescription& model) {
-      return model.manifest_hash == hash && model.settings.split.kind == windows::SplitKind::single_run;
-    });
-    if (!newest) {
-      throw Error(fmt::format("{}: no single-run model of {}; expected one, run 'tactile train' first, or name one by --model",
-                              args.models, dataset->string()));
+    auto of_dataset = model_without_name(args.models, &hash);
+    if (!of_dataset) {
+      throw Error(fmt::format("{}: no model of {}; expected one, run 'tactile train' first, or name one by --model", args.models,
+                              dataset->string()));
     }
-    return {newest->folder};
+    chosen = *std::move(of_dataset);
+  } else {
+    chosen = chosen_model("", args.models);
   }
-  return {chosen_model("", args.models).folder};
+  log_choice("stressing", chosen);
+  return {chosen.bundle.folder};
 }
 
 stress::StressOptions options_of(const StressArguments& args, const CommonArguments& common) {
@@ -173,6 +175,42 @@ std::string text_of(const stress::StressSummary& summary) {
   return text;
 }
 
+/// Where a curve ends, compared with its begin: the loss of accuracy, or of quiet recordings the further alarms.
+double harm_of(const results::StressCurve& curve, bool quiet) {
+  const results::StressPoint &clean = curve.points.front(), &worst = curve.points.back();
+  const double harm = quiet ? worst.false_alarms.outside_labels_per_min.value - clean.false_alarms.outside_labels_per_min.value
+                            : clean.accuracy.value - worst.accuracy.value;
+  return std::isfinite(harm) ? harm : -INFINITY;
+}
+
+/// The first model's recipes that harm it most, the worst first: at most 13 lines.
+std::string short_text(const stress::StressSummary& summary) {
+  constexpr std::size_t most_rows = 7;
+  const results::Stress& stress = summary.stress;
+  const results::StressedModel& model = stress.models.front();
+  const bool quiet = model.curves.empty();
+  std::vector<results::StressCurve> curves = quiet ? model.quiet : model.curves;
+  std::stable_sort(curves.begin(), curves.end(),
+                   [quiet](const auto& a, const auto& b) { return harm_of(a, quiet) > harm_of(b, quiet); });
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < std::min(most_rows, curves.size()); ++i) {
+    const results::StressPoint &clean = curves[i].points.front(), &worst = curves[i].points.back();
+    const auto change = [](double from, double to, double factor) {
+      return fmt::format("{} to {}", std::isfinite(from) ? fmt::format("{:.1f}", factor * from) : "-",
+                         std::isfinite(to) ? fmt::format("{:.1f}", factor * to) : "-");
+    };
+    rows.push_back({curves[i].name, quiet ? "" : results::words_of(curves[i]),
+                    change(clean.accuracy.value, worst.accuracy.value, 100),
+                    change(clean.false_alarms.outside_labels_per_min.value, worst.false_alarms.outside_labels_per_min.value, 1)});
+  }
+  std::string text = wrapped(stress.title) + "\n\n" + text_table({"recipe", "holds", "accuracy [%]", "alarms/min"}, rows);
+  if (const std::size_t more = curves.size() - rows.size(); more > 0) text += fmt::format("and {} less harmful\n", more);
+  const std::size_t others = stress.models.size() - 1;
+  return text + fmt::format("\nOf {}{}: --verbose prints all. {} steps done, {} kept. Written to {}\n", model.name,
+                            others > 0 ? fmt::format(", and {} more", counted(others, "model")) : "", summary.done, summary.kept,
+                            summary.file.string());
+}
+
 std::vector<std::string> draw_figures(const results::Stress& stress, const fs::path& out) {
   std::vector<std::pair<std::string, pictures::Plot>> plots;
   if (!stress.models.front().curves.empty()) {
@@ -232,12 +270,15 @@ void run(const StressArguments& args, const CommonArguments& common) {
   const stress::StressOptions options = options_of(args, common);
   const stress::StressSummary summary = stress::run_stress(
       options, [&] { return progress_line(common); }, log_step);
+  nlohmann::json models = nlohmann::json::array();
+  for (const fs::path& model : options.models) models.push_back(model.string());
+  write_settings(common, options.out / "settings.json", {{"model", models.size() == 1 ? models.front() : models}});
   nlohmann::json result = summary.stress;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
   result["figures"] = nlohmann::json::array();
-  std::string text = text_of(summary);
+  std::string text = args.verbose ? text_of(summary) : short_text(summary);
   try {
     if (!args.no_figures) {
       result["figures"] = draw_figures(summary.stress, args.out);
@@ -286,7 +327,7 @@ void add_stress_command(CLI::App& app) {
   command
       .add_option("--model", args->model,
                   "Model: a folder, or a name in --models. May be repeated: models that differ only in seed and training run "
-                  "are trainings of one. Default: the newest single-run model of the dataset")
+                  "are trainings of one. Default: the pinned one, else the last one that 'train' made here")
       .repeatable();
   command.add_option("--models", args->models, "Folder of models").show_default();
   command.add_option("--runs", args->runs, "At most so many runs of each object").check(in_range(1U, 99U)).type_name("N");
@@ -298,6 +339,7 @@ void add_stress_command(CLI::App& app) {
   add_decision_options(command, args->decision);
   command.add_flag("--gate", args->gate, "Report none while there are fewer events than the model's limit");
   add_engine_option(command, args->engine);
+  command.add_flag("--verbose", args->verbose, "Print every recipe, with all models and figures at its last severity");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_flag("--force", args->force, "Do again what is done");
   command.add_option("--out", args->out, "Output folder").show_default();

@@ -64,7 +64,8 @@ void TickReader::begin_episode(const detect::ReportedTick& tick) {
   if (!options_.prints) return;
   line_.clear();
   const Touch touch = tick.verdict.verdict;
-  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), 1e-6 * static_cast<double>(us_of(tick.verdict.t)),
+  const std::int64_t us = options_.camera_time ? us_of(tick.verdict.t) : between(tick.first_event, tick.verdict.t).count();
+  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), 1e-6 * static_cast<double>(us),
                     static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
 }
 

@@ -14,9 +14,10 @@
 namespace tactile::cli {
 
 struct TickReaderOptions {
-  std::string csv;     ///< write every tick to this file; empty: none
-  bool keeps = false;  ///< keep the ticks for a plot
-  bool prints = true;  ///< print a line to stdout when press or slip begins
+  std::string csv;           ///< write every tick to this file; empty: none
+  bool keeps = false;        ///< keep the ticks for a plot
+  bool camera_time = false;  ///< print camera times instead of seconds since the first event
+  bool prints = true;        ///< print a line to stdout when press or slip begins
 };
 
 /// Shows, writes and keeps the ticks of a detection.

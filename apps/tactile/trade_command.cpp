@@ -20,6 +20,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
@@ -28,7 +29,7 @@
 #include "tactile/report/trade_plots.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
-#include "text_table.hpp"
+#include "trade_text.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -36,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TradeArguments {
-  std::string data = "data", models = "models", out = "trade";
+  std::string data = "data", models, out = "trade";
   std::string train_run = "01";
   std::vector<std::string> choice_runs{"02"};
   unsigned epochs = 10;
@@ -52,7 +53,7 @@ struct TradeArguments {
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, filters{"off", "0.01"}, gates{"off", "on"};
   std::uint64_t timed_ticks = 20'000;
-  bool full = false, no_growth = false, no_figures = false, no_trial = false, strict = false;
+  bool full = false, verbose = false, no_growth = false, no_figures = false, no_trial = false, strict = false;
   unsigned corners = 6;
   std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms, at_most_missed;
   std::string at_most_delay;
@@ -151,7 +152,7 @@ Check is_delay_limit() {
 trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments& common) {
   trade::TradeOptions options;
   options.data = args.data;
-  options.models = args.models;
+  options.models = experiments::models_folder(args.models, args.out);
   options.out = args.out;
   options.train_run = args.train_run;
   options.choice_runs = args.choice_runs;
@@ -172,99 +173,6 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   options.threads = common.threads;
   options.slurm = slurm_of(args.executor);
   return options;
-}
-
-double number_or_nan(const nlohmann::json& json) { return json.is_null() ? NAN : json.get<double>(); }
-
-std::string text_of(double value, int decimals) { return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-"; }
-
-/// "87", with a star on the front itself; "-" if it is unknown.
-std::string probability_text(const nlohmann::json& front, const char* which) {
-  return text_of(100 * number_or_nan(front.at("probability").at(which)), 0) + (front.at(which).get<bool>() ? "*" : " ");
-}
-
-std::string settings_text(const nlohmann::json& trade) {
-  constexpr std::size_t most_rows = 60, width_of_setting = 12;
-  std::vector<std::vector<std::string>> rows;
-  std::size_t more = 0;
-  for (const auto& point : trade.at("points")) {
-    const auto& front = point.at("front");
-    const bool accuracy_front = front.at("accuracy"), delay_front = front.at("delay");
-    if (rows.size() >= most_rows && !accuracy_front && !delay_front) {
-      ++more;
-      continue;
-    }
-    const auto &reported = point.at("reported"), &delay = reported.at("delay_us"), &us = reported.at("us");
-    const auto value = [](const nlohmann::json& figure, double factor, int decimals) {
-      return text_of(factor * number_or_nan(figure.at("value")), decimals);
-    };
-    const std::vector<std::string> words = lines_of(wrapped(point.at("text"), 0, width_of_setting));
-    rows.push_back({words.front(), probability_text(front, "accuracy"), probability_text(front, "delay"),
-                    figure_text(reported.at("accuracy"), 100, 1), value(delay.at("median"), 1e-3, 1),
-                    value(delay.at("p90"), 1e-3, 0), value(delay.at("missed"), 100, 0),
-                    value(reported.at("episodes_per_min"), 1, 1), value(us.at("p50"), 1, 0), value(us.at("p99"), 1, 0),
-                    value(us.at("p999"), 1, 0)});
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      rows.emplace_back(rows.back().size());
-      rows.back().front() = words[i];
-    }
-  }
-  std::string text =
-      text_table({"setting", "A [%]", "D [%]", "accuracy [%]", "delay", "p90", "missed", "alarms", "p50", "p99", "p99.9"}, rows);
-  if (more > 0) text += fmt::format("and {} more settings, on no front\n", more);
-  return text + "\n";
-}
-
-std::string growth_text(const nlohmann::json& trade) {
-  if (trade.at("growth").is_null()) return {};
-  std::string text;
-  for (const auto& [key, title] :
-       {std::pair("rate", "events/s"), std::pair("history", "t_h [ms]"), std::pair("resolution", "sensor")}) {
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& point : trade.at("growth").at(key)) {
-      const std::string at = std::string(key) == "rate" ? fmt::format("{:.0f}", point.at("events_per_s").get<double>())
-                             : std::string(key) == "history"
-                                 ? fmt::format("{:g}", point.at("th_ms").get<double>())
-                                 : fmt::format("{}x{}", point.at("sensor").at(0).get<int>(), point.at("sensor").at(1).get<int>());
-      const double sparse = point.at("sparse").at("p50_us"), dense = point.at("dense").at("p50_us");
-      rows.push_back({at, text_of(point.at("sparse").at("rendering_us"), 1), text_of(point.at("sparse").at("network_us"), 1),
-                      text_of(sparse, 1), text_of(dense, 1), text_of(dense / sparse, 1)});
-    }
-    text += text_table({title, "rendering [us]", "network [us]", "a tick [us]", "dense [us]", "times"}, rows) + "\n";
-  }
-  return "How the cost of a tick grows (medians)\n\n" + text;
-}
-
-std::string text_of(const trade::TradeSummary& summary) {
-  const nlohmann::json& trade = summary.trade;
-  std::string text =
-      trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +
-      wrapped(trade.at("judged_by").get<std::string>()) + "\n\n" +
-      wrapped(
-          "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] (a "
-          "missed one counts with the time in which it could be detected), share missed or early [%], false alarms per minute "
-          "outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
-          "objects and runs drawn again; a star: on the front. D: the same for delay, misses and false alarms. Fronts are found "
-          "on the runs to choose on. All other figures are of the runs to report on.") +
-      "\n\n" + settings_text(trade) + growth_text(trade);
-  if (const std::size_t pairs = trade.at("left_out").size(); pairs > 0) {
-    std::string list;
-    for (const auto& pair : trade.at("left_out"))
-      list +=
-          fmt::format("{}{:g}/{:g}", list.empty() ? "" : ", ", pair.at("th_ms").get<double>(), pair.at("tick_ms").get<double>());
-    text +=
-        wrapped(fmt::format("Left out, because the history is not a whole number of ticks (t_h/tick in ms): {}.", list)) + "\n";
-  }
-  for (const auto& one : trade.at("not_measured"))
-    text +=
-        wrapped(fmt::format("Not measured: {}: {}.", one.at("setting").get<std::string>(), one.at("why").get<std::string>())) +
-        "\n";
-  if (const auto& unfinished = trade.at("unfinished"); !unfinished.is_null())
-    text += "\n" + wrapped(unfinished.get<std::string>()) + "\n";
-  text += "\n" + wrapped(trade.at("usual_is").get<std::string>()) + "\n";
-  text += "\n" + wrapped(trade.at("recommendation").at("sentence").get<std::string>()) + "\n\n";
-  text += fmt::format("{} steps done, {} kept. Written to {}\n", summary.done, summary.kept, summary.file.string());
-  return text;
 }
 
 std::vector<std::string> draw_figures(const fs::path& out) {
@@ -327,13 +235,14 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
         "again on an idle machine",
         busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
   }
+  write_settings(common, fs::path(args.out) / "settings.json");
   nlohmann::json result = summary.trade;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
   result["steps_kept"] = summary.kept;
   result["figures"] = nlohmann::json::array();
   result["applied"] = nullptr;
-  std::string text = text_of(summary);
+  std::string text = args.verbose ? full_text(summary) : short_text(summary);
   const auto print_all = [&] { print_result(common, result, text); };
   try {
     if (!args.no_figures) {
@@ -431,7 +340,10 @@ void add_trade_command(CLI::App& app) {
   command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   add_executor_options(command, args->executor);
-  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_flag("--verbose", args->verbose, "Print every setting and how the cost grows");
+  command.add_option("--models", args->models, "Folder of the models that it trains")
+      .type_name("DIR")
+      .default_text("models/ in --out");
   command.add_option("--out", args->out, "Output folder").show_default();
 }
 

@@ -20,6 +20,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
+#include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
 #include "tactile/model/training/dataset_bundle.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -44,7 +45,7 @@ struct TrainArguments {
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   KindArguments kind;
-  std::string models = "models", name, from;
+  std::string models = "models", name, from, tensorboard;
   std::vector<std::string> calibrate;  ///< ids of runs to fit a temperature on; empty: none is fitted
   bool force = false, resume = false, strict = false;
   double save_every_s = 30;
@@ -197,6 +198,15 @@ std::string text_of(const model::Temperature& temperature) {
          "\n";
 }
 
+/// Makes it the model that other commands take. In a folder that cannot be written they take the newest.
+void note_last(const model::ModelBundle& bundle) {
+  try {
+    model::note_last_bundle(bundle);
+  } catch (const Error& e) {
+    spdlog::warn("{}; commands without --model may take another model", e.what());
+  }
+}
+
 /// Trains the bundle, or resumes its training, and logs how that goes.
 model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
                                     const model::ModelSettings& settings, const model::ModelBundle& bundle, IfThere if_there) {
@@ -215,14 +225,16 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
   };
   model::TrainingSummary summary;
   try {
-    summary = model::train_model(dataset, settings, bundle,
-                                 {.threads = common.threads,
-                                  .resume = resumes,
-                                  .save_every = std::chrono::duration<double>(args.save_every_s),
-                                  .from = named_model(args.from, args.models).folder,
-                                  .if_there = if_there,
-                                  .begins = report_begin},
-                                 [&estimate](const Progress& progress) { estimate.see(progress); });
+    summary =
+        model::train_model(dataset, settings, bundle,
+                           {.threads = common.threads,
+                            .resume = resumes,
+                            .save_every = std::chrono::duration<double>(args.save_every_s),
+                            .from = named_model(args.from, args.models).folder,
+                            .if_there = if_there,
+                            .tensorboard = args.tensorboard.empty() ? fs::path() : fs::path(args.tensorboard) / bundle.name(),
+                            .begins = report_begin},
+                           [&estimate](const Progress& progress) { estimate.see(progress); });
   } catch (const Interrupted&) {
     if (model::CheckpointFolder::holds_state(model::CheckpointFolder::beside(bundle.folder)))
       spdlog::warn("{}: interrupted; the same command with --resume resumes it", bundle.folder.string());
@@ -245,7 +257,7 @@ void train(const TrainArguments& args, const CommonArguments& common) {
   if (!args.from.empty()) settings.from = model::starting_point(from, dataset, settings);
   const model::ModelBundle bundle = args.name.empty() ? model::bundle_for(args.models, dataset, settings)
                                                       : model::ModelBundle{fs::path(args.models) / args.name};
-  if (args.name.empty() && bundle.name() != model::default_name(settings))
+  if (args.name.empty() && bundle.name().starts_with(model::default_name(settings) + "-"))
     spdlog::info("{} learned from another state of {}, or from another dataset, and stays; this model is {}",
                  model::default_name(settings), dataset.file().string(), bundle.name());
   const model::BundleState state = model::state_of(bundle, dataset, settings);
@@ -261,7 +273,10 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     outcome = is_missing ? "trained" : "replaced";
   }
   const model::ModelDescription model = model::read_description(bundle);
+  // A bundle that exists keeps the settings that made it.
+  if (outcome != "unchanged") write_settings(common, bundle.settings());
   const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
+  note_last(bundle);
   print_result(common, json_of(bundle, model, outcome, made.has_value(), warnings, summary, temperature),
                text_of(bundle, args, model, outcome, summary) + text_of(temperature));
   if (made) end_with(made->errors);
@@ -361,8 +376,13 @@ void add_model_options(Command& command, TrainArguments& args) {
       .type_name("NN,...");
   add_rendering_options(command, args.rendering);
   command.add_option("--models", args.models, "Folder of models").show_default();
-  command.add_option("--name", args.name, "Name of the model's folder; default: made from history, split, run and seed")
+  command
+      .add_option("--name", args.name, "Name of the model's folder; default: such as th40-single-1, of history, split and seed")
       .check(Check{check_bundle_name, ""});
+  command
+      .add_option("--tensorboard", args.tensorboard,
+                  "Write loss, accuracy and learning rate of each epoch for TensorBoard, in a folder of the model's name in DIR")
+      .type_name("DIR");
   command.add_flag("--resume", args.resume, "Resume an interrupted training; the result is the same as without the interruption");
   command.add_option("--save-every", args.save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
       .check(in_range(0.0, 1e6))

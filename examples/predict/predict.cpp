@@ -1,5 +1,5 @@
 // Predicts what the skin feels, at every tick of a recording.
-//   predict RECORDING MODEL        e.g. predict data/fan/02/events.aedat4 models/th040-single-run-01-s1
+//   predict RECORDING MODEL        e.g. predict data/fan/02/events.aedat4 models/th40-single-1
 // Prints CSV: the tick [us], the predicted class, and the probabilities of none, press and slip.
 #include <exception>
 #include <iostream>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
 #include <sstream>
@@ -60,7 +61,7 @@ TEST(CommandLine, EveryCommandHasHelpWithTheCommonOptions) {
   for (const std::string& command : commands) {
     const auto result = run_tactile(command + " --help");
     EXPECT_EQ(result.exit_code, 0) << command;
-    for (const char* option : {"--config", "--json", "--quiet", "--threads"})
+    for (const char* option : {"--config", "--print-config", "--json", "--quiet", "--threads"})
       EXPECT_NE(result.out.find(option), std::string::npos) << command << " " << option;
   }
 }
@@ -286,6 +287,52 @@ TEST(Config, GivesARequiredOptionToo) {
       run_tactile("view '" + std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4' --config config.json", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "sheet.png"));
+}
+
+TEST(PrintConfig, IsThatOfAnyCommandAndTakenByItAgain) {
+  const test::TemporaryFolder folder;
+  for (const std::string& command : commands) {
+    const std::string places = command == "convert" || command == "repair" ? " in.aedat4 out.csv"
+                               : command == "view"                         ? " in.aedat4 --out out.png"
+                               : command == "info" || command == "serve"   ? " in.aedat4"
+                               : command == "characterise"                 ? " in.aedat4"
+                                                                           : "";
+    write_whole(folder / "in.aedat4", "");
+    const auto first = run_tactile(command + places + " --print-config", folder.path());
+    ASSERT_EQ(first.exit_code, 0) << command << ": " << first.err;
+    ASSERT_TRUE(nlohmann::json::accept(first.out)) << command << ": " << first.out;
+    write_whole(folder / "settings.json", first.out);
+    // Places that are required stay on the command line.
+    const auto again = run_tactile(command + places + " --config settings.json --print-config", folder.path());
+    EXPECT_EQ(again.exit_code, 0) << command << ": " << again.err;
+    EXPECT_EQ(again.out, first.out) << command;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "data")) << "nothing runs";
+}
+
+TEST(PrintConfig, HasNumbersTextsListsAndFlagsAsTheFileOfConfigDoes) {
+  const test::TemporaryFolder folder;
+  const auto printed = run_tactile(
+      "train mine --th 20 --train-run 02 --held-out fan,sprayer --split unseen --strict --name 7 --force --quiet --print-config",
+      folder.path());
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  const auto settings = nlohmann::json::parse(printed.out);
+  EXPECT_EQ(settings.at("data"), "mine");
+  EXPECT_EQ(settings.at("th"), 20);
+  EXPECT_EQ(settings.at("train-run"), "02") << "no number: JSON would write 2";
+  EXPECT_EQ(settings.at("held-out"), (std::vector<std::string>{"fan", "sprayer"}));
+  EXPECT_EQ(settings.at("strict"), true);
+  EXPECT_EQ(settings.at("epochs"), 10) << "a default";
+  EXPECT_EQ(settings.at("lr"), 0.001);
+  EXPECT_FALSE(settings.contains("validation")) << "its default depends on --early-stop";
+  for (const char* option : {"force", "quiet", "config", "print-config", "resume", "json"})
+    EXPECT_FALSE(settings.contains(option)) << option;
+  const auto trade = nlohmann::json::parse(run_tactile("trade --th 20,40 --print-config", folder.path()).out);
+  EXPECT_EQ(trade.at("th"), (std::vector<int>{20, 40}));
+  EXPECT_EQ(trade.at("width"), nlohmann::json::parse("[1, 0.5, 0.25]"));
+  EXPECT_EQ(trade.at("choice-runs"), std::vector<std::string>{"02"});
+  EXPECT_FALSE(trade.contains("trainings"));
+  EXPECT_FALSE(trade.contains("models"));
 }
 
 TEST(Doctor, ReportsWhatMattersInJson) {

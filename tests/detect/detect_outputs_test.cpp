@@ -221,6 +221,26 @@ TEST(DetectCommand, DrawsVerdictsWithLabelsAndTruth) {
   const std::string svg = read_text(folder / "drawn.svg");
   EXPECT_NE(svg.find("labelled"), std::string::npos);
   EXPECT_NE(svg.find("first right verdict"), std::string::npos);
+  EXPECT_NE(svg.find("time since the first event [s]"), std::string::npos);
+}
+
+TEST(DetectCommand, PrintsSecondsSinceTheFirstEventOrCameraTime) {
+  const fs::path folder = trained().folder.path();
+  const std::string command = "detect --model small --from file:data/fan/02 --speed 0";
+  const double first_s = 1e-6 * static_cast<double>(us_of(test::events_in_file(folder / "data/fan/02/events.aedat4").front().t));
+  ASSERT_GT(first_s, 1) << "otherwise both would look alike";
+  const auto begins_of = [&](const std::string& options) {
+    std::vector<double> begins;
+    const std::string text = run_tactile(command + options, folder).out;
+    for (std::size_t at = text.find(" at "); at != std::string::npos; at = text.find(" at ", at + 1)) {
+      if (text.find(" s, probability", at) == text.find(" s", at)) begins.push_back(std::stod(text.substr(at + 4)));
+    }
+    return begins;
+  };
+  const std::vector<double> since_first = begins_of(""), camera = begins_of(" --camera-time");
+  ASSERT_FALSE(since_first.empty());
+  ASSERT_EQ(since_first.size(), camera.size());
+  for (std::size_t i = 0; i < camera.size(); ++i) EXPECT_NEAR(camera[i] - since_first[i], first_s, 1e-6) << i;
 }
 
 TEST(DetectCommand, EndsAtCtrlCAndAfterItsDuration) {

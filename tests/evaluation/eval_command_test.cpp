@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "evaluation/trained_model.hpp"
+#include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -168,6 +169,7 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
   }
   const auto outcome = read_json(trained.bundle.folder / "runs/fan-02.json");
   EXPECT_EQ(outcome.at("intervals"), json.at("runs").at(0).at("intervals"));
+  EXPECT_EQ(outcome.at("first_event_us"), us_of(test::events_in_file(trained.folder / "data/fan/02/events.aedat4").front().t));
   EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
   const auto alarms = results::JsonView(outcome.at("false_alarms"), "fan-02.json").get<results::FalseAlarms>();
   const std::string words = results::words_of(alarms, true), picture = read_text(trained.bundle.folder / "runs/fan-02.svg");

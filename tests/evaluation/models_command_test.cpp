@@ -6,6 +6,7 @@
 
 #include "evaluation/trained_model.hpp"
 #include "support/run_command.hpp"
+#include "support/settings_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -42,14 +43,30 @@ TEST(ModelsCommand, ListsComparesPinsAndRemovesModels) {
   EXPECT_TRUE(has(compared.out, "training.epochs") && has(compared.out, "training.batch")) << compared.out;
   EXPECT_FALSE(has(compared.out, "rendering.")) << "what is the same is left out\n" << compared.out;
 
+  EXPECT_TRUE(has(run_tactile("eval", folder).err, "models/second, the last one that 'train' made here"));
+  ASSERT_EQ(run_tactile("train --name third --epochs 1 --quiet --split unseen --held-out fan", folder).exit_code, 0);
+  EXPECT_TRUE(has(run_tactile("eval", folder).err, "models/third, the last one")) << "of either split";
+  ASSERT_EQ(run_tactile("train --name second --epochs 2 --batch 64 --quiet", folder).exit_code, 0);
+  EXPECT_TRUE(has(run_tactile("eval", folder).err, "models/second, the last one")) << "unchanged, but asked for last";
+  const auto live = run_tactile("detect --from file:data/fan/02 --speed 0", folder);
+  EXPECT_TRUE(has(live.err, "models/second, the last one that 'train' made here")) << live.err;
+  const auto report = run_tactile("report", folder);
+  EXPECT_TRUE(has(report.err, "reporting models/second, the last one that 'train' made here")) << report.err;
+  test::expect_settings_of("report/settings.json", "report", folder);
+  test::expect_settings_of("models/second/eval-settings.json", "eval", folder);
+  EXPECT_EQ(read_json(folder / "models/second/eval-settings.json").at("model"), "models/second");
+  EXPECT_EQ(run_tactile("models rm third", folder).exit_code, 0);
+
   EXPECT_EQ(run_tactile("models pin " + first, folder).exit_code, 0);
   const auto evaluated = nlohmann::json::parse(run_tactile("eval --json", folder).out);
   EXPECT_EQ(evaluated.at("model").at("name"), first) << "although the other is newer";
-  EXPECT_TRUE(has(run_tactile("eval", folder).err, first + ", pinned"));
+  EXPECT_TRUE(has(run_tactile("eval", folder).err, first + ", the pinned model"));
   const auto kept = run_tactile("models rm second " + first, folder);
   EXPECT_EQ(kept.exit_code, 1);
   EXPECT_TRUE(has(kept.err, "is pinned; run 'tactile models unpin' first")) << kept.err;
   EXPECT_TRUE(fs::exists(folder / "models/second")) << "all or none";
+  ASSERT_EQ(run_tactile("eval --quiet", folder).exit_code, 0);
+  EXPECT_TRUE(has(run_tactile("report", folder).err, "reporting models/" + first + ", the pinned model"));
   EXPECT_TRUE(has(run_tactile("models unpin", folder).out, first + ": no longer pinned"));
   EXPECT_EQ(run_tactile("models rm " + first, folder).exit_code, 0);
   EXPECT_FALSE(fs::exists(folder / "models" / first));

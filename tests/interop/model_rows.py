@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 import numpy_lenet
-from programs import MODEL_LOGITS, run, tactile
+from programs import MODEL_LOGITS, TACTILE, Process, run, tactile, wait_until
 from table import Difference, row
 
 HEATMAPS = 1000  # of the dataset, and as many random ones
@@ -99,3 +99,39 @@ def safetensors_models(folder):
         with safetensors.safe_open(model.safetensors, "numpy") as file:
             metadata = file.metadata()
         model.expect_same(numpy_lenet.logits_of(weights, metadata, model.heatmaps), "NumPy")
+
+
+@row("scalars of train --tensorboard, read by TensorBoard: those of history.csv, also of a training that was resumed", "tensorboard")
+def tensorboard_scalars(folder):
+    import csv
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+    data = folder / "data"
+    tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
+    tactile("label", data, "--no-pictures")
+    arguments = ("train", data, "--epochs", "4", "--validation", "0.2", "--models", folder / "models", "--name", "mine",
+                 "--tensorboard", folder / "logs")
+    # The first training is killed after an epoch: the second one resumes it, in a second event file.
+    state = folder / "models" / "mine.training" / "last.safetensors"
+    with Process(TACTILE, *arguments):
+        wait_until(state.exists)
+    tactile(*arguments, "--resume")
+    if len(list((folder / "logs" / "mine").iterdir())) != 2:
+        raise Difference("expected the event files of two processes")
+    scalars = EventAccumulator(str(folder / "logs" / "mine"))
+    scalars.Reload()
+    with open(folder / "models" / "mine" / "history.csv", newline="") as file:
+        epochs = list(csv.DictReader(file))
+    columns = {"train/loss": "loss", "train/accuracy": "accuracy", "validation/loss": "validation_loss",
+               "validation/accuracy": "validation_accuracy", "learning_rate": "learning_rate", "gradient_norm": "gradient_norm",
+               "images_per_s": "images_per_s"}
+    if set(scalars.Tags()["scalars"]) != set(columns):
+        raise Difference(f"TensorBoard reads the tags {scalars.Tags()['scalars']}, expected {list(columns)}")
+    for tag, column in columns.items():
+        found = [(event.step, event.value) for event in scalars.Scalars(tag)]
+        expected = [(int(epoch["epoch"]), float(epoch[column])) for epoch in epochs]
+        if [step for step, _ in found] != [step for step, _ in expected]:
+            raise Difference(f"{tag}: TensorBoard reads the epochs {[step for step, _ in found]}")
+        # A scalar is a float32; history.csv has one digit after the point of images per second.
+        if not np.allclose([value for _, value in found], [value for _, value in expected], rtol=1e-6, atol=0.051 if "images" in tag else 0):
+            raise Difference(f"{tag}: TensorBoard reads {found}, history.csv has {expected}")
+    print(f"    {len(columns)} scalars of {len(epochs)} epochs from two event files", flush=True)

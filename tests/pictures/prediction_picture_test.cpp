@@ -57,6 +57,19 @@ TEST(PredictionPicture, DrawsPredictionsAtTheirTicks) {
   EXPECT_EQ(columns_of(picture, grey).second, -1);
 }
 
+TEST(PredictionPicture, CountsFromTheFirstEventIfThatIsKnown) {
+  PredictionPicture since_event = small_picture();
+  since_event.first_event = camera_time(4'502'000);
+  const test::TemporaryFolder folder;
+  draw_prediction(since_event, folder / "a.png");
+  // The axis goes from 110 to 1070 px for 1.496 s; the ticks begin at 0.498 s.
+  const auto [first, last] = columns_of(cv::imread((folder / "a.png").string()), blue);
+  EXPECT_NEAR(first, 110 + 960 * 0.698 / 1.496, 3);
+  EXPECT_NEAR(last, 110 + 960 * 0.898 / 1.496, 3);
+  EXPECT_NE(prediction_plot(since_event).script.find("time since the first event [s]"), std::string::npos);
+  EXPECT_NE(prediction_plot(small_picture()).script.find("time since the first full tick [s]"), std::string::npos);
+}
+
 TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   PredictionPicture with = small_picture();
   with.has_truth = true;

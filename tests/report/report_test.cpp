@@ -153,6 +153,7 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
   json study = {
       {"format", "tactile-study-1"},
       {"title", "A study" + mark},
+      {"found", {"This was found."}},
       {"simulated", true},
       {"settings", {{"data", "data"}, {"seed", 7}}},
       {"machine", {{"cpu", "a processor" + mark}}},
@@ -197,8 +198,8 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   std::vector<std::string> named;
   const ReportSummary summary =
       write_report(folder / "study", folder / "out", [&](std::string_view name) { named.emplace_back(name); });
-  const std::vector<std::string> figures{"frames",    "accuracy-by-history", "detection-curve", "delays", "operating-curve",
-                                         "confusion", "reliability",         "run-fan-02",      "unseen", "training"};
+  const std::vector<std::string> figures{"detection-curve", "frames",      "accuracy-by-history", "delays", "operating-curve",
+                                         "confusion",       "reliability", "run-fan-02",          "unseen", "training"};
   EXPECT_EQ(summary.figures, figures);
   EXPECT_EQ(named, figures);
   EXPECT_EQ(summary.claims, 2U);
@@ -258,7 +259,11 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "0.1250",
                             "It is best."})
     EXPECT_TRUE(contains(page, words)) << words;
-  EXPECT_FALSE(contains(page, "Nothing is missing."));
+  // What was found and the detection curve come before everything else; what was not measured is not on the page.
+  EXPECT_LT(page.find("This was found."), page.find("id=\"figure-detection-curve\""));
+  EXPECT_LT(page.find("id=\"figure-detection-curve\""), page.find("Results are compared with Faris"));
+  EXPECT_LT(page.find("id=\"figure-detection-curve\""), page.find("First claim"));
+  EXPECT_FALSE(contains(page, "What was not measured"));
   EXPECT_TRUE(any_tells(summary.missing, "1 of the 2 claims have too few trainings, runs or objects"));
   const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
   for (const char* words :
@@ -332,7 +337,7 @@ TEST(Report, NamesTheMissingPartsAndLeavesOldFiguresOfTheirsOut) {
        {"claims were not tested", "The evaluation reported: ", "The full run fan/02: ", "figure 11", "Frames"})
     EXPECT_TRUE(any_tells(summary.missing, words)) << words;
   const std::string page = read_text(summary.page);
-  EXPECT_TRUE(contains(page, "claims were not tested"));
+  EXPECT_FALSE(contains(page, "claims were not tested")) << "the command lists what is missing";
   EXPECT_FALSE(fs::exists(folder / "out/figures/delays.svg"));
   EXPECT_FALSE(fs::exists(folder / "out/figures/run-fan-02.png"));
   EXPECT_TRUE(fs::exists(folder / "out/figures/mine.png"));
@@ -378,11 +383,15 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
             json({"detection-curve", "delays", "operating-curve", "confusion", "reliability", "training"}));
   for (const char* words : {"figure 8", "figure 10", "figure 11", "claims"})
     EXPECT_TRUE(any_tells(summary.at("missing"), words)) << words;
-  EXPECT_TRUE(fs::exists(folder / "models/a/report/report.html"));
+  const std::string page = read_text(folder / "models/a/report/report.html");
+  const std::size_t first = page.find("the model predicts"), last = page.find("a learned from 0 runs, and is judged on ");
+  EXPECT_LT(first, last) << "five sentences";
+  EXPECT_LT(last, page.find("id=\"figure-detection-curve\""));
 
   write_model("b", 2, "2026-01-02");
   const ReportSummary both = write_report(read_models({folder / "models/b", folder / "models/a"}, {}), folder / "out");
-  EXPECT_EQ(both.figures.front(), "accuracy-by-history");
+  EXPECT_EQ(both.figures[0], "detection-curve");
+  EXPECT_EQ(both.figures[1], "accuracy-by-history");
   EXPECT_EQ(both.title, "Results of b (simulated runs)");
   const auto remarks_of = [&] { return json(read_models({folder / "models/b", folder / "models/a"}, {}).remarks).dump(); };
   EXPECT_FALSE(contains(remarks_of(), "differ in more")) << "the history alone is what they are compared by";
@@ -393,6 +402,15 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   EXPECT_TRUE(contains(remarks_of(),
                        "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
       << remarks_of();
+  other["network"] = {{"kind", "trees"}, {"rounds", 150}};
+  write_json(folder / "models/a/model.json", other);
+  EXPECT_TRUE(contains(remarks_of(), "b and a differ in more than their history: another kind of model; another dataset."))
+      << remarks_of();
+
+  const auto brief = run_tactile("report models/a --quiet", folder.path());
+  EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 15) << brief.out;
+  EXPECT_TRUE(contains(brief.out, "parts are not in it; --verbose lists them")) << brief.out;
+  EXPECT_TRUE(contains(run_tactile("report models/a --quiet --verbose", folder.path()).out, "Missing:\n- "));
 
   const auto nothing = run_tactile("report models", folder.path());
   EXPECT_EQ(nothing.exit_code, 1);

@@ -37,6 +37,20 @@ TEST(StressPlot, HasFalseAlarmsOnALogarithmicAxisFromZero) {
   EXPECT_TRUE(test::has_row(plot, {1, 1, 1, 1})) << "log10(9 + 1)";
 }
 
+TEST(StressPlot, MarksAnIntervalThatLeavesThePanel) {
+  results::Stress stress = a_stress();
+  const auto has_mark = [&] { return test::contains(stress_plot(stress, StressMeasure::false_alarms).script, "with points"); };
+  EXPECT_FALSE(has_mark());
+  // The axis ends at 1.5 times the largest value, 99.
+  results::Figure& alarms = stress.models[0].curves[0].points[2].false_alarms.outside_labels_per_min;
+  alarms.low = 80;
+  alarms.high = 148;
+  EXPECT_FALSE(has_mark());
+  alarms.high = 150;
+  EXPECT_TRUE(has_mark());
+  EXPECT_TRUE(test::contains(stress_plot(stress, StressMeasure::false_alarms).script, " pt 9 ")) << "upwards";
+}
+
 TEST(StressPlot, DrawsPressAndSlipAsideOfEachOtherAlsoWithoutCurves) {
   const pictures::Plot plot = stress_plot(a_stress(), StressMeasure::within_50_ms);
   EXPECT_TRUE(test::has_row(plot, {-0.025, 90, 90, 90})) << "half of 0.025 of the axis, which is 2 long";

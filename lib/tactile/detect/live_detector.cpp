@@ -178,6 +178,7 @@ void LiveDetector::report(const DueTick& due, HostTime now) {
   tick.verdict = detector_.verdict_at(due.t, due.skipped, cost);
   tick.number = deadlines_.counts().reported;
   tick.beginning = counts_.beginnings;
+  tick.first_event = clock_.first_event().value_or(due.t);
   tick.last_arrival = last_arrival_;
   tick.incomplete = lost_pending_ || (hole_until_ && before(due.t, options_.clock.history) < *hole_until_);
   counts_.gated += tick.verdict.gated ? 1 : 0;

@@ -15,6 +15,7 @@ struct ReportedTick {
   DueTick due;
   std::uint64_t number = 0;              ///< index among the reported ticks
   std::uint32_t beginning = 0;           ///< restarts of the stream so far: no verdict has events from before and after a restart
+  CameraTime first_event{};              ///< of the stream since its last restart: the origin of times for people
   bool incomplete = false;               ///< events of its history are known to be lost
   HostTime begun{};                      ///< when its processing began
   std::optional<HostTime> last_arrival;  ///< of any events

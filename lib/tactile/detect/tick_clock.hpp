@@ -58,6 +58,7 @@ class TickClock {
   /// The next tick, closed or not; nothing before the first event, and at the end of the clock.
   std::optional<CameraTime> next_tick() const;
   TickRange ticks_until(CameraTime t) const;  ///< all ticks of this stream up to `t`; none before the first event
+  std::optional<CameraTime> first_event() const { return first_event_; }  ///< of this stream
   std::optional<CameraTime> last_event() const { return last_event_; }
   std::optional<CameraTime> last_reported() const { return last_reported_; }
   microseconds longest_packet() const { return longest_packet_; }

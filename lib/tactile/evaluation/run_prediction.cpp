@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
 namespace tactile::evaluation {
@@ -18,6 +19,16 @@ std::string_view truth_name(CameraTime tick, const RunTruth& truth) {
   return touch == Touch::none && touch_at(tick, truth.unlabelled) != Touch::none ? "unlabelled" : name_of(touch);
 }
 
+/// The time of the recording's first event; nothing without events.
+std::optional<CameraTime> first_event_of(const std::filesystem::path& recording) {
+  const events::RecordingReader reader(recording);
+  const int stream = events::event_stream(reader).id;
+  for (const events::PacketRecord& packet : reader.packets()) {
+    if (packet.stream_id == stream && packet.elements > 0) return packet.first;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options,
@@ -25,6 +36,7 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   RunPrediction prediction;
   prediction.run = run.name();
   prediction.simulated = events::is_simulated(run);
+  prediction.first_event = first_event_of(run.events());
   prediction.truth = read_run_truth(run, options.include_flagged);
   if (options.by_truth) prediction.truth = with_truth_as_labels(prediction.truth);
   prediction.full = classify_full_run(
@@ -47,10 +59,12 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
   nlohmann::json json{{"run", prediction.run},
                       {"simulated", prediction.simulated},
                       {"tick_ms", static_cast<double>(prediction.full.ticks.tick.count()) / 1000},
+                      {"first_event_us", nullptr},
                       {"confirm", text_of(prediction.decision.confirmation)},
                       {"alarm_cost", nullptr},
                       {"intervals", nlohmann::json::array()},
                       {"false_alarms", nullptr}};
+  if (prediction.first_event) json["first_event_us"] = us_of(*prediction.first_event);
   if (prediction.decision.filter) json["alarm_cost"] = prediction.decision.filter->alarm_cost;
   std::size_t next = 0;  // detections are of the labels in use, in their order
   for (const windows::SampledInterval& label : prediction.truth.labels) {

@@ -20,6 +20,7 @@ namespace tactile::evaluation {
 struct RunPrediction {
   std::string run;  ///< "fan/03"
   bool simulated = false;
+  std::optional<CameraTime> first_event;  ///< the origin of times for people
   results::FullRun full;
   std::vector<Touch> verdicts;  ///< confirmed or filtered, one for each tick
   RunTruth truth;

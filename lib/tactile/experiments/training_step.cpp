@@ -38,6 +38,7 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
   }
   add("--threads", "1");
   add("--models", places.models.string());
+  add("--name", bundle.name());
   const nlohmann::json rendered = rendering;
   if (rendering.tick != defaults.tick) add("--tick-us", std::to_string(rendering.tick.count()));
   if (rendering.factor != defaults.factor) add("--factor", fmt::format("{}", rendering.factor));

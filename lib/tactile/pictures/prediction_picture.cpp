@@ -72,7 +72,8 @@ class PredictionScript : public PlotWriter {
   }
 
  private:
-  double seconds_to(CameraTime t) const { return 1e-6 * static_cast<double>(between(picture_.ticks.front().t, t).count()); }
+  CameraTime origin() const { return picture_.first_event.value_or(picture_.ticks.front().t); }
+  double seconds_to(CameraTime t) const { return 1e-6 * static_cast<double>(between(origin(), t).count()); }
   double shown(CameraTime t) const { return std::clamp(seconds_to(t), 0.0, seconds_); }
   double pixel_of(double seconds) const { return left + (picture_width - left - right) * seconds / seconds_; }
 
@@ -107,7 +108,8 @@ class PredictionScript : public PlotWriter {
     place_panel({.left = left, .top = panel_top, .right = picture_width - right, .bottom = panel_bottom});
     add("set xrange [0:{:.9g}]\nset format x '{}'", seconds_, is_last ? "%g" : "");
     if (is_last)
-      add("set xlabel 'camera time since the first full tick [s]' textcolor rgb '{}'", figure_colours::ink);
+      add("set xlabel 'time since the first {} [s]' textcolor rgb '{}'", picture_.first_event ? "event" : "full tick",
+          figure_colours::ink);
     else
       add("unset xlabel");
   }
@@ -129,7 +131,7 @@ class PredictionScript : public PlotWriter {
   /// The episodes of a verdict: a tick stands for the time since the one before it.
   std::vector<Stretch> predicted(Touch touch) const {
     const std::vector<PredictedTick>& ticks = picture_.ticks;
-    const double tick = ticks.size() > 1 ? seconds_to(ticks[1].t) : seconds_;
+    const double tick = ticks.size() > 1 ? seconds_to(ticks[1].t) - seconds_to(ticks[0].t) : seconds_;
     std::vector<Stretch> stretches;
     for (std::size_t i = 0; i < ticks.size(); ++i) {
       if (ticks[i].verdict != touch) continue;

@@ -28,8 +28,9 @@ struct PredictedInterval {
 /// The predictions of a model over a whole run, with labels and truth.
 struct PredictionPicture {
   std::string title;
-  std::vector<PredictedTick> ticks;  ///< ascending, evenly spaced; not empty
-  bool has_labels = false;           ///< the row of labels is left out without
+  std::vector<PredictedTick> ticks;         ///< ascending, evenly spaced; not empty
+  std::optional<CameraTime> first_event{};  ///< of the recording, the origin of its axis; without it, the first tick
+  bool has_labels = false;                  ///< the row of labels is left out without
   std::vector<PredictedInterval> labels;
   bool has_truth = false;  ///< the row of the truth is left out without
   std::vector<TouchInterval> truth;

@@ -116,7 +116,8 @@ pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
                               list + list_row * static_cast<int>(names.size()) + 10);
   script.note("The most accurate setting of which 99 % of the ticks take at most this long, chosen on the choice runs.");
   script.note(
-      "Values are of the reported runs. Bars: 95 % intervals. Below: the settings, with the 99th percentile of their time.");
+      "Values are of the reported runs. Bars: 95 % intervals, a triangle where one leaves the panel. Below: the settings, with "
+      "the 99th percentile of their time.");
   for (std::size_t i = 0; i < names.size(); ++i)
     script.text(names[i].first, 20, list + list_row * static_cast<double>(i), "left font ',12'",
                 pictures::line_style(names[i].second).colour);
@@ -134,12 +135,14 @@ pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
     std::vector<pictures::PlotSeries> series;
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       const double aside = 0.12 * (static_cast<double>(kind) - static_cast<double>(all.size() - 1) / 2);
-      const std::string table = script.table(4, rows_of(all[kind], panel, aside));
+      const std::vector<double> rows = rows_of(all[kind], panel, aside);
+      const std::string table = script.table(4, rows);
       pictures::LineStyle bars = pictures::line_style(kind), plain = bars;
       bars.dashes = 1;
       plain.mark.reset();
       series.push_back({table, "1:2:3:4", "yerrorbars", bars});
       series.push_back({table, "1:2", "lines", plain});
+      for (pictures::PlotSeries& marks : border_marks(script, rows, range, plain)) series.push_back(std::move(marks));
     }
     if (series.empty()) series.push_back({script.table(2, {}), "1:2", "lines", {.colour = pictures::figure_colours::others}});
     script.plot(series);

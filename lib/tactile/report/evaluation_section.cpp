@@ -39,7 +39,15 @@ HtmlTable accuracy_table(const results::Evaluation& scores) {
     table.rows[0].push_back(percent_cell(accuracy->mean));
     for (const auto& object : accuracy->objects) objects.insert(object.first);
   }
-  for (const std::string& object : objects) {
+  // The objects that the model knows least come first.
+  std::vector<std::string> order(objects.begin(), objects.end());
+  const auto accuracy_of = [&](const std::string& object) {
+    const auto found = scores.accuracy.objects.find(object);
+    return found == scores.accuracy.objects.end() || !std::isfinite(found->second.value) ? INFINITY : found->second.value;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const std::string& a, const std::string& b) { return accuracy_of(a) < accuracy_of(b); });
+  for (const std::string& object : order) {
     table.rows.push_back({{.text = object}});
     for (const auto& [name, accuracy] : columns) {
       const auto found = accuracy->objects.find(object);
@@ -78,7 +86,13 @@ void add_delay(HtmlTable& table, const std::string& object, const std::string& t
 void add_delays(HtmlTable& table, const std::string& touch, const results::DelayTable& delays) {
   if (delays.all.intervals == 0) return;
   add_delay(table, "all objects", touch, delays.all);
-  for (const auto& [object, delay] : delays.objects) add_delay(table, object, touch, delay);
+  // The slowest objects come first.
+  std::vector<std::pair<std::string, results::DelaySummary>> order(delays.objects.begin(), delays.objects.end());
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    const double one = a.second.median_of_all_ms.ms.value, two = b.second.median_of_all_ms.ms.value;
+    return std::isfinite(one) && (!std::isfinite(two) || one > two);
+  });
+  for (const auto& [object, delay] : order) add_delay(table, object, touch, delay);
 }
 
 bool has_standard_errors(const results::DelayTable& delays) {
@@ -123,7 +137,13 @@ void add_labels(ReportPage& page, const results::Evaluation& scores) {
       slip.median_of_all_ms.ms.value));
 }
 
-void add_delays(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
+std::string suffix_of(const ReportedEvaluation& evaluation) {
+  return evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
+}
+
+void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const std::string& suffix, bool curve_is_shown) {
+  const results::Evaluation& scores = evaluation.scores;
+  const std::string& model = evaluation.model;
   page.html.heading("Detection delay");
   const results::DelayTable &press = scores.network.press, &slip = scores.network.slip;
   std::set<std::string> names;
@@ -133,14 +153,7 @@ void add_delays(ReportPage& page, const results::Evaluation& scores, const std::
   if (names.empty()) {
     page.missing.push_back("Detection delays (the paper's figure 9) of " + model + ".");
   } else {
-    if (!press.curve.empty() || !slip.curve.empty()) {
-      page.figure(
-          "detection-curve" + suffix,
-          detection_curve_plot(page.titled("Detected within a time, " + model), press.curve, slip.curve),
-          "Share of presses and slips detected by a time after their onset.",
-          "The share of intervals detected within a time after the labelled onset, by Kaplan and Meier: a missed interval "
-          "counts as not detected until its end, at most 500 ms. Those predicted ahead of the onset are at 0.");
-    }
+    if (!curve_is_shown) add_detection_curve(page, evaluation);
     page.figure(
         "delays" + suffix,
         delay_plot(page.titled("Detection delay, " + model), {names.begin(), names.end()}, press.objects, slip.objects),
@@ -330,12 +343,21 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
 
 }  // namespace
 
-void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
+void add_detection_curve(ReportPage& page, const ReportedEvaluation& evaluation) {
+  const results::DelayTable &press = evaluation.scores.network.press, &slip = evaluation.scores.network.slip;
+  if (press.curve.empty() && slip.curve.empty()) return;
+  page.figure("detection-curve" + suffix_of(evaluation),
+              detection_curve_plot(page.titled("Detected within a time, " + evaluation.model), press.curve, slip.curve),
+              "Share of presses and slips detected by a time after their onset.",
+              "The share of intervals detected within a time after the labelled onset, by Kaplan and Meier: a missed interval "
+              "counts as not detected until its end, at most 500 ms. Those predicted ahead of the onset are at 0.");
+}
+
+void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown) {
   const results::Evaluation& scores = evaluation.scores;
   const std::string& model = evaluation.model;
   const bool has_history = std::isfinite(evaluation.history_ms);
-  const std::string suffix =
-      evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
+  const std::string suffix = suffix_of(evaluation);
   const std::string where = evaluation.runs.size() > 60 ? std::string("its test runs") : evaluation.runs;
   page.html.section("evaluation" + suffix,
                     fmt::format("Detection: {}{}{}{}", model, has_history ? fmt::format(" ({:g} ms)", evaluation.history_ms) : "",
@@ -351,7 +373,7 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation) {
     page.html.heading("Accuracy");
     page.html.table(table);
   }
-  add_delays(page, scores, model, suffix);
+  add_delays(page, evaluation, suffix, curve_is_shown);
   add_false_alarms(page, scores, model, suffix);
   add_classes(page, scores, model, suffix);
   add_calibration(page, scores.calibration, scores.whole_run_calibration, model, suffix);

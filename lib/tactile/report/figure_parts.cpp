@@ -44,4 +44,22 @@ std::string row_names(const std::vector<std::string>& names) {
   return tics.empty() ? "'' 0" : tics;
 }
 
+std::vector<pictures::PlotSeries> border_marks(pictures::PlotScript& script, const std::vector<double>& rows,
+                                               const AxisRange& range, const pictures::LineStyle& style) {
+  constexpr int columns = 4, up = 9, down = 11;  // filled triangles of gnuplot
+  constexpr double half_mark = 4;                // [px]
+  const double inside = half_mark * (range.end - range.begin) / range.pixels;
+  std::vector<double> above, below;
+  for (std::size_t i = 0; i + columns <= rows.size(); i += columns) {
+    if (rows[i + 3] > range.end) above.insert(above.end(), {rows[i], range.end - inside});
+    if (rows[i + 2] < range.begin) below.insert(below.end(), {rows[i], range.begin + inside});
+  }
+  std::vector<pictures::PlotSeries> series;
+  pictures::LineStyle mark{.colour = style.colour, .width = 1, .dashes = 1, .mark = up, .size = 0.9};
+  if (!above.empty()) series.push_back({script.table(2, above), "1:2", "points", mark});
+  mark.mark = down;
+  if (!below.empty()) series.push_back({script.table(2, below), "1:2", "points", mark});
+  return series;
+}
+
 }  // namespace tactile::report

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tactile/pictures/plot_script.hpp"
+#include "tactile/report/axis_tics.hpp"
 #include "tactile/results/figure.hpp"
 
 namespace tactile::report {
@@ -42,6 +44,12 @@ void add_interval(std::vector<double>& values, const results::Figure& measured);
 
 /// "The first 60 of 100 are shown. "; empty where all are.
 std::string first_of(std::size_t there, std::size_t shown);
+
+/// Marks where intervals leave the panel: triangles at its border that point outwards.
+/// @param rows   place, value, low and high of each interval, as a series of bars has them
+/// @param range  of the upright axis
+std::vector<pictures::PlotSeries> border_marks(pictures::PlotScript& script, const std::vector<double>& rows,
+                                               const AxisRange& range, const pictures::LineStyle& style);
 
 /// Names of rows as tics of the y axis, the first on top.
 std::string row_names(const std::vector<std::string>& names);

@@ -9,6 +9,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/report/input_parts.hpp"
+#include "tactile/results/found.hpp"
 
 namespace tactile::report {
 namespace {
@@ -29,7 +30,16 @@ nlohmann::json compared_settings(const nlohmann::json& model, const std::string&
 /// The other differences of two models: "training.learning_rate: 0.001 and 0.01; ..."; empty if there are none.
 std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
   std::string text;
-  for (const auto& [path, ours, theirs] : changed_values(compared_settings(one, where), compared_settings(two, where))) {
+  nlohmann::json first = compared_settings(one, where), second = compared_settings(two, where);
+  // Models of two kinds share no settings of network and training: a list of them would tell nothing.
+  if (results::JsonView(one, where)["network"]["kind"].words() != results::JsonView(two, where)["network"]["kind"].words()) {
+    text = "another kind of model";
+    for (nlohmann::json* settings : {&first, &second}) {
+      settings->erase("network");
+      settings->erase("training");
+    }
+  }
+  for (const auto& [path, ours, theirs] : changed_values(first, second)) {
     if (ours == theirs) continue;
     text += text.empty() ? "" : "; ";
     text += path == "dataset.manifest_hash" ? "another dataset" : fmt::format("{}: {} and {}", path, ours.dump(), theirs.dump());
@@ -106,6 +116,19 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
   }
 }
 
+/// The sentences that the page begins with; none without an evaluation.
+std::vector<std::string> found_of(const ReportInput& input, const ModelFolder& folder) {
+  if (input.evaluations.empty()) return {};
+  const results::Evaluation& scores = input.evaluations.front().scores;
+  const double history_ms = folder.history_ms();
+  std::vector<microseconds> histories;
+  if (std::isfinite(history_ms)) histories.emplace_back(std::llround(1000 * history_ms));
+  const std::string learned = fmt::format("{} learned from {} runs, and is judged on {} others.", folder.name(),
+                                          folder.model()["train_runs"].texts().size(), scores.test_runs().size());
+  return results::found_in(scores, histories,
+                           input.unseen.empty() ? results::UnseenComparison{} : input.unseen.front().comparison, learned);
+}
+
 std::vector<TableRow> settings_of(const ModelFolder& folder) {
   const results::JsonView model = folder.model();
   std::vector<TableRow> rows;
@@ -157,6 +180,7 @@ ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data
   read_evaluation(input, first);
   read_runs(input, first);
   add_histories(input, folders);
+  input.found = found_of(input, first);
   input.title =
       fmt::format("Results of {}{}", first.name(), first.model()["dataset"]["simulated"].truth() ? " (simulated runs)" : "");
   if (input.unseen.empty())

@@ -54,7 +54,13 @@ HtmlTable unseen_table(const results::UnseenComparison& comparison) {
     table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
   };
   add("mean over objects", comparison.mean);
-  for (const auto& [object, of_object] : comparison.objects) add(object, of_object);
+  // What suffers most from being held out comes first.
+  std::vector<std::pair<std::string, results::SeenAndHeldOut>> order(comparison.objects.begin(), comparison.objects.end());
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    const double one = a.second.difference.value, two = b.second.difference.value;
+    return std::isfinite(one) && (!std::isfinite(two) || one < two);
+  });
+  for (const auto& [object, of_object] : order) add(object, of_object);
   return table;
 }
 

@@ -77,6 +77,9 @@ pictures::PredictionPicture read_prediction(const std::filesystem::path& file, d
 void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::path& file) {
   const nlohmann::json document = read_json(file);
   const results::JsonView outcome(document, file.string());
+  // Older outcomes have no first event: the axis then begins with the first tick.
+  if (const auto first_us = outcome["first_event_us"].number_if_there(); first_us && std::abs(*first_us) < 9e15)
+    picture.first_event = camera_time(std::llround(*first_us));
   std::vector<pictures::PredictedInterval> labels;
   for (const results::JsonView& interval : outcome["intervals"].items()) {
     const double start = interval["start_us"].number(), end = interval["end_us"].number();

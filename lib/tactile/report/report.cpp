@@ -25,6 +25,10 @@ void begin(ReportPage& page, const ReportInput& input) {
         "Differences from the paper may come from the simulation as well as from the method.");
   }
   if (!input.found.empty()) page.html.list(input.found);
+}
+
+/// How to read the rest of the page, and what is special about these results.
+void explain(ReportPage& page, const ReportInput& input) {
   page.html.paragraph(
       "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Brackets and whiskers are 95 % intervals "
       "over trainings, objects and runs. With one training they hold for that training only. There is no interval for fewer than "
@@ -54,11 +58,6 @@ void remove_old_figures(const fs::path& folder, const std::vector<std::string>& 
 }
 
 void end(ReportPage& page, const ReportInput& input) {
-  page.html.section("missing", "What was not measured");
-  if (page.missing.empty())
-    page.html.paragraph("Nothing is missing.");
-  else
-    page.html.list(page.missing);
   page.html.section("settings", "Settings, seeds, software, machine and times");
   for (const ReportedTable& table : input.settings) page.table(table);
   page.html.paragraph(fmt::format("This page was written by tactile {} ({}). Its figures are in figures/, as SVG and PNG.",
@@ -113,10 +112,13 @@ void add_trainings(ReportPage& page, const ReportInput& input) {
 ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& report_figure) {
   ReportPage page(input, out, report_figure);
   begin(page, input);
+  if (!input.evaluations.empty()) add_detection_curve(page, input.evaluations.front());
+  explain(page, input);
   add_claims(page, input);
   add_frames(page, input);
   add_histories(page, input);
-  for (const ReportedEvaluation& evaluation : input.evaluations) add_evaluation(page, evaluation);
+  for (const ReportedEvaluation& evaluation : input.evaluations)
+    add_evaluation(page, evaluation, &evaluation == &input.evaluations.front());
   add_runs(page, input);
   add_unseen(page, input);
   add_trade(page, input);

@@ -55,7 +55,9 @@ inline HtmlCell percent_cell(const results::Figure& measured) { return figure_ce
 void add_claims(ReportPage& page, const ReportInput& input);
 void add_frames(ReportPage& page, const ReportInput& input);
 void add_histories(ReportPage& page, const ReportInput& input);
-void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation);
+/// The share detected within a time; nothing without delays. `add_evaluation` leaves it out if it `is_shown`.
+void add_detection_curve(ReportPage& page, const ReportedEvaluation& evaluation);
+void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown);
 void add_runs(ReportPage& page, const ReportInput& input);
 void add_unseen(ReportPage& page, const ReportInput& input);
 void add_trade(ReportPage& page, const ReportInput& input);

@@ -141,7 +141,8 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
   if (of_quiet) title += " (recordings without a touch)";
   if (stress.simulated && !of_quiet) title += " (simulated runs)";
   pictures::PlotScript script(title, page_width, top + (rows - 1) * row_height + panel_height + below);
-  script.note(first_of(curves.size(), shown) + "Severity 0 is the unchanged recording. Bars: 95 % intervals.");
+  script.note(first_of(curves.size(), shown) +
+              "Severity 0 is the unchanged recording. Bars: 95 % intervals, a triangle where one leaves the panel.");
   const auto legend_y = [](std::size_t line) { return 74 + 20 * static_cast<double>(line); };
   for (std::size_t i = 0; i < lines.size(); ++i)
     script.text(lines[i].words, 64, legend_y(i), "left font ',12'", lines[i].style.colour);
@@ -167,7 +168,8 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
       const double aside = 0.025 * last * (static_cast<double>(place) - static_cast<double>(lines.size() - 1) / 2);
       const auto& own = curves_of(stress.models[line.model], of_quiet);
       if (i >= own.size()) continue;
-      const std::string table = script.table(4, rows_of(own[i], line, measure, aside));
+      const std::vector<double> rows_of_line = rows_of(own[i], line, measure, aside);
+      const std::string table = script.table(4, rows_of_line);
       pictures::LineStyle bars = line.style;
       bars.dashes = 1;
       bars.size = 0.6;
@@ -175,6 +177,7 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
       pictures::LineStyle plain = line.style;
       plain.mark.reset();
       series.push_back({table, "1:2", "lines", plain});
+      for (pictures::PlotSeries& marks : border_marks(script, rows_of_line, range, plain)) series.push_back(std::move(marks));
     }
     if (series.empty()) series.push_back({script.table(2, {}), "1:2", "lines", {.colour = colours::others}});
     script.text(pictures::shortened(curve.name, 26), panel_left + width / 2.0, panel_top - 12, "center font ',12'");

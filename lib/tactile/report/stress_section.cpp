@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "tactile/report/report_page.hpp"
 #include "tactile/report/stress_plots.hpp"
@@ -21,7 +23,16 @@ void add_holds(ReportPage& page, const results::Stress& stress) {
     table.head.push_back("accuracy at the last severity [%]");
   }
   const auto& curves = stress.models.front().curves;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
+  // What harms the first model most comes first.
+  std::vector<std::size_t> order(curves.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto last_accuracy = [&](std::size_t i) {
+    return curves[i].points.empty() || !std::isfinite(curves[i].points.back().accuracy.value)
+               ? INFINITY
+               : curves[i].points.back().accuracy.value;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return last_accuracy(a) < last_accuracy(b); });
+  for (const std::size_t i : order) {
     std::vector<HtmlCell> row{{.text = curves[i].name}, {.text = curves[i].meaning}};
     for (const results::StressedModel& model : stress.models) {
       const bool has = i < model.curves.size() && !model.curves[i].points.empty();

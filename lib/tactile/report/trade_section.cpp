@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "tactile/report/budget_plot.hpp"
 #include "tactile/report/report_page.hpp"
@@ -10,6 +12,20 @@ namespace tactile::report {
 namespace {
 
 constexpr std::size_t most_settings = 80;  // in the table, besides those on a front
+
+/// Those on both fronts first, then those on one, then the others; the most accurate first.
+std::vector<ReportedSetting> by_rank(std::vector<ReportedSetting> settings) {
+  const auto fronts = [](const ReportedSetting& setting) {
+    return (setting.on_accuracy_front ? 1 : 0) + (setting.on_delay_front ? 1 : 0);
+  };
+  const auto accuracy = [](const ReportedSetting& setting) {
+    return std::isfinite(setting.accuracy.value) ? setting.accuracy.value : -1;
+  };
+  std::stable_sort(settings.begin(), settings.end(), [&](const ReportedSetting& a, const ReportedSetting& b) {
+    return std::pair(fronts(a), accuracy(a)) > std::pair(fronts(b), accuracy(b));
+  });
+  return settings;
+}
 
 void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
   HtmlTable table{
@@ -84,7 +100,7 @@ void add_trade(ReportPage& page, const ReportInput& input) {
       "200 us per tick.",
       "The most accurate setting of each kind of model whose ticks keep a limit of time, with its accuracy, median delay and "
       "false alarms. It was chosen on the choice runs.");
-  add_table(page, trade.settings);
+  add_table(page, by_rank(trade.settings));
   for (const std::string& sentence : trade.left_out) page.missing.push_back("Speed against accuracy: " + sentence);
   if (trade.growth.by_rate.empty()) return;
   const results::GrowthPoint& fastest = trade.growth.by_rate.back();

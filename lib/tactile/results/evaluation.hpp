@@ -110,7 +110,7 @@ struct Evaluation {
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 void from_json(const JsonView& json, Evaluation& evaluation);
 
-/// "Evaluation of th040-single-run-01-s1 on simulated runs", "… and 4 more trainings on …"
+/// "Evaluation of th40-single-1 on simulated runs", "… and 4 more trainings on …"
 std::string title_of(const Evaluation& evaluation);
 
 }  // namespace tactile::results

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "support/run_command.hpp"
+#include "support/settings_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -83,6 +84,13 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   const nlohmann::json resumed = stressed(folder.path(), arguments);
   EXPECT_EQ(resumed.at("steps_done"), 1);
   EXPECT_EQ(resumed.at("models"), stress.at("models"));
+
+  const auto brief = run_in(folder.path(), "stress " + arguments);
+  EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 15) << brief.out;
+  EXPECT_LT(brief.out.find("\nloss "), brief.out.find("\nnoise ")) << "what harms most comes first\n" << brief.out;
+  EXPECT_NE(run_in(folder.path(), "stress " + arguments + " --verbose").out.find("quiet, unchanged"), std::string::npos);
+
+  test::expect_settings_of("stress/settings.json", "stress " + arguments, folder.path());
 
   run_in(folder.path(), "report stress");
   const std::string page = read_text(folder / "stress" / "report" / "report.html");

@@ -127,7 +127,7 @@ TEST_F(ReadmeCommands, EndWith1OnceTheOtherRunsAreDoneWhereOneCannotBeRead) {
   const auto train = test::run_tactile("train --epochs 1", folder.path());
   EXPECT_EQ(train.exit_code, 1);
   EXPECT_NE(train.err.find("sprayer/03/run.json"), std::string::npos) << train.err;
-  EXPECT_NE(train.out.find("th040-single-run-01-s1"), std::string::npos) << train.out;
+  EXPECT_NE(train.out.find("th40-single-1"), std::string::npos) << train.out;
 
   fs::remove(folder / "data/sprayer/03/labels.json");
   for (const bool kept : {false, true}) {

@@ -12,6 +12,7 @@
 #include "support/kill_moments.hpp"
 #include "support/paths.hpp"
 #include "support/running_command.hpp"
+#include "support/settings_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -62,7 +63,9 @@ std::size_t programs_in(const fs::path& folder) {
 
 TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const test::TemporaryFolder folder;
-  const nlohmann::json first = run_study(folder.path(), small + "--splits 1");
+  // Where version 0.1.0 kept its models: its steps have this folder among their inputs.
+  const std::string as_before = "--splits 1 --models models";
+  const nlohmann::json first = run_study(folder.path(), small + as_before);
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first.at("steps_kept"), 0);
   EXPECT_NE(first.at("bootstrap").at("trainings").get<std::string>().find("2 trainings of each setting"), std::string::npos);
@@ -124,15 +127,23 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   EXPECT_NE(read_text(page).find("<figure"), std::string::npos);
   const auto drawn_at = fs::last_write_time(page);
 
+  // Without --models it finds them where they are.
   const nlohmann::json second = run_study(folder.path(), small + "--splits 1");
   EXPECT_EQ(fs::last_write_time(page), drawn_at);
   EXPECT_EQ(second.at("steps_done"), 0);
   EXPECT_EQ(second.at("steps_kept"), study.at("steps").size());
   EXPECT_EQ(read_text(file), text);
 
+  test::expect_settings_of("study/settings.json",
+                           "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
+
   // The text ends with commands to run next.
-  const auto in_words =
-      test::run_tactile("reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
+  const std::string without_json = "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size());
+  const auto brief = test::run_tactile(without_json, folder.path());
+  EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 15) << brief.out;
+  for (const char* line : {"\naccuracy ", "\nheld out ", "\nclaims ", "\n  tactile eval --model "})
+    EXPECT_NE(brief.out.find(line), std::string::npos) << line << " in\n" << brief.out;
+  const auto in_words = test::run_tactile(without_json + " --verbose", folder.path());
   EXPECT_EQ(in_words.exit_code, 0) << in_words.err;
   const std::string model = "models/" + study.at("choice").at("model").get<std::string>();
   EXPECT_NE(in_words.out.find("  tactile eval --model " + model + "\n"), std::string::npos) << in_words.out;
@@ -272,7 +283,7 @@ TEST(ReproduceCommand, CtrlCEndsItWith130AndItsTrainingsToo) {
 TEST(ReproduceCommand, AFailingTrainingIsReportedWithItsCommand) {
   const test::TemporaryFolder folder;
   write_whole(folder / "models", "no folder");
-  const auto result = test::run_tactile(small, folder.path());
+  const auto result = test::run_tactile(small + "--models models", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("tactile: 'tactile train data --th "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("' failed: "), std::string::npos) << result.err;

@@ -5,6 +5,7 @@
 
 #include "experiments/step_inputs.hpp"
 #include "support/run_command.hpp"
+#include "support/settings_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -83,7 +84,8 @@ TEST(TradeCommand, TriesTreesAndNamesThem) {
 TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
-  const nlohmann::json trade = traded(folder.path(), "--no-growth");
+  // Where version 0.1.0 kept its models: its steps have this folder among their inputs.
+  const nlohmann::json trade = traded(folder.path(), "--no-growth --models models");
   ASSERT_TRUE(trade.is_object());
   EXPECT_EQ(trade.at("simulated"), true);
   EXPECT_EQ(trade.at("runs").at("choice"), (std::vector<std::string>{"plastic-container/02", "sprayer/02", "water-bottle/02"}));
@@ -226,6 +228,29 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   EXPECT_EQ(other.exit_code, 0) << other.err;
   EXPECT_NE(other.err.find("is not the dataset that trade was measured on (seed 2 instead of 1)"), std::string::npos)
       << other.err;
+
+  EXPECT_LE(std::count(output.out.begin(), output.out.end(), '\n'), 15) << output.out;
+  for (const char* words : {"\nusual ", "\nmost accurate ", "\nfastest ", "No constraint given", "--verbose prints all"})
+    EXPECT_NE(output.out.find(words), std::string::npos) << words << " in\n" << output.out;
+  const auto all = test::run_tactile(few + "--th 40 --verbose", folder.path());
+  EXPECT_NE(all.out.find("a star: on the"), std::string::npos) << all.out;
+
+  test::expect_settings_of("trade/settings.json", few + "--th 40", folder.path());
+
+  // Its models are in its own folder, so no command takes one of them unasked.
+  EXPECT_FALSE(fs::exists(folder / "models"));
+  EXPECT_TRUE(fs::exists(folder / "trade/models/th040-single-run-01-s1-55becbf6/model.json"));
+  const auto unasked = test::run_tactile("detect --from sim --duration 1", folder.path());
+  EXPECT_EQ(unasked.exit_code, 1);
+  EXPECT_NE(unasked.err.find("models: no model; expected one, run 'tactile train' first"), std::string::npos) << unasked.err;
+
+  // Models of another dataset in a folder that is named stay as they are.
+  ASSERT_EQ(test::run_tactile("windows --seed 3", folder.path()).exit_code, 0);
+  const std::string weights = read_text(folder / "trade/models/th040-single-run-01-s1-55becbf6/weights.safetensors");
+  const nlohmann::json third = traded(folder.path(), "--th 40 --out third --models trade/models", few);
+  ASSERT_TRUE(third.is_object());
+  EXPECT_EQ(third.at("points")[0].at("models")[0], "th040-single-run-01-s1-55becbf6-2");
+  EXPECT_EQ(read_text(folder / "trade/models/th040-single-run-01-s1-55becbf6/weights.safetensors"), weights);
 }
 
 TEST(TradeCommand, NeedsRunsToChooseOn) {

@@ -7,40 +7,73 @@
 namespace tactile::model {
 namespace {
 
-TEST(DefaultName, HasHistorySplitRunAndSeed) {
+TEST(DefaultName, HasHistorySplitAndSeedAndARunThatIsNotTheFirst) {
   ModelSettings settings;
-  EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
+  EXPECT_EQ(default_name(settings), "th40-single-1");
+  settings.training.seed = 7;
+  EXPECT_EQ(default_name(settings), "th40-single-7");
   settings.split.kind = windows::SplitKind::unseen;
+  settings.split.held_out = windows::default_held_out();
   settings.split.train_run = "03";
-  settings.training.seed = 12;
-  settings.rendering.history = 2ms;
-  EXPECT_EQ(default_name(settings), "th002-unseen-03-s12");
+  settings.rendering.history = 2500us;
+  EXPECT_EQ(default_name(settings), "th2.5-unseen-run03-7");
 }
 
-TEST(DefaultName, AppendsAHashOfSettingsOffTheirDefault) {
-  const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
-  ModelSettings epochs, other_epochs, denoise, history, mask;
-  epochs.training.epochs = 3;
-  other_epochs.training.epochs = 4;
-  denoise.rendering.denoise = heatmaps::Denoise::none;
-  history.rendering.history = 40'500us;
-  history.rendering.tick = 500us;
+TEST(DefaultName, SaysUpToThreeSettingsOffTheirDefaultInWords) {
+  ModelSettings settings;
+  settings.training.epochs = 3;
+  EXPECT_EQ(default_name(settings), "th40-single-1-epochs3");
+  settings.rendering.denoise = heatmaps::Denoise::none;
+  EXPECT_EQ(default_name(settings), "th40-single-1-denoise-none-epochs3");
+  settings.training.learning_rate = 0.01;
+  EXPECT_EQ(default_name(settings), "th40-single-1-denoise-none-epochs3-lr0.01");
+  settings.network.width = 0.5;
+  EXPECT_TRUE(std::regex_match(default_name(settings), std::regex("th40-single-1-[0-9a-f]{8}"))) << default_name(settings);
+  ModelSettings without;
+  without.split = {.kind = windows::SplitKind::unseen, .train_run = "01", .held_out = {"fan"}};
+  EXPECT_EQ(default_name(without), "th40-unseen-1-without-fan");
+}
+
+TEST(DefaultName, EndsWithAHashOfSettingsThatAreNoWord) {
+  const std::regex hashed("th40-single-1-[0-9a-f]{8}");
+  ModelSettings mask, other_mask, weights, from;
   mask.rendering.mask = {{1, 2}};
-  for (const ModelSettings& settings : {epochs, other_epochs, denoise, history, mask}) {
+  other_mask.rendering.mask = {{2, 1}};
+  weights.training.class_weights = class_weights_named("1,2,1");
+  from.from = StartingPoint{"other", "abc"};
+  for (const ModelSettings& settings : {mask, other_mask, weights, from})
     EXPECT_TRUE(std::regex_match(default_name(settings), hashed)) << default_name(settings);
-  }
-  EXPECT_NE(default_name(epochs), default_name(other_epochs));
-  EXPECT_NE(default_name(epochs), default_name(denoise));
+  EXPECT_NE(default_name(mask), default_name(other_mask));
 }
 
 TEST(DefaultName, BeginsWithAKindOtherThanLeNet) {
   ModelSettings settings;
   settings.kind = ModelKind::trees;
-  EXPECT_EQ(default_name(settings), "trees-th040-single-run-01-s1");
+  EXPECT_EQ(default_name(settings), "trees-th40-single-1");
   settings.training.epochs = 3;  // has no meaning for trees
-  EXPECT_EQ(default_name(settings), "trees-th040-single-run-01-s1");
+  EXPECT_EQ(default_name(settings), "trees-th40-single-1");
   settings.trees.depth = 3;
-  EXPECT_TRUE(std::regex_match(default_name(settings), std::regex("trees-th040-single-run-01-s1-[0-9a-f]{8}")));
+  EXPECT_EQ(default_name(settings), "trees-th40-single-1-depth3");
+}
+
+/// Records of studies that began with version 0.1.0 have these names.
+TEST(FullName, IsThatOfTheFirstVersion) {
+  ModelSettings settings;
+  EXPECT_EQ(full_name(settings), "th040-single-run-01-s1");
+  settings.training.epochs = 1;
+  settings.training.engine = EngineKind::libtorch;
+  const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
+  EXPECT_TRUE(std::regex_match(full_name(settings), hashed)) << full_name(settings);
+  ModelSettings unseen;
+  unseen.kind = ModelKind::trees;
+  unseen.split = {.kind = windows::SplitKind::unseen, .train_run = "03", .held_out = windows::default_held_out()};
+  unseen.training.seed = 12;
+  unseen.rendering.history = 2ms;
+  EXPECT_EQ(full_name(unseen), "trees-th002-unseen-03-s12");
+  ModelSettings between;
+  between.rendering.history = 40'500us;
+  between.rendering.tick = 500us;
+  EXPECT_TRUE(std::regex_match(full_name(between), hashed)) << full_name(between);
 }
 
 TEST(ModelSettings, WithoutAKindAreOfLeNetAndStayAsTheyWere) {
@@ -62,12 +95,12 @@ TEST(ModelSettings, WithoutAKindAreOfLeNetAndStayAsTheyWere) {
 TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHeldOut) {
   ModelSettings settings;
   settings.split.held_out = {"fan"};
-  EXPECT_EQ(default_name(settings), "th040-single-run-01-s1");
+  EXPECT_EQ(default_name(settings), "th40-single-1");
   settings.split.kind = windows::SplitKind::unseen;
   settings.split.held_out = {"sprayer", "small-box", "fan", "plastic-container", "textured-box"};
-  EXPECT_EQ(default_name(settings), "th040-unseen-01-s1");
+  EXPECT_EQ(default_name(settings), "th40-unseen-1");
   settings.split.held_out = {"fan"};
-  EXPECT_NE(default_name(settings), "th040-unseen-01-s1");
+  EXPECT_NE(default_name(settings), "th40-unseen-1");
 }
 
 TEST(ModelSettings, ComeBackFromJson) {

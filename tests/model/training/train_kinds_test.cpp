@@ -180,7 +180,7 @@ TEST(TrainCommand, TrainsATemporalConvolution) {
   ASSERT_EQ(trained.exit_code, 0) << trained.err;
   EXPECT_NE(trained.err.find("samples, 3 epochs"), std::string::npos) << trained.err;
   const auto json = nlohmann::json::parse(trained.out);
-  EXPECT_EQ(json.at("name").get<std::string>().find("temporal-th040-single-run-01-s1-"), 0U) << json.at("name");
+  EXPECT_EQ(json.at("name"), "temporal-th40-single-1-epochs3");
   EXPECT_EQ(json.at("settings").at("network"), nlohmann::json::parse(R"({"kind": "temporal", "channels": 32})"));
   EXPECT_FALSE(json.at("settings").at("training").contains("augment"));
   EXPECT_EQ(json.at("history").size(), 3U);
@@ -201,7 +201,7 @@ TEST(TrainCommand, TrainsTreesAndRefusesOptionsWithoutMeaning) {
   ASSERT_EQ(trained.exit_code, 0) << trained.err;
   EXPECT_NE(trained.err.find("samples, 5 rounds of trees"), std::string::npos) << trained.err;
   const auto json = nlohmann::json::parse(trained.out);
-  EXPECT_EQ(json.at("name").get<std::string>().find("trees-th040-single-run-01-s1-"), 0U) << json.at("name");
+  EXPECT_EQ(json.at("name"), "trees-th40-single-1-depth2-rounds5");
   EXPECT_EQ(json.at("settings").at("network"),
             nlohmann::json::parse(R"({"kind": "trees", "rounds": 5, "depth": 2, "learning_rate": 0.1})"));
   EXPECT_EQ(json.at("settings").at("training"), nlohmann::json::parse(R"({"seed": 1, "from": null})"));
@@ -210,12 +210,12 @@ TEST(TrainCommand, TrainsTreesAndRefusesOptionsWithoutMeaning) {
   const auto again = run_tactile("train --json --kind trees --rounds 5 --depth 2", folder.path());
   EXPECT_EQ(nlohmann::json::parse(again.out).at("outcome"), "unchanged") << again.err;
   const auto usual = run_tactile("train --json --kind trees", folder.path());
-  EXPECT_EQ(nlohmann::json::parse(usual.out).at("name"), "trees-th040-single-run-01-s1");
+  EXPECT_EQ(nlohmann::json::parse(usual.out).at("name"), "trees-th40-single-1");
 
   const auto error_of = [&](const std::string& options) { return run_tactile("train " + options, folder.path()).err; };
   for (const std::string option :
        {"--epochs 3", "--lr 0.1", "--width 0.5", "--augment flip", "--denoise none", "--validation 0.1", "--engine libtorch",
-        "--from trees-th040-single-run-01-s1", "--class-weights balanced"}) {
+        "--from trees-th40-single-1", "--class-weights balanced"}) {
     const std::string name = option.substr(0, option.find(' '));
     EXPECT_NE(error_of("--kind trees " + option).find(name + ": a model of kind trees has none; expected --kind lenet"),
               std::string::npos)

@@ -6,6 +6,7 @@
 #include "model/small_data.hpp"
 #include "support/error_of.hpp"
 #include "support/run_command.hpp"
+#include "support/settings_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -118,6 +119,59 @@ TEST(TrainCommand, KeepsAnUnchangedModelAndRequiresForceOrANameForAChangedOne) {
   EXPECT_EQ(trained("--name other --seed 1", folder.path()).at("weights_sha256"), first.at("weights_sha256"));
 }
 
+TEST(TrainCommand, GivesTheNextNameToAModelOfAnotherDatasetAndFindsOlderNames) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto first = trained("", folder.path());
+  EXPECT_EQ(first.at("name"), "th40-single-1-epochs2");
+  EXPECT_EQ(trained("", folder.path()).at("outcome"), "unchanged");
+  test::expect_settings_of("models/th40-single-1-epochs2/settings.json", "train --epochs 2 --threads 1", folder.path());
+
+  ASSERT_EQ(run_tactile("windows --seed 2", folder.path()).exit_code, 0);
+  const auto second = trained("", folder.path());
+  EXPECT_EQ(second.at("name"), "th40-single-1-epochs2-2");
+  EXPECT_EQ(second.at("outcome"), "trained");
+  EXPECT_EQ(trained("", folder.path()).at("outcome"), "unchanged") << "the second";
+  EXPECT_EQ(read_description({folder / "models/th40-single-1-epochs2"}).weights_sha256, first.at("weights_sha256"));
+  EXPECT_EQ(read_text(folder / "models/last"), "th40-single-1-epochs2-2\n");
+  EXPECT_EQ(trained("--force", folder.path()).at("name"), "th40-single-1-epochs2-2") << "--force replaces no other model";
+
+  ModelSettings settings;
+  settings.training.epochs = 2;
+  const std::filesystem::path older = folder / "models" / full_name(settings);
+  std::filesystem::rename(folder / "models/th40-single-1-epochs2-2", older);
+  const auto found = trained("", folder.path());
+  EXPECT_EQ(found.at("name"), full_name(settings)) << "a bundle of an older version";
+  EXPECT_EQ(found.at("outcome"), "unchanged");
+}
+
+TEST(TrainCommand, WritesItsHistoryWhileItTrainsAndScalarsForTensorBoard) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 2);
+  ModelSettings settings;
+  settings.training.epochs = 3;
+  const ModelBundle bundle{folder / "models/mine"};
+  const auto while_it_trains = folder / "models/mine.training/history.csv";
+  std::vector<std::size_t> rows;
+  train_model(windows::Dataset(folder / "data/dataset.h5"), settings, bundle, {.threads = 1}, [&](const Progress&) {
+    const std::size_t seen = std::filesystem::exists(while_it_trains) ? read_history(while_it_trains).size() : 0;
+    if (rows.empty() || rows.back() != seen) rows.push_back(seen);
+  });
+  EXPECT_EQ(rows, (std::vector<std::size_t>{0, 1, 2, 3})) << "a row for each finished epoch";
+  EXPECT_FALSE(std::filesystem::exists(while_it_trains));
+  EXPECT_EQ(read_history(bundle.history()).size(), 3U);
+
+  const auto board = trained("--name board --tensorboard logs", folder.path());
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs/board")) files.push_back(entry.path());
+  ASSERT_EQ(files.size(), 1U);
+  const std::string events = read_text(files.front());
+  for (const char* tag : {"train/loss", "train/accuracy", "learning_rate", "gradient_norm", "images_per_s"})
+    EXPECT_NE(events.find(tag), std::string::npos) << tag;
+  EXPECT_EQ(events.find("validation/"), std::string::npos) << "no validation part";
+}
+
 TEST(TrainCommand, RunsWithoutLabelsNameTheCommandThatMakesThem) {
   const test::TemporaryFolder folder;
   test::make_run(folder / "data/fan/01", 1, false);
@@ -228,8 +282,8 @@ TEST(TrainCommand, EitherEnginesModelsAreNamedApartAndUsedByAll) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto fast = trained("", folder.path()), libtorch = trained("--engine libtorch", folder.path());
-  EXPECT_EQ(default_name({}), "th040-single-run-01-s1") << "a fast one's, but for its 2 epochs";
-  EXPECT_NE(libtorch.at("name"), fast.at("name"));
+  EXPECT_EQ(fast.at("name"), "th40-single-1-epochs2");
+  EXPECT_EQ(libtorch.at("name"), "th40-single-1-engine-libtorch-epochs2");
   EXPECT_EQ(libtorch.at("settings").at("training").at("engine").get<std::string>(), "libtorch");
   EXPECT_NEAR(fast.at("history").back().at("loss").get<double>(), libtorch.at("history").back().at("loss").get<double>(), 0.05);
   EXPECT_EQ(trained("--engine libtorch", folder.path()).at("outcome"), "unchanged");

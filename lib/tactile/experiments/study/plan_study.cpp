@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/runs_below.hpp"
+#include "tactile/experiments/models_folder.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/windows/without_samples.hpp"
@@ -118,7 +119,7 @@ StudyModel model_of(const StudyPlan& plan, microseconds history, std::size_t tra
   model.settings.training.engine = options.engine;
   model.settings.split.train_run = planned.train_run;
   if (!held_out.empty()) model.settings.split = {windows::SplitKind::unseen, planned.train_run, held_out};
-  model.bundle = {options.models / model::default_name(model.settings)};
+  model.bundle = experiments::training_bundle(options.models, options.out, model.settings, plan.dataset.manifest_hash());
   for (const std::uint32_t run : planned.all_test.runs) {
     const std::string& object = plan.dataset.runs()[run].object;
     if (held_out.empty() || std::find(held_out.begin(), held_out.end(), object) != held_out.end()) model.runs.push_back(run);

@@ -14,9 +14,9 @@
 #include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/study/claims.hpp"
-#include "tactile/experiments/study/found.hpp"
 #include "tactile/experiments/study/left_out.hpp"
 #include "tactile/experiments/study/training_spread.hpp"
+#include "tactile/results/found.hpp"
 
 namespace tactile::study {
 namespace {
@@ -357,8 +357,8 @@ StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, con
     results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
   results.study["claims"] = results.claims;
   results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
-  results.study["found"] = found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
-                                    unseen_on_reported(results.unseen), results.study["summary"].get<std::string>());
+  results.study["found"] = results::found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
+                                             unseen_on_reported(results.unseen), results.study["summary"].get<std::string>());
   for (const NamedRunSet& set : run_sets) {
     const auto found = trained.comparisons.find(set.name);
     if (found == trained.comparisons.end()) continue;

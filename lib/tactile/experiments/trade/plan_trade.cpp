@@ -10,6 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -92,7 +93,8 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
   network.settings.split.train_run = plan.trainings[training].train_run;
-  network.bundle = {plan.options.models / model::default_name(network.settings)};
+  network.bundle =
+      experiments::training_bundle(plan.options.models, plan.options.out, network.settings, plan.dataset.manifest_hash());
   return network;
 }
 

@@ -245,4 +245,19 @@ std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::func
   return newest;
 }
 
+ModelBundle free_bundle(const fs::path& models, const std::string& name,
+                        const std::function<bool(const ModelBundle&, const ModelDescription&)>& is_in_the_way) {
+  ModelBundle bundle{models / name};
+  for (unsigned number = 2;; ++number) {
+    std::error_code unknown;
+    if (!fs::exists(bundle.description(), unknown)) return bundle;
+    try {
+      if (!is_in_the_way(bundle, read_description(bundle))) return bundle;
+    } catch (const Error&) {
+      return bundle;
+    }
+    bundle.folder = models / fmt::format("{}-{}", name, number);
+  }
+}
+
 }  // namespace tactile::model

@@ -67,6 +67,7 @@ struct ModelBundle {
     return folder / "last.safetensors";
   }  ///< only if of another epoch than the weights
   std::filesystem::path history() const { return folder / "history.csv"; }
+  std::filesystem::path settings() const { return folder / "settings.json"; }  ///< of `tactile train`, for --config
   std::filesystem::path evaluation() const { return folder / "eval.json"; }
   std::filesystem::path unseen_evaluation() const { return folder / "eval-unseen.json"; }
 };
@@ -104,5 +105,11 @@ GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& descriptio
 /// are ignored.
 std::optional<ModelBundle> newest_bundle(const std::filesystem::path& models,
                                          const std::function<bool(const ModelDescription&)>& wanted);
+
+/// The bundle of a training in the folder `models`: the folder `name`, or the first of `name-2`, `name-3`, … that is free.
+/// A name whose bundle cannot be read counts as free: the training reports what is wrong with it.
+/// @param is_in_the_way  whether a bundle of such a name is to stay as it is
+ModelBundle free_bundle(const std::filesystem::path& models, const std::string& name,
+                        const std::function<bool(const ModelBundle&, const ModelDescription&)>& is_in_the_way);
 
 }  // namespace tactile::model

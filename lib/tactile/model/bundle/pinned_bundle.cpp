@@ -14,6 +14,8 @@ namespace fs = std::filesystem;
 
 fs::path pin_of(const fs::path& models) { return models / "pinned"; }
 
+fs::path last_of(const fs::path& models) { return models / "last"; }
+
 std::string name_in(const fs::path& pin) {
   constexpr std::size_t longest_name = 4096;
   std::string name = read_text(pin, longest_name);
@@ -51,6 +53,20 @@ std::string unpin_bundle(const fs::path& models) {
   std::string name = name_in(pin);
   fs::remove(pin);
   return name;
+}
+
+std::optional<ModelBundle> last_bundle(const fs::path& models) {
+  const fs::path file = last_of(models);
+  if (!is_file(file)) return std::nullopt;
+  const std::string name = name_in(file);
+  if (!is_bundle(models, name)) return std::nullopt;
+  return ModelBundle{models / name};
+}
+
+void note_last_bundle(const ModelBundle& bundle) {
+  const fs::path file = last_of(bundle.folder.parent_path());
+  if (is_file(file) && name_in(file) == bundle.name()) return;
+  write_whole(file, bundle.name() + "\n");
 }
 
 }  // namespace tactile::model

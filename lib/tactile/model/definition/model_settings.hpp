@@ -43,8 +43,14 @@ void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @thro
 /// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);
 
-/// "th040-single-run-01-s1": history, split, training run, seed; "trees-th040-single-run-01-s1" of another kind than LeNet. With
-/// other settings than the defaults, "-" and the first 8 characters of their hash follow.
+/// The name of a model that a person trains: "th40-single-7" with history, split and seed; "trees-th40-single-7" of another kind
+/// than LeNet, "th40-single-run02-7" of another training run than 01. Up to three settings off their default follow as words:
+/// "th40-unseen-1-epochs3-denoise-none"; more, or such as are no words, as the first 8 characters of their hash. Different
+/// settings have different names.
 std::string default_name(const ModelSettings& settings);
+
+/// The name of a model of an experiment, and of every model of older versions: "th040-single-run-01-s1", with "-" and the first
+/// 8 characters of the hash of settings off their default. The records of steps know models by it.
+std::string full_name(const ModelSettings& settings);
 
 }  // namespace tactile::model

@@ -7,14 +7,8 @@
 namespace tactile::model {
 namespace {
 
-/// Whether it has these settings, but another dataset.
-bool is_of_another_dataset(const ModelBundle& bundle, const windows::Dataset& dataset, const ModelSettings& settings) {
-  try {
-    const ModelDescription description = read_description(bundle);
-    return same_settings(description.settings, settings) && description.manifest_hash != dataset.manifest_hash();
-  } catch (const Error&) {
-    return false;  // missing or damaged
-  }
+bool is_of(const ModelDescription& model, const windows::Dataset& dataset, const ModelSettings& settings) {
+  return model.manifest_hash == dataset.manifest_hash() && same_settings(model.settings, settings);
 }
 
 }  // namespace
@@ -24,19 +18,21 @@ BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset,
   try {
     const ModelDescription description = read_description(bundle);
     read_bundle_weights(bundle, description);
-    const bool same = description.manifest_hash == dataset.manifest_hash() && same_settings(description.settings, settings);
-    return same ? BundleState::unchanged : BundleState::changed;
+    return is_of(description, dataset, settings) ? BundleState::unchanged : BundleState::changed;
   } catch (const Error&) {
     return BundleState::changed;
   }
 }
 
 ModelBundle bundle_for(const std::filesystem::path& models, const windows::Dataset& dataset, const ModelSettings& settings) {
-  const std::string name = default_name(settings);
-  ModelBundle bundle{models / name};
-  for (unsigned number = 2; is_of_another_dataset(bundle, dataset, settings); ++number)
-    bundle.folder = models / (name + "-" + std::to_string(number));
-  return bundle;
+  const ModelBundle older{models / full_name(settings)};
+  try {
+    if (is_of(read_description(older), dataset, settings)) return older;
+  } catch (const Error&) {
+    // Missing, or damaged: the new one has another name.
+  }
+  return free_bundle(models, default_name(settings),
+                     [&](const ModelBundle&, const ModelDescription& model) { return !is_of(model, dataset, settings); });
 }
 
 }  // namespace tactile::model

@@ -167,7 +167,8 @@ Weights weights_of(TemporalModule& network, const TemporalOptions& options, std:
 }  // namespace
 
 FittedTemporal fit_temporal(std::span<const float> features, std::span<const Touch> truth, const TemporalOptions& options,
-                            const TrainingOptions& training, const ProgressCallback& progress) {
+                            const TrainingOptions& training, const ProgressCallback& progress,
+                            const std::function<void(const std::vector<EpochResult>& finished)>& on_epoch) {
   check(options);
   check(training);
   check_input(features, truth);
@@ -193,6 +194,7 @@ FittedTemporal fit_temporal(std::span<const float> features, std::span<const Tou
   for (unsigned epoch = 1; epoch <= training.epochs; ++epoch) {
     fitted.history.push_back(steps_of.pass(epoch));
     const EpochResult& last = fitted.history.back();
+    if (on_epoch) on_epoch(fitted.history);
     report_progress(
         progress, std::uint64_t{epoch} * truth.size(), std::uint64_t{training.epochs} * truth.size(),
         fmt::format("epoch {}/{}: loss {:.4f}, accuracy {:.1f} %", epoch, training.epochs, last.loss, 100 * last.accuracy));

@@ -24,6 +24,7 @@
 #include "tactile/model/training/follow_samples.hpp"
 #include "tactile/model/training/sample_features.hpp"
 #include "tactile/model/training/stressed_heatmaps.hpp"
+#include "tactile/model/training/training_log.hpp"
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/event_counts.hpp"
 
@@ -283,8 +284,8 @@ Resumption resumption_of(const windows::Dataset& dataset, const ModelSettings& s
 }
 
 Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                    const ModelBundle& bundle, const Weights* from, CheckpointFolder& kept, const TrainModelOptions& options,
-                    const ProgressCallback& progress) {
+                    const ModelBundle& bundle, const Weights* from, CheckpointFolder& kept, TrainingLog& log,
+                    const TrainModelOptions& options, const ProgressCallback& progress) {
   const events::SensorSize size = input_of(settings, dataset.sensor());
   const Resumption resumed = resumption_of(dataset, settings, lenet_layers(size, settings.network), bundle, options, kept);
   const unsigned threads = resumed.threads;
@@ -295,6 +296,12 @@ Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settin
         static_cast<double>(resumed.state ? resumed.state->done : 0) / static_cast<double>(samples.training.size());
     options.begins(resumed.state ? resumed.state->epoch : 1, part);
   }
+  log.begin(resumed.state ? resumed.state->history : std::vector<EpochResult>());
+  // The log comes first: an epoch that it has and the state has not is done again, and then replaced there.
+  const auto save = [&](const TrainingState& state) {
+    log.see(state.history);
+    kept.save(resumed.task, state);
+  };
   StressedHeatmaps stressed(dataset, settings, samples.training, training, threads);
   const auto of_epoch = [&](unsigned epoch) { return stressed.of_epoch(epoch); };
   using OfEpoch = decltype(TrainingTask::heatmaps_of_epoch);
@@ -307,7 +314,7 @@ Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settin
                               .from = from,
                               .threads = threads};
   TrainedNetwork trained = train_lenet(learning, {.progress = progress,
-                                                  .save = [&](const TrainingState& state) { kept.save(resumed.task, state); },
+                                                  .save = save,
                                                   .save_every = options.save_every,
                                                   .resumed = resumed.state ? &*resumed.state : nullptr});
   return {{trained.network.weights(), std::move(trained.other)}, trained.summary, threads};
@@ -355,10 +362,11 @@ Learned learn_trees(const windows::Dataset& dataset, const ModelSettings& settin
 
 /// So is a temporal convolution, within a minute.
 Learned learn_temporal(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                       const TrainModelOptions& options, const ProgressCallback& progress) {
+                       TrainingLog& log, const TrainModelOptions& options, const ProgressCallback& progress) {
   const std::vector<float> features = features_of(dataset, settings, samples, sample_steps);
   if (options.begins) options.begins(1, 0);
-  FittedTemporal fitted = fit_temporal(features, samples.training_truth, settings.temporal, settings.training, progress);
+  const auto see = [&log](const std::vector<EpochResult>& history) { log.see(history); };
+  FittedTemporal fitted = fit_temporal(features, samples.training_truth, settings.temporal, settings.training, progress, see);
   TrainingSummary summary;
   summary.history = std::move(fitted.history);
   const auto best = std::min_element(summary.history.begin(), summary.history.end(),
@@ -369,10 +377,13 @@ Learned learn_temporal(const windows::Dataset& dataset, const ModelSettings& set
 
 /// A kind without heatmaps. An interrupted training of it leaves no state.
 Learned learn_features(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                       CheckpointFolder& kept, const TrainModelOptions& options, const ProgressCallback& progress) {
+                       CheckpointFolder& kept, TrainingLog& log, const TrainModelOptions& options,
+                       const ProgressCallback& progress) {
   kept.clear();
+  log.begin({});
   Learned learned = settings.kind == ModelKind::trees ? learn_trees(dataset, settings, samples, options, progress)
-                                                      : learn_temporal(dataset, settings, samples, options, progress);
+                                                      : learn_temporal(dataset, settings, samples, log, options, progress);
+  log.see(learned.summary.history);
   learned.summary.samples = samples.training.size();
   for (const EpochResult& epoch : learned.summary.history) learned.summary.seconds += epoch.seconds;
   return learned;
@@ -399,10 +410,13 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   description.gate = std::move(seen.gate);
   description.scene = seen.scene;
 
-  CheckpointFolder kept(CheckpointFolder::beside(bundle.folder));
-  const Learned learned = settings.kind == ModelKind::lenet
-                              ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, options, progress)
-                              : learn_features(dataset, settings, samples, kept, options, progress);
+  const std::filesystem::path beside = CheckpointFolder::beside(bundle.folder);
+  CheckpointFolder kept(beside);
+  TrainingLog log(beside / bundle.history().filename(), options.tensorboard);
+  const Learned learned =
+      settings.kind == ModelKind::lenet
+          ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, log, options, progress)
+          : learn_features(dataset, settings, samples, kept, log, options, progress);
   description.samples = samples.training.size();
   description.threads = learned.threads;
   describe(description, dataset, split, test_runs);

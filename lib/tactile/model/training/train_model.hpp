@@ -48,6 +48,7 @@ struct TrainModelOptions {
   std::chrono::duration<double> save_every{30};  ///< between two saved states, in addition to those after each epoch; >= 0
   std::filesystem::path from{};                  ///< the bundle of `settings.from`
   IfThere if_there = IfThere::replace;           ///< what happens to an existing bundle when training ends
+  std::filesystem::path tensorboard{};           ///< folder for an event file of the scalars of each epoch; empty: none
 
   /// Called when the heatmaps are ready, with the epoch (from 1) and the finished part of it in [0, 1]. A new training begins
   /// with 1 and 0. May be empty.
@@ -55,8 +56,8 @@ struct TrainModelOptions {
 };
 
 /// Trains a model of a dataset and writes it to `bundle`. An existing bundle is replaced only when the new one is complete. Until
-/// then the state is saved in the bundle's CheckpointFolder. It stays there if training is interrupted or the bundle cannot be
-/// written.
+/// then the state is saved in the bundle's CheckpointFolder, with the `history.csv` of the epochs that are finished. It stays
+/// there if training is interrupted or the bundle cannot be written.
 /// @throws Error  as `split_of`, `sample_heatmaps`, `train_lenet` and CheckpointFolder; then nothing is replaced
 TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
                             const TrainModelOptions& options = {}, const ProgressCallback& progress = {});

@@ -1,0 +1,73 @@
+#include "tactile/results/found.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactile::results {
+namespace {
+
+std::string percent_of(const Figure& figure, std::string_view unit = " %", std::string_view format = ".1f") {
+  return text_of(scaled(figure, 100), unit, format);
+}
+
+/// "40 ms", or "30, 40 or 50 ms" where trainings chose several
+std::string histories_text(std::vector<microseconds> histories) {
+  std::sort(histories.begin(), histories.end());
+  histories.erase(std::unique(histories.begin(), histories.end()), histories.end());
+  std::string text;
+  for (std::size_t i = 0; i < histories.size(); ++i)
+    text += (i == 0                      ? ""
+             : i + 1 == histories.size() ? " or "
+                                         : ", ") +
+            fmt::format("{}", static_cast<double>(histories[i].count()) / 1000);
+  return text + " ms";
+}
+
+std::string accuracy_sentence(const Evaluation& reported, const std::vector<microseconds>& histories) {
+  const Figure& accuracy = reported.accuracy.mean;
+  std::string text = fmt::format(
+      "With a t_h of {} the model predicts {} of the samples correctly, on {} runs that it did not learn from (mean over {} "
+      "objects, "
+      "{} training{})",
+      histories_text(histories), percent_of(accuracy), reported.simulated ? "simulated" : "real", accuracy.n, accuracy.trainings,
+      accuracy.trainings == 1 ? "" : "s");
+  const auto best = std::max_element(reported.baselines.begin(), reported.baselines.end(),
+                                     [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
+  if (best != reported.baselines.end())
+    text += fmt::format("; the best baseline, {}, {}", best->name, percent_of(best->accuracy.mean));
+  return text + ".";
+}
+
+std::string delay_sentence(const DetectorScore& network) {
+  const DelaySummary &press = network.press.all, &slip = network.slip.all;
+  const auto within = [](const CensoredQuantile& quantile) {
+    return (quantile.is_lower_bound ? "no less than " : "") + text_of(quantile.ms, " ms", ".0f");
+  };
+  return fmt::format(
+      "Half of the presses are detected within {}, half of the slips within {}; {} of the presses and {} of the "
+      "slips are missed.",
+      within(press.median_of_all_ms), within(slip.median_of_all_ms), percent_of(press.missed), percent_of(slip.missed));
+}
+
+}  // namespace
+
+std::vector<std::string> found_in(const Evaluation& reported, const std::vector<microseconds>& histories,
+                                  const UnseenComparison& unseen, const std::string& claims) {
+  const FalseAlarmTable& alarms = reported.network.false_alarms;
+  const Figure& change = unseen.mean.difference;
+  return {
+      accuracy_sentence(reported, histories), delay_sentence(reported.network),
+      fmt::format("False alarms: {} per minute outside labelled touches, which is {} of that time; {} without unlabelled motion, "
+                  "{} of the time. The wrong class: {} per minute of touch, {} of that time.",
+                  text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share),
+                  text_of(alarms.outside_motion_per_min, ""), percent_of(alarms.outside_motion_share, " %", ".2f"),
+                  text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share)),
+      unseen.objects.empty() ? std::string("No object was held out of training.")
+                             : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} objects).",
+                                           percent_of(change, " points"), change.n),
+      claims};
+}
+
+}  // namespace tactile::results
