@@ -231,15 +231,17 @@ TEST_F(GrowingDataset, ChecksTheSensorOfRunsWithoutReadingThem) {
 }
 
 TEST_F(GrowingDataset, KeepsHistoriesFromWhichARunCanBeTaken) {
-  const StoredHeatmaps history{.name = "th_002", .settings = {{"history_us", 2000}}, .width = 2, .height = 1};
+  const auto history_of = [](int us, int height) {
+    return StoredHeatmaps{.name = "th_002", .settings = {{"history_us", us}}, .width = 2, .height = height};
+  };
   std::string source;
   {
     const Dataset dataset(file());
     const RunSamples mug = samples_by_run(dataset).at(2);
     source = source_sha256_of(dataset, mug);
-    HeatmapsWriter writer(dataset, history);
+    HeatmapsWriter writer(dataset, history_of(2000, 1));
     std::vector<std::uint8_t> heatmaps(2 * dataset.samples().size(), 7);
-    heatmaps[2 * mug.first] = 9;
+    heatmaps[std::size_t{2} * mug.first] = 9;
     writer.append(writer.packed(heatmaps));
     writer.commit();
   }
@@ -247,18 +249,14 @@ TEST_F(GrowingDataset, KeepsHistoriesFromWhichARunCanBeTaken) {
   EXPECT_EQ(write_dataset(data(), file()).changes->kept, Names{"mug/01"});
   EXPECT_TRUE(Dataset(file()).heatmap_names().empty());
   {
-    const auto older = OlderHeatmaps::find(file(), history);
+    const auto older = OlderHeatmaps::find(file(), history_of(2000, 1));
     ASSERT_TRUE(older);
     const auto chunks = older->chunks_of(source);
     EXPECT_EQ(chunks.size(), Dataset(file()).samples().size());
     EXPECT_EQ(hdf5::unpacked_chunk(chunks.at(0), 2, "first"), (std::vector<std::uint8_t>{9, 7}));
     EXPECT_TRUE(older->chunks_of(std::string(64, 'a')).empty());
-    StoredHeatmaps other = history;
-    other.settings["history_us"] = 4000;
-    EXPECT_FALSE(OlderHeatmaps::find(file(), other));
-    other = history;
-    other.height = 2;
-    EXPECT_FALSE(OlderHeatmaps::find(file(), other));
+    EXPECT_FALSE(OlderHeatmaps::find(file(), history_of(4000, 1)));
+    EXPECT_FALSE(OlderHeatmaps::find(file(), history_of(2000, 2)));
   }
   EXPECT_EQ(write_dataset(data(), file()).outcome, DatasetSummary::Outcome::unchanged);
   EXPECT_TRUE(fs::exists(data() / "dataset.th_002.h5"));
