@@ -232,6 +232,7 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
                             .save_every = std::chrono::duration<double>(args.save_every_s),
                             .from = named_model(args.from, args.models).folder,
                             .if_there = if_there,
+                            .command_settings = common.settings,
                             .tensorboard = args.tensorboard.empty() ? fs::path() : fs::path(args.tensorboard) / bundle.name(),
                             .begins = report_begin},
                            [&estimate](const Progress& progress) { estimate.see(progress); });
@@ -273,8 +274,6 @@ void train(const TrainArguments& args, const CommonArguments& common) {
     outcome = is_missing ? "trained" : "replaced";
   }
   const model::ModelDescription model = model::read_description(bundle);
-  // A bundle that exists keeps the settings that made it.
-  if (outcome != "unchanged") write_settings(common, bundle.settings());
   const model::Temperature temperature = calibrated(args, common, dataset, bundle, model);
   note_last(bundle);
   print_result(common, json_of(bundle, model, outcome, made.has_value(), warnings, summary, temperature),

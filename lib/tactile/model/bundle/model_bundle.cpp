@@ -133,7 +133,7 @@ void check_description(const ModelDescription& description) {
 }  // namespace
 
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
-                  const TrainingSummary& summary, IfThere if_there) {
+                  const TrainingSummary& summary, IfThere if_there, const nlohmann::json& command_settings) {
   WholeFile whole(bundle.folder, if_there);
   const ModelBundle written{whole.path()};
   const auto metadata = weights_metadata(description);
@@ -152,6 +152,7 @@ void write_bundle(const ModelBundle& bundle, ModelDescription description, const
                     {"seconds", summary.seconds},
                     {"validation_samples", summary.validation_samples},
                     {"stopped_early", summary.stopped_early}};
+  if (!command_settings.is_null()) write_json(written.settings(), command_settings);
   write_json(written.description(), json);
   whole.commit();
 }

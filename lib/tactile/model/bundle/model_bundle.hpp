@@ -79,9 +79,12 @@ struct TrainedWeights {
 };
 
 /// Writes a complete bundle, or nothing. An existing bundle is replaced with all its files, or refused. Sets `weights_sha256`,
-/// `epoch` and `best_epoch`. @throws Error  if it cannot be written, or exists and must not be replaced
+/// `epoch` and `best_epoch`.
+/// @param command_settings  the contents of `settings()`; null: there is no such file
+/// @throws Error  if it cannot be written, or exists and must not be replaced
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
-                  const TrainingSummary& summary, IfThere if_there = IfThere::replace);
+                  const TrainingSummary& summary, IfThere if_there = IfThere::replace,
+                  const nlohmann::json& command_settings = {});
 
 std::vector<std::string> names_of(const std::vector<LearnedRun>& runs);  ///< "fan/01"
 

@@ -420,7 +420,7 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   description.samples = samples.training.size();
   description.threads = learned.threads;
   describe(description, dataset, split, test_runs);
-  write_bundle(bundle, description, learned.weights, learned.summary, options.if_there);
+  write_bundle(bundle, description, learned.weights, learned.summary, options.if_there, options.command_settings);
   kept.remove();
   return learned.summary;
 }

@@ -48,6 +48,7 @@ struct TrainModelOptions {
   std::chrono::duration<double> save_every{30};  ///< between two saved states, in addition to those after each epoch; >= 0
   std::filesystem::path from{};                  ///< the bundle of `settings.from`
   IfThere if_there = IfThere::replace;           ///< what happens to an existing bundle when training ends
+  nlohmann::json command_settings{};             ///< for the bundle's `settings.json`; null: it has none
   std::filesystem::path tensorboard{};           ///< folder for an event file of the scalars of each epoch; empty: none
 
   /// Called when the heatmaps are ready, with the epoch (from 1) and the finished part of it in [0, 1]. A new training begins
