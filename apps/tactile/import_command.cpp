@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct ImportArguments {
+struct ImportCommandArguments {
   std::vector<std::string> recordings;
   std::string data = "data";
   std::string object, run;
@@ -52,7 +52,7 @@ struct RunNames {
   std::vector<Renamed> renamed;
 };
 
-RunNames names_of(const ImportArguments& args) {
+RunNames names_of(const ImportCommandArguments& args) {
   RunNames names;
   names.object = is_object_name(args.object) ? args.object : needed_object_name(args.object);
   if (names.object.empty()) {
@@ -135,7 +135,7 @@ std::string label_text(const std::string& runs, bool several, const std::vector<
                                                                                             : "film");
 }
 
-ImportedRun import_one(const std::string& recording, const ImportArguments& args, const RunNames& names,
+ImportedRun import_one(const std::string& recording, const ImportCommandArguments& args, const RunNames& names,
                        const CommonArguments& common) {
   std::optional<ConvertedSource> converted;
   if (needs_conversion(recording)) converted.emplace(recording, args.data, common);
@@ -162,7 +162,7 @@ ImportedRun import_one(const std::string& recording, const ImportArguments& args
   return imported;
 }
 
-nlohmann::json json_of(const ImportArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
+nlohmann::json json_of(const ImportCommandArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
   nlohmann::json renamed = nlohmann::json::array(), all = nlohmann::json::array();
   for (const Renamed& name : names.renamed) renamed.push_back({{"given", name.given}, {"used", name.used}});
   for (const ImportedRun& run : runs) {
@@ -179,7 +179,7 @@ nlohmann::json json_of(const ImportArguments& args, const RunNames& names, const
   return {{"data", args.data}, {"renamed", renamed}, {"runs", all}};
 }
 
-std::string text_of(const ImportArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
+std::string text_of(const ImportCommandArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
   std::string text;
   for (const Renamed& name : names.renamed) text += fmt::format("'{}' is named {}.\n", name.given, name.used);
   std::vector<std::vector<std::string>> rows;
@@ -198,7 +198,7 @@ std::string text_of(const ImportArguments& args, const RunNames& names, const st
   return text + fmt::format("Next: tactile label {}\n", shell_word(object.string()));
 }
 
-void import_recordings(const ImportArguments& args, const CommonArguments& common) {
+void import_recordings(const ImportCommandArguments& args, const CommonArguments& common) {
   RunNames names = names_of(args);
   std::vector<std::string> recordings;
   for (const std::string& place : args.recordings) {
@@ -221,7 +221,7 @@ void import_recordings(const ImportArguments& args, const CommonArguments& commo
 }  // namespace
 
 void add_import_command(CLI::App& app) {
-  auto args = std::make_shared<ImportArguments>();
+  auto args = std::make_shared<ImportCommandArguments>();
   Command command = add_command(app, "import", "Make run folders of loose recordings, and check them",
                                 [args](const CommonArguments& common) { import_recordings(*args, common); });
   command

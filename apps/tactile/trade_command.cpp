@@ -242,7 +242,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   result["steps_kept"] = summary.kept;
   result["figures"] = nlohmann::json::array();
   result["applied"] = nullptr;
-  std::string text = args.verbose ? full_text(summary) : short_text(summary);
+  std::string text = args.verbose ? full_trade_text(summary) : short_trade_text(summary);
   const auto print_all = [&] { print_result(common, result, text); };
   try {
     if (!args.no_figures) {

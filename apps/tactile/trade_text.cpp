@@ -124,7 +124,7 @@ std::string first_sentence(const std::string& text) {
 
 }  // namespace
 
-std::string short_text(const trade::TradeSummary& summary) {
+std::string short_trade_text(const trade::TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
   std::string text = wrapped(trade.at("title").get<std::string>()) + "\n\n" + ends_of_fronts(trade) + "\n" +
                      wrapped(first_sentence(trade.at("recommendation").at("sentence").get<std::string>())) + "\n";
@@ -134,7 +134,7 @@ std::string short_text(const trade::TradeSummary& summary) {
                             trade.at("points").size(), summary.done, summary.kept, summary.file.string());
 }
 
-std::string full_text(const trade::TradeSummary& summary) {
+std::string full_trade_text(const trade::TradeSummary& summary) {
   const nlohmann::json& trade = summary.trade;
   std::string text =
       trade.at("title").get<std::string>() + "\n\n" + wrapped(trade.at("times_are").get<std::string>()) + "\n\n" +

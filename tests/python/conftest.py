@@ -17,7 +17,7 @@ class Lab:
         self.run("windows")
         self.run("heatmaps", "--th", "40,20")
         self.run("train", "--th", "40", "--epochs", "1")
-        (self.bundle,) = (folder / "models").iterdir()
+        (self.bundle,) = self.bundles()
         self.run("eval", "--model", self.bundle)
         self.recording = folder / "data/fan/02/events.aedat4"
 
@@ -25,6 +25,9 @@ class Lab:
         done = subprocess.run([TACTILE, *map(str, arguments), "--quiet"], cwd=self.folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return done.stdout
+
+    def bundles(self):
+        return [description.parent for description in (self.folder / "models").glob("*/model.json")]
 
     def error_of(self, *arguments):
         done = subprocess.run([TACTILE, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True)

@@ -56,7 +56,7 @@ def test_threads_may_share_an_engine(lab, engine):
 
 def test_other_kinds_and_precisions_are_models_too(lab, engine):
     lab.run("train", "--kind", "trees", "--rounds", "5")
-    (trees,) = [bundle for bundle in (lab.folder / "models").iterdir() if bundle != lab.bundle]
+    (trees,) = [bundle for bundle in lab.bundles() if bundle != lab.bundle]
     assert tactile.Engine(trees).predict(tactile.Recording(lab.recording)).logits.shape[1] == 3
     with pytest.raises(tactile.Error):
         tactile.Engine(trees).classify(np.zeros((1, 96, 128), np.uint8))

@@ -51,13 +51,13 @@ class InTurn {
 using Packed = windows::HeatmapsWriter::Packed;
 
 /// A history while it is written.
-struct Rendering {
+struct HistoryToStore {
   HeatmapOptions options;
   StoredHistory* stored = nullptr;
   windows::HeatmapsWriter writer;
   std::optional<windows::OlderHeatmaps> older;  ///< in the file that it replaces
 
-  Rendering(const windows::Dataset& dataset, HeatmapOptions rendering, StoredHistory& history)
+  HistoryToStore(const windows::Dataset& dataset, HeatmapOptions rendering, StoredHistory& history)
       : options(std::move(rendering)), stored(&history), writer(dataset, history.heatmaps) {
     try {
       older = windows::OlderHeatmaps::find(dataset.file(), history.heatmaps);
@@ -71,10 +71,10 @@ struct Rendering {
 
 /// The histories of a run that stay, packed; nothing for the others. A history whose file is damaged keeps no further run.
 /// @param guard  of `renderings`
-std::vector<std::optional<Packed>> kept_heatmaps(std::deque<Rendering>& renderings, const std::string& source_sha256,
+std::vector<std::optional<Packed>> kept_heatmaps(std::deque<HistoryToStore>& renderings, const std::string& source_sha256,
                                                  std::mutex& guard) {
   std::vector<std::optional<Packed>> kept;
-  for (Rendering& rendering : renderings) {
+  for (HistoryToStore& rendering : renderings) {
     kept.emplace_back();
     if (!rendering.older) continue;
     try {
@@ -90,7 +90,7 @@ std::vector<std::optional<Packed>> kept_heatmaps(std::deque<Rendering>& renderin
 
 /// All histories of a run, packed: kept or rendered.
 std::vector<Packed> heatmaps_of_run(const windows::Dataset& dataset, const windows::RunSamples& run,
-                                    std::deque<Rendering>& renderings, std::vector<std::optional<Packed>> kept) {
+                                    std::deque<HistoryToStore>& renderings, std::vector<std::optional<Packed>> kept) {
   std::vector<std::size_t> missing;  // indexes into `renderings`
   std::vector<HeatmapOptions> options;
   std::vector<std::vector<std::uint8_t>> heatmaps;
@@ -135,7 +135,7 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
     if (!is_there && !is_coming) missing.push_back(options);
   }
   if (missing.empty()) return stored;
-  std::deque<Rendering> renderings;
+  std::deque<HistoryToStore> renderings;
   for (StoredHistory& each : stored) {
     if (!each.kept) renderings.emplace_back(dataset, missing[renderings.size()], each);
   }
@@ -162,7 +162,7 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
       throw;
     }
   });
-  for (Rendering& rendering : renderings) rendering.writer.commit();
+  for (HistoryToStore& rendering : renderings) rendering.writer.commit();
   return stored;
 }
 
