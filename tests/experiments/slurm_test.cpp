@@ -96,6 +96,11 @@ TEST_F(SlurmJobs, ThatFailNameTheirLastMessageAndEndTheOthers) {
   EXPECT_EQ(error, "'bad' failed: no light");
   EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
   EXPECT_EQ(text("good.txt"), "");
+
+  // Once the cause is removed, the same work is done, although its tasks were cancelled or failed.
+  std::vector<ProcessPlan> mended{task("good"), task("bad")};
+  run(mended);
+  EXPECT_EQ(text("good.txt") + text("bad.txt"), "done\ndone\n");
 }
 
 struct Interrupted {};

@@ -1,4 +1,4 @@
-// Begins the live page of `record --preview` and `detect --page`: what the server tells ten times a second is shown.
+// Begins the live page of `record --preview` and `detect --page`: it shows what the server sends ten times a second.
 
 import { announce, el, refill } from "./dom.js";
 import { CountsPicture } from "./counts_picture.js";

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -49,7 +50,7 @@ class Jobs {
   }
 
   void run();
-  void cancel() const;
+  void cancel();
   bool all_ended() const {
     return std::all_of(tasks_.begin(), tasks_.end(), [](const Task& task) { return task.ended; });
   }
@@ -176,8 +177,6 @@ bool Jobs::look_for_mark(Task& task) {
   if (options_.ended) options_.ended(task.index, mark->seconds);
   task.begun = task.ended = true;
   task.id.clear();
-  remember();
-  fs::remove(mark_of(task));
   return true;
 }
 
@@ -226,9 +225,17 @@ std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& st
 /// One look at the marks and the queue; submits what no job does.
 void Jobs::look() {
   std::set<std::string> jobs;
+  std::vector<fs::path> used_marks;
   for (Task& task : tasks_) {
-    if (!task.ended && !look_for_mark(task) && !task.id.empty()) jobs.insert(task.id.substr(0, task.id.find('_')));
+    if (task.ended) continue;
+    if (look_for_mark(task)) {
+      used_marks.push_back(mark_of(task));
+    } else if (!task.id.empty()) {
+      jobs.insert(task.id.substr(0, task.id.find('_')));
+    }
   }
+  if (!used_marks.empty()) remember();
+  for (const fs::path& mark : used_marks) fs::remove(mark);
   if (all_ended()) return;
   std::map<std::string, std::string> states;
   try {
@@ -253,12 +260,14 @@ void Jobs::run() {
   }
 }
 
-void Jobs::cancel() const {
+/// Also forgets the tasks: the same command submits them again.
+void Jobs::cancel() {
   std::vector<std::string> ids;
-  for (const Task& task : tasks_) {
-    if (!task.ended && !task.id.empty()) ids.push_back(task.id);
+  for (Task& task : tasks_) {
+    if (!task.id.empty()) ids.push_back(std::exchange(task.id, {}));
   }
   cancel_tasks(ids);
+  remember();
 }
 
 }  // namespace

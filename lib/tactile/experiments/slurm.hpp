@@ -22,8 +22,9 @@ struct SlurmOptions {
 /// "slurm" or "slurm:PARTITION". @throws Error  if it is neither
 SlurmOptions slurm_named(const std::string& name);
 
-/// Runs the processes as tasks of job arrays, and waits for them. `plans[].key` tells whether a task that was submitted earlier
-/// does this work: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run again.
+/// Runs the processes as tasks of job arrays, and waits for them. By `plans[].key` a task that was submitted earlier and
+/// does this work is known: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run
+/// again.
 ///
 /// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
 /// `ended/` for each task that has ended: these files, and not the queue, tell that a task is done.

@@ -25,7 +25,9 @@ std::string figure_text(const Figure& figure, double scale, int decimals) {
 }
 
 bool is_bounded(const Figure& figure) {
-  return !figure.has_interval() || !(figure.value > 0 && *figure.low<1e-3 * figure.value&& * figure.high> 1e3 * figure.value);
+  if (!figure.has_interval() || !(figure.value > 0)) return true;
+  const double low = *figure.low, high = *figure.high;
+  return !(low < 1e-3 * figure.value && high > 1e3 * figure.value);
 }
 
 }  // namespace tactile::results

@@ -29,8 +29,7 @@ std::string accuracy_sentence(const Evaluation& reported, const std::vector<micr
   const Figure& accuracy = reported.accuracy.mean;
   std::string text = fmt::format(
       "With a t_h of {} the model predicts {} of the samples correctly, on {} runs that it did not learn from (mean over {} "
-      "objects, "
-      "{} training{})",
+      "objects, {} training{})",
       histories_text(histories), percent_of(accuracy), reported.simulated ? "simulated" : "real", accuracy.n, accuracy.trainings,
       accuracy.trainings == 1 ? "" : "s");
   const auto best = std::max_element(reported.baselines.begin(), reported.baselines.end(),
