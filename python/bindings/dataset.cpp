@@ -11,7 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
-#include "tactile/windows/split.hpp"
+#include "tactile/windows/dataset_split.hpp"
 
 namespace tactile::python {
 namespace {
@@ -47,11 +47,8 @@ std::vector<std::pair<std::string, std::string>> runs_of(const Dataset& file) {
 std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> split_runs(const Dataset& file, const std::string& kind,
                                                                              const std::string& train_run,
                                                                              const std::vector<std::string>& held_out) {
-  std::vector<windows::RunName> names;
-  for (const windows::DatasetRun& run : file.dataset.runs()) names.push_back({run.object, run.run, false});
-  for (const windows::Sample& sample : file.dataset.samples()) names[sample.run_index].has_samples = true;
   const windows::Split split =
-      windows::split_runs(names, {.kind = windows::split_named(kind), .train_run = train_run, .held_out = held_out});
+      windows::split_runs(file.dataset, {.kind = windows::split_named(kind), .train_run = train_run, .held_out = held_out});
   return {split.train_runs, split.test_runs};
 }
 

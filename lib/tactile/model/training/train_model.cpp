@@ -26,6 +26,7 @@
 #include "tactile/model/training/stressed_heatmaps.hpp"
 #include "tactile/model/training/training_log.hpp"
 #include "tactile/model/training/validation_cut.hpp"
+#include "tactile/windows/dataset_split.hpp"
 #include "tactile/windows/event_counts.hpp"
 
 namespace tactile::model {
@@ -140,10 +141,7 @@ Transitions transitions_of(const windows::Dataset& dataset, std::span<const std:
 }  // namespace
 
 windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOptions& options) {
-  std::vector<windows::RunName> names;
-  for (const windows::DatasetRun& run : dataset.runs()) names.push_back({run.object, run.run, false});
-  for (const windows::Sample& sample : dataset.samples()) names[sample.run_index].has_samples = true;
-  return windows::split_runs(names, options);
+  return windows::split_runs(dataset, options);
 }
 
 std::vector<std::uint32_t> learned_runs_of(const windows::Dataset& dataset, const ModelDescription& model) {
