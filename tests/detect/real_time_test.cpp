@@ -1,10 +1,13 @@
 #include "tactile/detect/real_time.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace tactile::detect {
 namespace {
@@ -22,6 +25,32 @@ TEST(AwakeProcessors, ReportWhyTheyMaySleep) {
   std::int32_t longest_us = -1;
   if (device.read(reinterpret_cast<char*>(&longest_us), sizeof longest_us)) {
     EXPECT_EQ(longest_us, 0) << "asked for as long as they live";
+  }
+}
+
+/// The locked memory of this process, as the kernel counts it.
+std::size_t locked_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != "VmLck:") continue;
+    std::size_t kib = 0;
+    status >> kib;
+    return kib << 10;
+  }
+  ADD_FAILURE() << "/proc/self/status has no VmLck";
+  return 0;
+}
+
+TEST(LockMemory, LocksWhatIsAllocatedLaterOrSaysWhyNot) {
+  const std::string refused = lock_memory();
+  const std::vector<char> later(std::size_t{8} << 20, 1);
+  const std::size_t locked = locked_bytes();
+  ::munlockall();
+  if (refused.empty()) {
+    EXPECT_GE(locked, later.size());
+  } else {
+    EXPECT_EQ(locked, 0U);
+    EXPECT_NE(refused.find("CAP_IPC_LOCK"), std::string::npos) << refused;
   }
 }
 
