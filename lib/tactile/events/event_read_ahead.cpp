@@ -197,7 +197,6 @@ struct EventReadAhead::State {
     ahead.pop_front();
     bytes_ahead -= batch->bytes;
     planned_bytes -= batch->expected;
-    batch->bytes = batch->expected = 0;
     for (PacketBuffer& buffer : batch->contents) {
       if (buffer.capacity() > largest_kept_buffer) buffer = {};
     }
