@@ -5,16 +5,17 @@
 
 namespace tactile::experiments {
 
-/// Locks a folder while it exists, so that two experiments never write to the same one.
-class FolderLock {
+/// Locks the output folder of an experiment while it exists, so that two never write to the same one. A second one gets an error
+/// at once; with `tactile::FolderLock`, which lasts for moments, it waits.
+class ExperimentLock {
  public:
   /// Makes the folder if it is missing.
   /// @param command  the one that works in it, "tactile reproduce"; named in the error
   /// @throws Error  if the folder cannot be written, or another process has locked it
-  FolderLock(const std::filesystem::path& folder, const std::string& command);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  ExperimentLock(const std::filesystem::path& folder, const std::string& command);
+  ~ExperimentLock();
+  ExperimentLock(const ExperimentLock&) = delete;
+  ExperimentLock& operator=(const ExperimentLock&) = delete;
 
  private:
   int file_ = -1;
