@@ -136,7 +136,7 @@ TEST(Recommend, DoesNotConfirmWhatIsTooSlowInDetect) {
                                   "'tactile detect', where 99 of "
                                   "100 ticks must take at most 200 us. "))
       << answer.sentence;
-  // Without a wish for a time, it must keep up with its ticks.
+  // Without a limit on the time, it must keep up with its ticks.
   TradeFigures again = figures(0.97, 150);
   again.tick_us = 205;
   EXPECT_FALSE(recommend({.at_least_accuracy = 0.9}, "t_h 20 ms", again, slow, false).met);
