@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 8> kind_names{
     "stage output", "sync tap", "IMU", "ring-down", "first shear", "host times", "film of the arm", "film against events"};
 
-/// An anchor as a point of a line: x is its clock less the middle, y its offset less that of the first anchor [us].
+/// An anchor as a point of a line: x is its clock minus the middle, y its offset minus that of the first anchor [us].
 struct Point : UncertainPoint {  // sigma includes a drift that is not measured
   double weight = 1;
   bool used = true;
