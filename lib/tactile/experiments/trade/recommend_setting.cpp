@@ -62,6 +62,7 @@ std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point
   const std::vector<TimedSetting> settings{timed_setting_of(usual), timed_setting_of(point)};
   const std::vector<std::uint32_t> runs = reported_runs(plan, point);
   std::vector<fs::path> recordings;
+  recordings.reserve(runs.size());
   for (const std::uint32_t run : runs) recordings.push_back(plan.recording(run));
   const auto times = time_ticks(settings, recordings, plan.options.timing, progress);
   const auto gate = gate_of(point.setting, point.networks.front());
