@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "option_checks.hpp"
 #include "recording_report.hpp"
+#include "run_places.hpp"
 #include "tactile/bags/bag.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
@@ -40,7 +41,8 @@ void add_place(const std::string& place, Places& places) {
     if (const std::string why = what_is_misnamed(place); is_there(run.info()) && !why.empty()) places.misnamed.push_back(why);
     return;
   }
-  const RunsBelow below = look_for_runs(place);
+  RunsBelow below = look_for_runs(place);
+  if (below.runs.empty()) below.runs = runs_of_object(place);
   for (const RunFolder& found : below.runs) places.found.push_back({found.folder.string(), found.events(), found});
   places.misnamed.insert(places.misnamed.end(), below.misnamed.begin(), below.misnamed.end());
   places.unreadable.insert(places.unreadable.end(), below.unreadable.begin(), below.unreadable.end());

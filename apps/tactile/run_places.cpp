@@ -17,20 +17,16 @@ namespace fs = std::filesystem;
 
 bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
 
-/// The runs of an object, where its own folder is given.
-std::vector<RunFolder> runs_of_object(const fs::path& place) {
-  std::vector<RunFolder> runs;
-  for (const fs::path& folder : folders_in(place)) {
-    if (is_named_as_run(folder) && is_there(folder / "events.aedat4")) runs.push_back(named_run_at(folder));
-  }
-  return runs;
-}
-
 /// Folders that are named as runs and have no recording: of an object, or of all objects of a data folder.
-std::vector<std::string> without_recording(const fs::path& place) {
+/// @param misnamed  sentences of `look_for_runs`: their folders are not named again
+std::vector<std::string> without_recording(const fs::path& place, const std::vector<std::string>& misnamed) {
   std::vector<std::string> names;
+  const auto is_named = [&](const fs::path& folder) {
+    return std::any_of(misnamed.begin(), misnamed.end(),
+                       [&](const std::string& sentence) { return sentence.starts_with(folder.string() + ": "); });
+  };
   const auto look = [&](const fs::path& folder) {
-    if (is_named_as_run(folder) && !is_there(folder / "events.aedat4")) names.push_back(folder.string());
+    if (is_named_as_run(folder) && !is_there(folder / "events.aedat4") && !is_named(folder)) names.push_back(folder.string());
   };
   for (const fs::path& folder : folders_in(place)) {
     look(folder);
@@ -42,6 +38,14 @@ std::vector<std::string> without_recording(const fs::path& place) {
 }
 
 }  // namespace
+
+std::vector<RunFolder> runs_of_object(const fs::path& place) {
+  std::vector<RunFolder> runs;
+  for (const fs::path& folder : folders_in(place)) {
+    if (is_named_as_run(folder) && is_there(folder / "events.aedat4")) runs.push_back(named_run_at(folder));
+  }
+  return runs;
+}
 
 RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_out) {
   const bool warns = left_out == LeftOutFolders::warn;
@@ -58,7 +62,7 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
     RunsBelow found = look_for_runs(place);
     for (const std::string& misnamed : found.misnamed)
       if (warns) spdlog::warn("{}", misnamed);
-    if (const auto names = without_recording(place); warns && !names.empty())
+    if (const auto names = without_recording(place, found.misnamed); warns && !names.empty())
       spdlog::warn("left out, because events.aedat4 is missing: {}", fmt::join(names, ", "));
     if (found.runs.empty()) found.runs = runs_of_object(place);
     if (found.runs.empty()) {

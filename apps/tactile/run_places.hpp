@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@
 namespace tactile::cli {
 
 enum class LeftOutFolders : std::uint8_t { warn, say_nothing };
+
+/// The runs in the folder of an object. @throws Error  if the object is misnamed
+std::vector<RunFolder> runs_of_object(const std::filesystem::path& place);
 
 /// Runs, folders of an object's runs, and data folders as all of their runs; each run once.
 /// @param left_out  of folders that hold no run: their warnings are logged, or not

@@ -307,6 +307,24 @@ TEST_F(InfoOfARun, FailsTheCheckWhereARunIsMisnamed) {
   EXPECT_EQ(run_tactile("info --check data/fan/03.discarded-1", folder.path()).exit_code, 0);
 }
 
+TEST_F(InfoOfARun, FailsTheCheckWhereARecordingIsMisnamed) {
+  describe(true, 160, 120);
+  fs::create_directories(folder / "data/fan/04");
+  fs::rename(run.events(), folder / "data/fan/04/take.aedat4");
+  const auto checked = run_tactile("info --check data", folder.path());
+  EXPECT_EQ(checked.exit_code, 2);
+  EXPECT_NE(checked.err.find("data/fan/04: is left out, because a run's recording is named events.aedat4; rename take.aedat4"),
+            std::string::npos)
+      << checked.err;
+}
+
+TEST_F(InfoOfARun, TakesTheFolderOfAnObjectForItsRuns) {
+  describe(true, 160, 120);
+  const auto result = run_tactile("info --check --json data/fan", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("recordings").size(), 1U);
+}
+
 TEST_F(InfoOfARun, ReportsTheOthersIfALinkLeadsToItself) {
   fs::create_symlink("04", folder / "data/fan/04");
   fs::create_symlink("loop", folder / "data/loop");

@@ -62,6 +62,16 @@ TEST_F(LabelCommand, NamesMisnamedRunsWithTheNameThatTheyNeed) {
   EXPECT_FALSE(std::filesystem::exists(folder / "data/Fan/01/labels.json"));
 }
 
+TEST_F(LabelCommand, NamesAMisnamedRecordingOnce) {
+  std::filesystem::rename(folder / "data/fan/01/events.aedat4", folder / "data/fan/01/Events.aedat4");
+  std::filesystem::create_directories(folder / "data/fan/02");
+  const auto result = run_tactile("label --no-pictures", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("data/fan/01: is left out, because a run's recording is named events.aedat4"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("events.aedat4 is missing: data/fan/02\n"), std::string::npos) << result.err;
+}
+
 TEST_F(LabelCommand, LabelsTheOthersWhereOneCannotBeRead) {
   std::filesystem::create_symlink("loop", folder / "data/loop");
   const auto result = run_tactile("label --no-pictures --json", folder.path());

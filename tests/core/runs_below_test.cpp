@@ -84,6 +84,18 @@ TEST_F(LookForRuns, ReportsARecordingThatLiesAFolderTooHigh) {
                                                         sentence("07", rule + (data / "<object>/01").string())}));
 }
 
+TEST_F(LookForRuns, NamesARecordingWhoseNameIsNotThatOfARunsRecording) {
+  make({"fan/01"});
+  for (const char* file : {"fan/02/Events.aedat4", "fan/03/take.AEDAT4", "fan/03/old.aedat4", "fan/old/take.aedat4"})
+    write_whole(data / file, "");
+  fs::create_directories(data / "fan/04");
+  EXPECT_EQ(names(), (std::vector<std::string>{"fan/01"}));
+  const std::string rule = ": is left out, because a run's recording is named events.aedat4; rename ";
+  EXPECT_EQ(found().misnamed,
+            (std::vector<std::string>{sentence("fan/02", rule + "Events.aedat4 to it"),
+                                      sentence("fan/03", rule + "the right one of old.aedat4, take.AEDAT4 to it")}));
+}
+
 TEST_F(LookForRuns, TakesTheFolderOfAnObjectForNoDataFolder) {
   make({"mug/01", "mug/2"});
   const RunsBelow below = look_for_runs(data / "mug");

@@ -103,6 +103,12 @@ TEST_F(WindowsCommand, NamesMisnamedRunsAndEndsWithOneWhereARunCannotBeRead) {
   EXPECT_EQ(Dataset(folder / "data/dataset.h5").runs().size(), 1U);
 }
 
+TEST_F(WindowsCommand, NamesTheFolderOfAnObjectThatIsGivenForAllRuns) {
+  const auto result = run_tactile("windows data/fan", folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err, "tactile: data/fan: is the folder of one object's runs; expected the folder above it, DATA\n");
+}
+
 TEST_F(WindowsCommand, PrintsJsonOfANameThatIsNoUtf8) {
   const auto result = run_tactile("windows --json --out \"$(printf 'caf\\351').h5\"", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -1,8 +1,11 @@
 #include "tactile/windows/write_dataset.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "support/run_command.hpp"
@@ -163,6 +166,25 @@ TEST_F(WriteDataset, ReadsAnyPartOfARunsEvents) {
   EXPECT_TRUE(dataset.events(1, whole.size(), 0).empty());
   EXPECT_THROW(dataset.events(1, 100, whole.size() - 99), Error);
   EXPECT_THROW(dataset.events(1, whole.size() + 1, 0), Error);
+}
+
+TEST_F(WriteDataset, OpensItsFileOfEventsOnceForAllColumns) {
+  test::make_three_runs(data());
+  write_dataset(data(), file(), {});
+  const Dataset dataset(file());
+  // 'tactile windows' may replace the file at any moment, so columns of two openings may be of two datasets.
+  const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  ASSERT_GE(watch, 0);
+  ASSERT_GE(::inotify_add_watch(watch, (data() / "dataset.events.h5").c_str(), IN_OPEN | IN_CLOSE), 0);
+  ASSERT_FALSE(dataset.events(0).empty());
+  int opened = 0;
+  std::array<inotify_event, 64> changes{};
+  for (ssize_t got = 0; (got = ::read(watch, changes.data(), sizeof(changes))) > 0;) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(got) / sizeof(inotify_event); ++i)
+      opened += (changes[i].mask & IN_OPEN) != 0 ? 1 : 0;
+  }
+  ::close(watch);
+  EXPECT_EQ(opened, 1);
 }
 
 TEST_F(WriteDataset, LeavesNoFilesWhenItIsInterrupted) {

@@ -68,6 +68,26 @@ Found look_at(const fs::path& path, fs::file_type type, std::error_code& why) {
   return leads_nowhere ? Found::unreadable : Found::nothing;
 }
 
+/// The names of the AEDAT4 files in a folder.
+std::vector<std::string> recordings_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    std::string extension = entry->path().extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (extension == ".aedat4" && is_file(entry->path())) names.push_back(name_of(entry->path()));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 /// The names in a folder, and its subfolders.
 struct Listing {
   std::set<std::string> names;
@@ -127,7 +147,10 @@ class Search {
     Listing runs = listing_of(object, is_run_id);
     std::size_t recordings = 0;
     for (const fs::path& run : runs.folders) {
-      if (!holds_recording(run)) continue;
+      if (!holds_recording(run)) {
+        report_recording_of_another_name(run);
+        continue;
+      }
       ++recordings;
       const std::string id = name_of(run);
       if (!is_run_id(id)) {
@@ -146,6 +169,16 @@ class Search {
     found_.misnamed.push_back(folder.string() +
                               ": is left out, because it has a recording where an object's runs belong; move it to " +
                               (folder.parent_path() / (is_number ? "<object>" : object) / "01").string());
+  }
+
+  /// Of a run that would be found if its recording had the right name.
+  void report_recording_of_another_name(const fs::path& run) {
+    if (!is_run_id(name_of(run))) return;
+    const std::vector<std::string> recordings = recordings_in(run);
+    if (recordings.empty()) return;
+    found_.misnamed.push_back(run.string() + ": is left out, because a run's recording is named events.aedat4; rename " +
+                              (recordings.size() == 1 ? recordings.front() : "the right one of " + listed(recordings)) +
+                              " to it");
   }
 
   void report_run(const fs::path& run, std::set<std::string>& taken) {

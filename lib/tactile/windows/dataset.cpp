@@ -110,7 +110,7 @@ struct Dataset::State {
 
   void read();
   void read_runs(const std::string& where);
-  void check_events(const std::string& where) const;
+  h5::Id checked_events(const std::string& where) const;
   StoredHeatmaps describe(hid_t group, const std::string& name) const;
 };
 
@@ -162,7 +162,7 @@ void Dataset::State::read() {
                           (samples[i - 1].run_index == samples[i].run_index && samples[i - 1].t < samples[i].t);
     if (sample_run[i] >= runs.size() || !in_order) throw_inconsistent(where, "the samples are not sorted by run and time");
   }
-  check_events(where);
+  checked_events(where);
 }
 
 void Dataset::State::read_runs(const std::string& where) {
@@ -186,9 +186,9 @@ void Dataset::State::read_runs(const std::string& where) {
     runs[i].ends = {camera_time(begin[i]), camera_time(end[i])};
 }
 
-void Dataset::State::check_events(const std::string& where) const {
+h5::Id Dataset::State::checked_events(const std::string& where) const {
   check_linked_file(id, "events", file);
-  const h5::Id group(H5Gopen2(id, "events", H5P_DEFAULT), H5Gclose);
+  h5::Id group(H5Gopen2(id, "events", H5P_DEFAULT), H5Gclose);
   if (group < 0) h5::fail(where, "its file of events cannot be opened");
   if (h5::read_text_attribute(group, "manifest_sha256", where + ": /events") != manifest_hash) {
     throw Error(where + ": its file of events belongs to another dataset; run 'tactile windows' again");
@@ -201,6 +201,7 @@ void Dataset::State::check_events(const std::string& where) const {
       throw_inconsistent(column_where, "has another length than the runs' events");
     h5::check_stored_size(column, column_where);
   }
+  return group;
 }
 
 Dataset::Dataset(fs::path file) : state_(std::make_unique<State>()) {
@@ -243,13 +244,15 @@ std::vector<events::Event> Dataset::events(std::uint32_t run_index, std::uint64_
   }
   const std::string where = state_->file.string() + ": /events";
   const std::string remedy = remove_and_make(state_->file, "events", "windows");
-  with_remedy(remedy, [&] { state_->check_events(state_->file.string()); });  // the file may have been replaced
+  // The file may have been replaced, and may be replaced between two columns: all are read from the group that was checked.
+  h5::Id group;
+  with_remedy(remedy, [&] { group = state_->checked_events(state_->file.string()); });
   std::vector<events::Event> events(count);
   const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
     std::vector<T> values(count);
     with_remedy(remedy, [&] {
-      h5::read_rows(h5::open_table(state_->id, std::string("events/") + name, where), h5::memory_type<T>(), values.data(),
-                    run.first_event + first, count, where + "/" + name);
+      h5::read_rows(h5::open_table(group, name, where), h5::memory_type<T>(), values.data(), run.first_event + first, count,
+                    where + "/" + name);
     });
     for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
   };

@@ -10,6 +10,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/folders_in.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/runs_below.hpp"
@@ -158,6 +159,12 @@ void warn_of_oddities(const std::vector<PlannedRun>& runs, std::vector<std::stri
         list_of(without_info));
 }
 
+bool holds_runs_of_an_object(const fs::path& folder) {
+  const std::vector<fs::path> inside = folders_in(folder);
+  return std::any_of(inside.begin(), inside.end(),
+                     [](const fs::path& run) { return is_run_id(run.filename().string()) && is_there(run / "events.aedat4"); });
+}
+
 /// The labelled runs below `data` that may be used together. The plan lists the others.
 std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
   std::vector<PlannedRun> found;
@@ -187,8 +194,11 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
     found.push_back(std::move(run));
   }
   if (found.empty() && plan.left_out.empty() && plan.warnings.empty() && plan.errors.empty())
-    throw Error(data.string() +
-                ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings");
+    throw Error(
+        data.string() +
+        (holds_runs_of_an_object(data)
+             ? ": is the folder of one object's runs; expected the folder above it, DATA"
+             : ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings"));
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
   std::vector<PlannedRun> chosen;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include "support/temporary_folder.hpp"
@@ -10,32 +11,42 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/events/run_ticks.hpp"
 #include "tactile/experiments/trade/tick_quantiles.hpp"
+#include "tactile/model/inference/background_ratio.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile::trade {
 namespace {
 
-TEST(TickTime, IsTheCountingAloneWhereTheGateCloses) {
-  const TickTime tick{.counting = 2, .rendering = 30, .network = 400, .events = 99};
+TEST(TickTime, HasNoNetworkWhereTheGateCloses) {
+  const TickTime tick{.counting = 2, .rendering = 30, .network = 400, .comparing = 1, .events = 99, .ratio = 5};
   EXPECT_DOUBLE_EQ(tick.total(std::nullopt), 432);
   EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 100}), 2);
   EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 99}), 432);
+  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.ratio = 5.5}), 3) << "comparing takes time, too";
+  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.ratio = 5}), 433);
+  EXPECT_TRUE(tick.is_open(std::nullopt));
+  EXPECT_FALSE(tick.is_open(model::GateRule{.ratio = 5.5}));
 }
 
 TEST(WriteTimes, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
-  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 7}, {4, 5, 6, 0}}, {}}, {{}, {{0.125F, 0, 1, 12}}}};
+  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 0.5F, 7, 8.5F}, {4, 5, 6, 1, 0, 2}}, {}}, {{}, {{0.125F, 0, 1, 0, 12}}}};
   write_times(folder / "times.ticks", ways);
   const auto read = read_times(folder / "times.ticks");
   ASSERT_EQ(read.size(), 2U);
   ASSERT_EQ(read[0].size(), 2U);
   ASSERT_EQ(read[0][0].size(), 2U);
   EXPECT_EQ(read[0][0][0].rendering, 2.25F);
+  EXPECT_EQ(read[0][0][0].comparing, 0.5F);
+  EXPECT_EQ(read[0][0][0].ratio, 8.5F);
   EXPECT_EQ(read[0][0][1].events, 0U);
   EXPECT_TRUE(read[0][1].empty());
   EXPECT_EQ(read[1][1][0].counting, 0.125F);
   EXPECT_EQ(read[1][1][0].events, 12U);
+  EXPECT_TRUE(std::isinf(read[1][1][0].ratio));
   const std::string whole = read_text(folder / "times.ticks");
   for (const std::string& bad :
        {std::string(), std::string("{}"), std::string("{\"ticks\": [[-1]]}\n"),
@@ -93,6 +104,33 @@ TEST(TimeTicks, TakesMoreTurnsWhereARecordingHasFewTicks) {
   // No history fits: no tick.
   setting.rendering.history = setting.rendering.tick = 1000ms;
   EXPECT_TRUE(time_ticks({&setting, 1}, recordings, {.ticks = 60, .pieces = 2}, {}, open).at(0).at(0).empty());
+}
+
+TEST(TimeTicks, CompareEachTickWithTheBackgroundOfTheWholeRecording) {
+  const test::TemporaryFolder folder;
+  test::make_run(folder.path(), {.length_us = 1'000'000});
+  const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
+  TimedSetting other;
+  other.rendering.history = 100ms;
+  const std::vector<TimedSetting> settings{{}, other, {}};
+  const auto open = timed_as([](std::span<const std::uint8_t>) { return model::Logits{}; });
+  const auto times = time_ticks(settings, recordings, {.ticks = 2'000, .pieces = 2, .turns = 3}, {}, open);
+
+  events::RecordingReader reader(recordings[0]);
+  const events::Stream& stream = events::event_stream(reader);
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    const heatmaps::HeatmapOptions& rendering = settings[i].rendering;
+    model::BackgroundRatio background(*stream.size, rendering.history);
+    std::vector<float> expected;
+    events::follow_ticks(reader, stream.id, rendering.history, rendering.tick,
+                         {[&](std::span<const events::Event> events) { background.add(events); },
+                          [&](CameraTime t) { expected.push_back(static_cast<float>(background.at(t))); }});
+    ASSERT_GT(std::count_if(expected.begin(), expected.end(), [](float ratio) { return std::isfinite(ratio); }), 150);
+    const std::vector<TickTime>& ticks = times[i].at(0);
+    ASSERT_GE(ticks.size(), 2'000U);
+    // The first piece begins with the recording: its middle is nearer to the beginning than half a turn.
+    for (std::size_t k = 0; k < 300; ++k) ASSERT_EQ(ticks[k].ratio, expected[k]) << "setting " << i << ", tick " << k;
+  }
 }
 
 TEST(TickQuantiles, CountEachRunAsOftenAsItIsDrawn) {

@@ -20,6 +20,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/file_step.hpp"
+#include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -44,9 +45,18 @@ class Models {
   std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedModel> models_;
 };
 
+/// What a gate compares at one tick, and how long that takes [us].
+struct Background {
+  float ratio = 0, comparing = 0;
+};
+
 struct Recorded {
   std::vector<events::Event> events;
   events::SensorSize sensor;
+
+  TickRange ticks(const heatmaps::HeatmapOptions& rendering) const {
+    return full_ticks(events.front().t, events.back().t, rendering.history, rendering.tick);
+  }
 
   std::span<const events::Event> between(CameraTime begin, CameraTime end) const {
     const auto place = [&](CameraTime t) {
@@ -56,6 +66,24 @@ struct Recorded {
     return {place(begin), place(end)};
   }
 };
+
+/// At each of the ticks. The background is known only after many of them, so that no piece can be followed by itself.
+std::vector<Background> backgrounds_of(const Recorded& recorded, const heatmaps::HeatmapOptions& rendering) {
+  const TickRange ticks = recorded.ticks(rendering);
+  model::BackgroundRatio ratio(recorded.sensor, rendering.history, rendering.mask);
+  std::vector<Background> backgrounds;
+  CameraTime given = recorded.events.front().t;
+  for (std::int64_t i = 0; i < ticks.count; ++i) {
+    const CameraTime t = ticks.at(i);
+    const std::span<const events::Event> events = recorded.between(given, t);
+    given = t;
+    const auto begin = Clock::now();
+    ratio.add(events);
+    const double at_tick = ratio.at(t);
+    backgrounds.push_back({static_cast<float>(at_tick), us_between(begin, Clock::now())});
+  }
+  return backgrounds;
+}
 
 Recorded events_of(const std::filesystem::path& recording) {
   events::RecordingReader reader(recording);
@@ -72,6 +100,7 @@ Recorded events_of(const std::filesystem::path& recording) {
 /// The ticks of one setting in one piece of a recording.
 struct Piece {
   CameraTime first{};
+  std::int64_t index = 0;    ///< of the first tick in the recording
   std::int64_t ticks = 0;    ///< of a turn
   std::uint64_t wanted = 0;  ///< of all turns
 };
@@ -80,13 +109,14 @@ Piece piece_of(const TickRange& all, unsigned piece, std::uint64_t wanted, const
   if (all.count <= 0) return {};
   const auto ticks = std::min(static_cast<std::int64_t>((wanted + options.turns - 1) / options.turns), all.count);
   const double middle = (piece + 0.5) / options.pieces * static_cast<double>(all.count);
-  const auto begin = static_cast<std::int64_t>(middle) - ticks / 2;
-  return {all.at(std::clamp<std::int64_t>(begin, 0, all.count - ticks)), ticks, wanted};
+  const auto begin = std::clamp<std::int64_t>(static_cast<std::int64_t>(middle) - ticks / 2, 0, all.count - ticks);
+  return {all.at(begin), begin, ticks, wanted};
 }
 
 /// One turn of one setting over a piece.
-void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded, const Piece& piece,
-               std::vector<TickTime>& times) {
+/// @param backgrounds  at the ticks of the whole recording
+void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded,
+               std::span<const Background> backgrounds, const Piece& piece, std::vector<TickTime>& times) {
   const heatmaps::HeatmapOptions& options = setting.rendering;
   const std::unique_ptr<model::EventClassifier> model = open(recorded.sensor, options);
   CameraTime given = before(piece.first, options.history + options.tick * warm_up_ticks);
@@ -103,9 +133,29 @@ void take_turn(const TimedSetting& setting, const TimedModel& open, const Record
     model->classify();
     const auto end = Clock::now();
     if (i < 0) continue;
-    times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end),
-                     static_cast<std::uint32_t>(model->events())});
+    const Background& background = backgrounds[static_cast<std::size_t>(piece.index + i)];
+    times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), background.comparing,
+                     static_cast<std::uint32_t>(model->events()), background.ratio});
   }
+}
+
+/// Of every setting at its ticks. Settings with the same ticks and pixels share one.
+std::vector<std::shared_ptr<const std::vector<Background>>> backgrounds_of(const Recorded& recorded,
+                                                                           std::span<const TimedSetting> settings) {
+  std::vector<std::shared_ptr<const std::vector<Background>>> backgrounds;
+  for (const TimedSetting& setting : settings) {
+    const heatmaps::HeatmapOptions& rendering = setting.rendering;
+    const auto same =
+        std::find_if(settings.begin(), settings.begin() + std::ssize(backgrounds), [&](const TimedSetting& earlier) {
+          return earlier.rendering.history == rendering.history && earlier.rendering.tick == rendering.tick &&
+                 earlier.rendering.mask == rendering.mask;
+        });
+    const auto place = static_cast<std::size_t>(same - settings.begin());
+    backgrounds.push_back(place < backgrounds.size()
+                              ? backgrounds[place]
+                              : std::make_shared<const std::vector<Background>>(backgrounds_of(recorded, rendering)));
+  }
+  return backgrounds;
 }
 
 /// Each turn has another order, because a setting finds in the caches what the one before it left, such as the same weights.
@@ -122,11 +172,8 @@ class PieceTimes {
   PieceTimes(std::span<const TimedSetting> settings, std::span<const TimedModel> models, const Recorded& recorded, unsigned piece,
              std::uint64_t wanted, const TickTimesOptions& options)
       : settings_(settings), models_(models), recorded_(recorded) {
-    const CameraTime first = recorded.events.front().t, last = recorded.events.back().t;
-    for (const TimedSetting& setting : settings) {
-      const TickRange all = full_ticks(first, last, setting.rendering.history, setting.rendering.tick);
-      pieces_.push_back(piece_of(all, piece, wanted, options));
-    }
+    for (const TimedSetting& setting : settings)
+      pieces_.push_back(piece_of(recorded.ticks(setting.rendering), piece, wanted, options));
   }
 
   bool due(std::size_t setting, unsigned turn) const {
@@ -140,8 +187,8 @@ class PieceTimes {
     return false;
   }
 
-  void take(std::size_t setting, std::vector<TickTime>& times) const {
-    take_turn(settings_[setting], models_[setting], recorded_, pieces_[setting], times);
+  void take(std::size_t setting, std::span<const Background> backgrounds, std::vector<TickTime>& times) const {
+    take_turn(settings_[setting], models_[setting], recorded_, backgrounds, pieces_[setting], times);
   }
 
  private:
@@ -151,7 +198,7 @@ class PieceTimes {
   std::vector<Piece> pieces_;
 };
 
-constexpr std::size_t bytes_of_tick = 16;
+constexpr std::size_t bytes_of_tick = 24;
 
 }  // namespace
 
@@ -176,11 +223,12 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
   std::uint64_t done = 0;
   for (std::size_t run = 0; run < recordings.size(); ++run) {
     const Recorded recorded = events_of(recordings[run]);
+    const auto backgrounds = backgrounds_of(recorded, settings);
     for (unsigned index = 0; index < options.pieces; ++index) {
       const PieceTimes piece(settings, model_of, recorded, index, wanted, options);
       for (unsigned turn = 0; piece.any_due(turn); ++turn) {
         for (const std::size_t i : any_order(settings.size(), random)) {
-          if (piece.due(i, turn)) piece.take(i, times[i][run]);
+          if (piece.due(i, turn)) piece.take(i, *backgrounds[i], times[i][run]);
         }
         report_progress(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
       }
@@ -216,7 +264,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
       for (const auto& count : runs) {
         const auto ticks = count.get<std::uint64_t>();
         if (!count.is_number_unsigned() || ticks > (text.size() - at) / bytes_of_tick)
-          throw Error(file.string() + ": ends before the last tick; expected 16 bytes for each tick");
+          throw Error(file.string() + ": ends before the last tick; expected 24 bytes for each tick");
         times.back().emplace_back(ticks);
         if (ticks > 0) std::memcpy(times.back().back().data(), text.data() + at, ticks * bytes_of_tick);
         at += ticks * bytes_of_tick;
@@ -225,7 +273,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
   } catch (const nlohmann::json::exception& e) {
     throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), "a value " + plain_words(e.what())));
   }
-  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 16 bytes for each tick");
+  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 24 bytes for each tick");
   return times;
 }
 

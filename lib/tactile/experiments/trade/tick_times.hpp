@@ -26,16 +26,20 @@ struct TickTime {
   float counting = 0;        ///< of moving the window: adding new events, removing old ones
   float rendering = 0;       ///< of the model's input: a heatmap, or features
   float network = 0;         ///< of the logits, of any kind of model
+  float comparing = 0;       ///< of the `BackgroundRatio`, which a gate may need
   std::uint32_t events = 0;  ///< in [t_c - t_h, t_c)
+  float ratio = infinite;    ///< of `BackgroundRatio`, with all earlier events of the recording
 
-  /// The whole duration, or only that of counting if the gate closes. The pieces that are timed are too short to know the
-  /// background: a gate that compares with it counts as open.
-  double total(std::optional<model::GateRule> gate) const {
-    return gate && gate->closes(events, infinite) ? counting : static_cast<double>(counting) + rendering + network;
+  bool is_open(const std::optional<model::GateRule>& gate) const { return !gate || !gate->closes(events, ratio); }
+
+  /// Without rendering and network if the gate closes.
+  double total(const std::optional<model::GateRule>& gate) const {
+    const double always = static_cast<double>(counting) + (gate && gate->ratio ? comparing : 0);
+    return is_open(gate) ? always + rendering + network : always;
   }
 };
 
-/// The part of a setting that costs time. Gate and confirmation themselves cost almost nothing.
+/// The part of a setting that costs time. Confirmation itself costs almost nothing.
 struct TimedSetting {
   heatmaps::HeatmapOptions rendering;
   model::EngineKind engine = model::EngineKind::fast;
@@ -73,8 +77,8 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {},
                                     const OpenTimedModel& open = open_timed_model);
 
-/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 16 bytes for each tick (three float32
-/// and one uint32 as in `TickTime`, little-endian).
+/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 24 bytes for each tick (four float32,
+/// one uint32 and one float32 as in `TickTime`, little-endian).
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 

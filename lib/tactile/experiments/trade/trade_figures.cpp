@@ -173,7 +173,7 @@ TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::o
   timed.run = run.run;
   for (const TickTime& time : times) {
     timed.tick_us.push_back(static_cast<float>(time.total(gate)));
-    if (!gate || !gate->closes(time.events, infinite)) timed.open_tick_us.push_back(static_cast<float>(time.total({})));
+    if (time.is_open(gate)) timed.open_tick_us.push_back(timed.tick_us.back());
   }
   return timed;
 }
