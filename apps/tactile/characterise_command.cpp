@@ -170,7 +170,9 @@ void add_characterise_command(CLI::App& app) {
       .required();
   command.add_option("--touched", args->touched, "Recordings or runs in which markers move, for the events per passage")
       .type_name("FILE|RUN");
-  command.add_option("--out", args->out, "Folder for sensor.json, sensor.png, mask.csv and physics.json").show_default();
+  command.add_option("--out", args->out, "Folder for sensor.json, sensor.png, mask.csv and physics.json")
+      .type_name("DIR")
+      .show_default();
   command.add_option("--stream", args->stream, "The event stream, by id or source").type_name("ID|SOURCE");
   command.add_flag("--force", args->force, "Replace existing files");
 }

@@ -55,7 +55,6 @@ CompletedValue completed_value(CLI::Option& option) {
   if (value.starts_with("RUN")) return {Completion::runs};
   if (value == "DATA|RUN" || (value == "DATA" && takes_many(option))) return {Completion::run_folders};
   if (value == "DIR" || value == "DATA" || value.starts_with("STUDY|")) return {Completion::folders};
-  if ((name == "--models" || name == "--out") && value == "NAME") return {Completion::folders};
   if (value.starts_with("FILE.") && value.find('|') == std::string::npos)
     return {Completion::files, {}, value.substr(std::string("FILE.").size())};
   if (value.find("FILE") != std::string::npos || value == "OUT" || value == "PATH") return {Completion::files};

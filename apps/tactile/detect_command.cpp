@@ -192,7 +192,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
 
 void add_model_options(Command& command, DetectArguments& args) {
   command.add_option("--model", args.model, default_model_help);
-  command.add_option("--models", args.models, "Folder of models").show_default();
+  command.add_option("--models", args.models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]")
       .type_name("SOURCE");
   add_decision_options(command, args.decision);
@@ -202,29 +202,31 @@ void add_model_options(Command& command, DetectArguments& args) {
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
       .check(one_of({"fp32", "int8"}))
       .show_default();
-  command.add_option("--tick-us", args.tick_us, "Time between two verdicts [us]; t_h must be a whole number of them")
+  command.add_option("--tick-us", args.tick_us, "Time between two verdicts [us]; t_h must be a multiple of it")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .default_text("the model's");
   command.add_option("--slack-us", args.slack_us, "Wait for late events: a tick closes this long after its end [us]")
       .check(in_range(std::int64_t{0}, std::int64_t{10'000'000}))
       .show_default();
   command.add_option("--duration", args.duration_s, "Stop after this time [s]").check(in_range(1e-3, 1e9)).type_name("S");
-  command.add_option("--reconnect", args.reconnect_s, "Try to reconnect for this long after a connection broke [s]")
+  command.add_option("--reconnect", args.reconnect_s, "If the connection breaks, try to reconnect for this long [s]")
       .check(in_range(0.0, 1e9))
       .type_name("S")
       .show_default();
 }
 
 void add_output_options(Command& command, DetectArguments& args) {
-  command.add_option("--udp", args.udp, "Send a record to this address at each tick").type_name("HOST:PORT");
+  command.add_option("--udp", args.udp, "Send a record at each tick to this address, HOST:PORT").type_name("ADDRESS");
   command.add_flag("--camera-time", args.camera_time, "Print camera times instead of seconds since the first event");
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
   add_page_option(command, "--page", args.page, "Show verdicts on a local page while it runs, at this port; 0 takes a free port");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");
   const Option record = command.add_flag("--record", args.record, "Also record the run, as 'record' does");
-  command.add_option("--out", args.out, "With --record: folder of runs").needs(record).show_default();
+  command.add_option("--out", args.out, "With --record: folder of runs").type_name("DATA").needs(record).show_default();
   command.add_option("--object", args.object, "With --record: name of the object").needs(record).show_default();
-  command.add_option("--run", args.run, "With --record: number of the run; default: the next free number").needs(record);
+  command.add_option("--run", args.run, "With --record: number of the run; default: the next free number")
+      .type_name("NN")
+      .needs(record);
 }
 
 void add_source_options(Command& command, DetectArguments& args) {

@@ -260,12 +260,12 @@ void add_eval_command(CLI::App& app) {
   command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file; its run folders are read too")
       .show_default();
   command.add_option("--model", args->model, default_model_help);
-  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   const Option unseen = command.add_flag(
       "--unseen", args->unseen, "Compare held-out objects with the same objects seen in training; trains missing models");
   command
       .add_option("--held-out", args->held_out,
-                  "With --unseen: held-out objects, separated by commas; default: the paper's five, where present")
+                  "With --unseen: held-out objects, separated by commas; default: those of the paper's five that exist")
       .delimiter(',')
       .type_name("NAME,...")
       .needs(unseen);
@@ -281,7 +281,7 @@ void add_eval_command(CLI::App& app) {
   add_strict_option(command, args->strict);
   command
       .add_option("--guard-ms", args->guard_ms,
-                  "Count alarms separately for this long after an interval [ms]; default: the dataset's guard")
+                  "Count alarms that begin within this time after an interval separately [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
   add_decision_options(command, args->decision);
   add_gate_options(command, args->gate);
@@ -293,7 +293,9 @@ void add_eval_command(CLI::App& app) {
           .delimiter(',')
           .type_name("RUN,...")
           .excludes(unseen);
-  command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
+  command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder")
+      .type_name("DIR")
+      .needs(run);
 }
 
 }  // namespace tactile::cli

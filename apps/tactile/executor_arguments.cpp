@@ -26,12 +26,12 @@ std::string check_executor(const std::string& name) {
 bool asked_to_cancel() {
   if (::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0) {
     fmt::print(stderr,
-               "\nCancel the jobs on the cluster? Otherwise they go on, and the same command collects them later. [y/N] ");
+               "\nCancel the jobs on the cluster? Otherwise they continue, and the same command collects them later. [y/N] ");
     std::string answer;
     std::getline(std::cin, answer);
     if (answer == "y" || answer == "Y" || answer == "yes") return true;
   }
-  spdlog::warn("the jobs on the cluster go on; the same command collects them later");
+  spdlog::warn("the jobs on the cluster continue; the same command collects them later");
   return false;
 }
 
@@ -42,7 +42,7 @@ void add_executor_options(Command& command, ExecutorArguments& args) {
       .add_option("--executor", args.executor,
                   "Where trainings run: local, on this machine; slurm, as jobs of a Slurm cluster; slurm:PARTITION. Data, models "
                   "and output must then be in folders that all nodes share")
-      .check(Check{check_executor, "local|slurm[:PARTITION]"})
+      .check(Check{check_executor, ""})
       .show_default();
   command.add_option("--sbatch", args.sbatch, "Further options for sbatch, such as \"--time=2:00:00 --account=lab\"")
       .type_name("WORDS");

@@ -148,7 +148,7 @@ void add_export_command(CLI::App& app) {
   Command command = add_command(app, "export", "Write a model in formats that other software reads",
                                 [args](const CommonArguments& common) { export_model(*args, common); });
   command.add_option("--model", args->model, default_model_help);
-  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
   command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");
   command.add_flag("--force", args->force, "Replace existing files");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <string_view>
 #include <vector>
 
 #include "text_table.hpp"
@@ -41,6 +42,27 @@ std::string excluded_by(const CLI::Option& option) {
   for (std::size_t i = 0; i < others.size(); ++i)
     text += (i == 0 ? "; not with " : i + 1 == others.size() ? " or " : ", ") + others[i];
   return text;
+}
+
+/// Whether a text already names every word of "a, b or c", as a description that explains each of them does.
+bool names_all(const std::string& text, std::string alternatives) {
+  constexpr std::string_view last = " or ", between = ", ";
+  if (const std::size_t at = alternatives.rfind(last); at != std::string::npos) alternatives.replace(at, last.size(), between);
+  const auto is_in_a_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.'; };
+  const auto is_named = [&](const std::string& word) {
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+      const std::size_t end = at + word.size();
+      const bool ends = end == text.size() || !is_in_a_word(text[end]) || (text[end] == '.' && end + 1 == text.size());
+      if ((at == 0 || !is_in_a_word(text[at - 1])) && ends) return true;
+    }
+    return false;
+  };
+  for (std::size_t begin = 0; begin < alternatives.size();) {
+    const std::size_t end = std::min(alternatives.find(between, begin), alternatives.size());
+    if (!is_named(alternatives.substr(begin, end - begin))) return false;
+    begin = end + between.size();
+  }
+  return true;
 }
 
 std::string group(const std::string& title, const std::vector<const CLI::Option*>& options) {
@@ -83,7 +105,7 @@ std::string typed_of(const CLI::Option& option) {
 
 std::string meaning_of(const CLI::Option& option) {
   std::string text = option.get_description();
-  if (const std::string right = value_text(option).right; !right.empty()) text += "; " + right;
+  if (const std::string right = value_text(option).right; !names_all(text, right)) text += "; " + right;
   text += excluded_by(option);
   std::string usual = option.get_default_str();
   if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);

@@ -246,10 +246,11 @@ void add_import_command(CLI::App& app) {
       .check(is_existing_file());
   command
       .add_option("--session", args->session,
-                  "Session of the runs, if several recordings share one start of camera and controller; default: one of each "
-                  "recording")
+                  "Session of the runs, if several recordings share one start of camera and controller; default: a "
+                  "separate one for each recording")
       .type_name("NAME");
-  command.add_option("--stream", args->stream, "Event stream that counts, if a recording has several").type_name("ID|SOURCE");
+  command.add_option("--stream", args->stream, "Event stream to use, if a recording has several; all streams are kept")
+      .type_name("ID|SOURCE");
 }
 
 }  // namespace tactile::cli

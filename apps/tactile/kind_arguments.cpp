@@ -18,16 +18,16 @@ void add_kind_options(Command command, KindArguments& args) {
           "convolution over 16 steps of twelve such numbers")
       .check(one_of({"lenet", "trees", "temporal"}))
       .show_default();
-  command.add_option("--rounds", args.trees.rounds, "Of trees: rounds, of one tree for each class")
+  command.add_option("--rounds", args.trees.rounds, "With --kind trees: number of rounds, each with one tree per class")
       .check(in_range(1U, 10'000U))
       .show_default();
-  command.add_option("--depth", args.trees.depth, "Of trees: comparisons from the root to an answer")
+  command.add_option("--depth", args.trees.depth, "With --kind trees: comparisons from the root to an answer")
       .check(in_range(1U, 8U))
       .show_default();
-  command.add_option("--shrinkage", args.trees.learning_rate, "Of trees: share of each tree that counts")
+  command.add_option("--shrinkage", args.trees.learning_rate, "With --kind trees: share of each tree that counts")
       .check(in_range(1e-6, 1.0))
       .show_default();
-  command.add_option("--channels", args.temporal.channels, "Of temporal: channels of each layer")
+  command.add_option("--channels", args.temporal.channels, "With --kind temporal: channels of each layer")
       .check(in_range(1U, 64U))
       .show_default();
 }

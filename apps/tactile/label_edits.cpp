@@ -234,18 +234,20 @@ void add_label_edit_options(Command command, LabelEditArguments& arguments) {
     const auto keep = [&arguments, option](const std::string& text) { arguments.edits.push_back({option, text}); };
     command.add_ordered_option(option, keep, meaning).type_name(value);
   };
-  add_edit("--confirm", "RUN[:INTERVAL]", "A person has looked at the run, or at one interval, and it is right");
+  add_edit("--confirm", "RUN[:INTERVAL]", "Confirm a run or one interval: a person has looked at it, and it is right");
   add_edit("--set", "EDIT",
            "Move a start or an end, in seconds from the run's first event, or change a class: fan/01:press-1.start=1.2345, "
            "fan/01:press-1.class=slip");
   add_edit("--add", "EDIT", "Add a press or slip: fan/01:press=1.2..1.9");
   add_edit("--reject", "EDIT", "Remove an interval, which is not found again: fan/01:press-1");
-  add_edit("--lift", "EDIT", "Lift the flag with these words, with a --why: fan/01:no robot log");
-  command.add_option("--undo", arguments.undo, "Undo the last edits of a run").type_name("N").value_is_optional("1");
-  command.add_option("--redo", arguments.redo, "Redo the last undone edits of a run").type_name("N").value_is_optional("1");
+  add_edit("--lift", "EDIT",
+           "Lift the flag with these words, because the label is right all the same; needs --why: fan/01:no robot log");
+  command.add_option("--undo", arguments.undo, "Undo the last N edits of a run").type_name("N").value_is_optional("1");
+  command.add_option("--redo", arguments.redo, "Redo the last N undone edits of a run").type_name("N").value_is_optional("1");
   command.add_flag("--history", arguments.history, "Print all edits");
-  command.add_option("--who", arguments.who, "Who edits; default: the user's name on this system").type_name("NAME");
-  command.add_option("--why", arguments.why, "Why, for the history").type_name("REASON");
+  command.add_option("--who", arguments.who, "Name of the person who edits; default: the user's name on this system")
+      .type_name("NAME");
+  command.add_option("--why", arguments.why, "Reason of the edit, for the history").type_name("REASON");
   command.add_flag("--dry-run", arguments.dry_run, "Print what the edits or --import would change, and write nothing");
 }
 

@@ -192,8 +192,8 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
       }
     }
     if (files.size() == before) {
-      throw Error(fmt::format("--import {}: holds no file of the runs; expected such as {}.eaf, as --export names them", from,
-                              runs.empty() ? "fan-01" : labels::file_stem_of(runs.front())));
+      throw Error(fmt::format("--import {}: holds no file of the runs; expected files such as {}.eaf, as --export names them",
+                              from, runs.empty() ? "fan-01" : labels::file_stem_of(runs.front())));
     }
   }
   return files;

@@ -59,7 +59,7 @@ Check is_confirmation() {
                    return e.what();
                  }
                },
-               "k/n"};
+               ""};
 }
 
 std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
@@ -169,16 +169,17 @@ void add_network_size(Command command, double& width, int& last_pool) {
 
 void add_decision_options(Command command, DecisionArguments& args) {
   command
-      .add_option("--confirm", args.confirm,
-                  "k/n: report a class only if it was predicted in at least k of the last n ticks; k > n/2")
+      .add_option("--confirm", args.confirm, "Report a class only if it was predicted in at least K of the last N ticks; K > N/2")
       .check(is_confirmation())
+      .type_name("K/N")
       .show_default();
-  const Option filter =
-      command.add_flag("--filter", args.filter,
-                       "Filter the probabilities over time by a hidden Markov model, instead of --confirm: fewer, whole alarms");
+  const Option filter = command.add_flag(
+      "--filter", args.filter,
+      "Filter the probabilities over time by a hidden Markov model, instead of --confirm: fewer and longer alarms");
   command
       .add_option("--alarm-cost", args.alarm_cost,
-                  "With --filter: cost of a tick of false alarm, relative to a missed tick; smaller is earlier")
+                  "With --filter: cost of a tick of false alarm, relative to a missed tick; with a smaller cost, verdicts come "
+                  "earlier and there are more false alarms")
       .check(in_range(1e-6, 1e6))
       .needs(filter)
       .show_default();
@@ -187,7 +188,7 @@ void add_decision_options(Command command, DecisionArguments& args) {
 void add_gate_options(Command command, GateArguments& args) {
   const Option gate =
       command.add_flag("--gate", args.on, "Report none without running the network while the events are likely to be background");
-  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips that it may open too late for")
+  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips for which the gate may open too late")
       .check(in_range(0.0, 0.999))
       .needs(gate)
       .show_default();

@@ -194,7 +194,7 @@ void add_models_command(CLI::App& app) {
       .check(one_of({"list", "show", "compare", "pin", "unpin", "rm"}))
       .show_default();
   command.add_option("names", args->names, "Names of models, as 'list' shows them").type_name("MODEL");
-  command.add_option("--models", args->models, "Folder of models").show_default();
+  command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
 }
 
 }  // namespace tactile::cli

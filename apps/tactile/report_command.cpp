@@ -191,7 +191,7 @@ void add_report_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { report(*args, common); });
   command
       .add_option("what", args->what,
-                  "Folder of a study, a model, a trade, a stress or data; default: study/ if it exists, else data")
+                  "Folder that 'reproduce', 'trade' or 'stress' wrote, a model, or data; default: study/ if it exists, else data")
       .type_name("STUDY|MODEL|TRADE|STRESS|DATA");
   command.add_option("--out", args->out, "Output folder; default: report/ in the study or model").type_name("DIR");
   command.add_option("--trade", args->trade, "Folder of 'trade' results to include; default: trade/ if it exists")

@@ -289,6 +289,7 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
+  // A long list of one option per line, in the order of --help: divided, it would no longer show the whole.
   auto args = std::make_shared<ReproduceArguments>();
   Command command = add_command(app, "reproduce", "Run the paper's whole study and compare its claims with measured results",
                                 [args](const CommonArguments& common) { reproduce(*args, common); });
@@ -317,11 +318,12 @@ void add_reproduce_command(CLI::App& app) {
       .add_option("--train-run", args->train_run,
                   "Run of each object that the first training learns from; the others learn from the runs after it")
       .check(is_run())
+      .type_name("NN")
       .show_default();
   command
       .add_option("--held-out", args->held_out,
-                  "Objects held out in the unseen test, separated by commas, or each: one at a time; default: the paper's five, "
-                  "where present")
+                  "Objects held out in the unseen test, separated by commas, or each: one at a time; default: those of the "
+                  "paper's five that exist")
       .delimiter(',')
       .type_name("NAME,...");
   command.add_option("--epochs", args->epochs, "Training epochs; default: the preset's")
@@ -336,7 +338,8 @@ void add_reproduce_command(CLI::App& app) {
       .check(is_seed())
       .show_default();
   command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
-      .check(Check{check_splits, "N|all"});
+      .check(Check{check_splits, ""})
+      .type_name("N|all");
   add_network_size(command, args->width, args->last_pool);
   command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
       .check(one_of({"fast", "libtorch"}))
@@ -349,7 +352,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--models", args->models, "Folder of the models that it trains")
       .type_name("DIR")
       .default_text("models/ in --out");
-  command.add_option("--out", args->out, "Output folder of the study").show_default();
+  command.add_option("--out", args->out, "Output folder of the study").type_name("DIR").show_default();
 }
 
 }  // namespace tactile::cli

@@ -122,7 +122,8 @@ void add_review_command(CLI::App& app) {
       .type_name("HOST")
       .show_default();
   command.add_flag("--open", args->open, "Open the page in the browser");
-  command.add_option("--who", args->who, "Who edits; default: the user's name on this system").type_name("NAME");
+  command.add_option("--who", args->who, "Name of the person who edits; default: the user's name on this system")
+      .type_name("NAME");
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--studies", args->studies, "Folder of the folders of studies, trades and stress tests")
       .type_name("DIR")

@@ -212,13 +212,13 @@ void add_split_command(CLI::App& app) {
       .add_option(
           "--session", args->session,
           "Session of all runs, if several recordings share one start of camera and controller; default: that of run.json, or "
-          "one of this recording")
+          "a new one for this recording")
       .type_name("NAME");
   command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
       .type_name("S,...")
       .delimiter(',')
       .check(in_range(0.0, 1e6));
-  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for so long [s], unless an object is held")
+  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for this long [s], unless an object is held")
       .check(in_range(0.05, 3600.0))
       .show_default();
   command.add_option("--stream", args->stream, "Event stream to look at, if the recording has several").type_name("ID|SOURCE");

@@ -329,20 +329,22 @@ void add_stress_command(CLI::App& app) {
                   "Model: a folder, or a name in --models. May be repeated: models that differ only in seed and training run "
                   "are trainings of one. Default: the pinned one, else the last one that 'train' made here")
       .repeatable();
-  command.add_option("--models", args->models, "Folder of models").show_default();
-  command.add_option("--runs", args->runs, "At most so many runs of each object").check(in_range(1U, 99U)).type_name("N");
-  command.add_flag("--quick", args->quick, "Three severities of each recipe");
-  command.add_option("--sensor", args->sensor, "The noise of this sensor.json for the recipes noise and hot-pixels")
+  command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
+  command.add_option("--runs", args->runs, "Use at most this many runs of each object").check(in_range(1U, 99U)).type_name("N");
+  command.add_flag("--quick", args->quick, "Only three severities of each recipe: the first, the middle and the last");
+  command
+      .add_option("--sensor", args->sensor,
+                  "Sensor whose noise the recipes noise and hot-pixels add: a sensor.json of 'characterise'")
       .check(is_existing_file())
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();
   add_decision_options(command, args->decision);
-  command.add_flag("--gate", args->gate, "Report none while there are fewer events than the model's limit");
+  command.add_flag("--gate", args->gate, "Report none without running the network while the events are likely to be background");
   add_engine_option(command, args->engine);
   command.add_flag("--verbose", args->verbose, "Print every recipe, with all models and figures at its last severity");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
-  command.add_flag("--force", args->force, "Do again what is done");
-  command.add_option("--out", args->out, "Output folder").show_default();
+  command.add_flag("--force", args->force, "Do every step again, also those that are done");
+  command.add_option("--out", args->out, "Output folder").type_name("DIR").show_default();
 }
 
 }  // namespace tactile::cli

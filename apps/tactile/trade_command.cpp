@@ -271,7 +271,7 @@ void add_trade_command(CLI::App& app) {
   Command command = add_command(app, "trade", "Measure speed against accuracy, delay and false alarms, and recommend settings",
                                 [args](const CommonArguments& common) { trade(*args, common); });
   const auto add_list = [&command](const std::string& name, auto& values, const std::string& what) {
-    return command.add_option(name, values, what + ", a list with commas").delimiter(',').show_default();
+    return command.add_option(name, values, what + "; a list with commas").delimiter(',').show_default();
   };
   command.add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made").show_default();
   command.add_option("--at-most-us", args->at_most_us, "Constraint: 99 % of ticks take at most this long [us]")
@@ -299,32 +299,34 @@ void add_trade_command(CLI::App& app) {
                    "Try every combination, not only single changes and promising combinations; takes many hours");
   command
       .add_option("--budget-minutes", args->budget_minutes,
-                  "Time limit of everything; what would take longer is left out. The next call resumes")
+                  "Time limit of the whole command: steps beyond it are left out, and the next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
       .check(in_range(0U, 1000U))
       .show_default();
-  add_list("--kind", args->kinds, "Kinds of models: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
-  add_list("--th", args->histories_ms, "Histories t_h [ms]").check(in_range(0.001, 1e5));
-  add_list("--tick-us", args->ticks_us, "Ticks [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
-  add_list("--factor", args->factors, "Heatmap sizes divided by sensor size").check(in_range(0.001, 1.0));
-  add_list("--resize", args->resizes, "area, linear").check(one_of({"area", "linear"}));
-  add_list("--denoise", args->denoises, "mean, literal, none").check(one_of({"mean", "literal", "none"}));
-  add_list("--width", args->widths, "Widths of the network: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
-  add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling: 2, 4").check(one_of({"2", "4"}));
-  add_list("--engine", args->engines, "fast, libtorch").check(one_of({"fast", "libtorch"}));
-  add_list("--precision", args->precisions, "Precision of the fast engine's largest layer: fp32, int8")
+  add_list("--kind", args->kinds, "Kinds of models to try: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
+  add_list("--th", args->histories_ms, "Histories t_h to try [ms]").check(in_range(0.001, 1e5));
+  add_list("--tick-us", args->ticks_us, "Ticks to try [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
+  add_list("--factor", args->factors, "Heatmap sizes to try, divided by sensor size").check(in_range(0.001, 1.0));
+  add_list("--resize", args->resizes, "Ways of resizing to try: area, linear").check(one_of({"area", "linear"}));
+  add_list("--denoise", args->denoises, "Noise reductions to try: mean, literal, none")
+      .check(one_of({"mean", "literal", "none"}));
+  add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
+  add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling to try: 2, 4").check(one_of({"2", "4"}));
+  add_list("--engine", args->engines, "Inference engines to try: fast, libtorch").check(one_of({"fast", "libtorch"}));
+  add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, int8")
       .check(one_of({"fp32", "int8"}));
-  add_list("--pass", args->passes, "sparse: the network skips empty regions; dense: it does not")
+  add_list("--pass", args->passes, "Passes of the network to try: sparse (it skips empty regions), dense (it does not)")
       .check(one_of({"sparse", "dense"}));
-  add_list("--confirm", args->confirmations, "k/n").check(is_confirmation());
-  add_list("--filter", args->filters, "off, or the alarm cost of the decision filter").check(is_filter());
-  add_list("--gate", args->gates, "off, on").check(one_of({"off", "on"}));
+  add_list("--confirm", args->confirmations, "Confirmations K/N to try").type_name("K/N").check(is_confirmation());
+  add_list("--filter", args->filters, "Decision filters to try: off, or an alarm cost").check(is_filter());
+  add_list("--gate", args->gates, "Gate settings to try: off, on").check(one_of({"off", "on"}));
   command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
+      .type_name("NN")
       .show_default();
   add_strict_option(command, args->strict);
-  add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; results are reported on all others");
+  add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; results are reported on all others").type_name("NN");
   command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
   command
       .add_option("--trainings,--seeds", args->trainings,
@@ -344,7 +346,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--models", args->models, "Folder of the models that it trains")
       .type_name("DIR")
       .default_text("models/ in --out");
-  command.add_option("--out", args->out, "Output folder").show_default();
+  command.add_option("--out", args->out, "Output folder").type_name("DIR").show_default();
 }
 
 }  // namespace tactile::cli

@@ -299,10 +299,11 @@ void add_split_options(Command& command, TrainArguments& args) {
       .show_default();
   command.add_option("--train-run", args.train_run, "Run of each object to train on; the next one if it has no samples")
       .check(is_run())
+      .type_name("NN")
       .show_default();
   command
       .add_option("--held-out", args.held_out,
-                  "Objects held out by --split unseen, separated by commas; default: the paper's five, where present")
+                  "Objects held out by --split unseen, separated by commas; default: those of the paper's five that exist")
       .delimiter(',')
       .type_name("NAME,...");
   add_strict_option(command, args.strict);
@@ -332,7 +333,9 @@ void add_training_options(Command& command, TrainArguments& args) {
   command.add_option("--optimizer", args.optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
       .check(one_of({"adam", "adamw", "sgd"}))
       .show_default();
-  command.add_option("--engine", args.engine, "Training engine: fast (tactile's own) or libtorch; they agree up to rounding")
+  command
+      .add_option("--engine", args.engine,
+                  "Training engine: fast (tactile's own) or libtorch; their results differ only by rounding")
       .check(one_of({"fast", "libtorch"}))
       .show_default();
   command.add_option("--activation", args.activation, "Activation function")
@@ -374,9 +377,10 @@ void add_model_options(Command& command, TrainArguments& args) {
       .check(is_run())
       .type_name("NN,...");
   add_rendering_options(command, args.rendering);
-  command.add_option("--models", args.models, "Folder of models").show_default();
+  command.add_option("--models", args.models, "Folder of models").type_name("DIR").show_default();
   command
-      .add_option("--name", args.name, "Name of the model's folder; default: such as th40-single-1, of history, split and seed")
+      .add_option("--name", args.name,
+                  "Name of the model's folder; default: made of history, split and seed, such as th40-single-1")
       .check(Check{check_bundle_name, ""});
   command
       .add_option("--tensorboard", args.tensorboard,

@@ -68,7 +68,7 @@ TEST(FitClock, DoesNotEstimateADriftThatCannotBeMeasuredAndGivesTheReason) {
   const ClockFit open = fit_clock(vague, clock_start_us);
   ASSERT_TRUE(open.clock);
   EXPECT_EQ(open.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(open.clock->method, "IMU (5); drift not estimated: the anchors leave it open");
+  EXPECT_EQ(open.clock->method, "IMU (5); drift not estimated: the anchors do not determine it");
 }
 
 TEST(FitClock, AnUncertainWitnessDoesNotMakeADriftMeasurable) {

@@ -95,7 +95,7 @@ TEST(TickClock, AnswersEachEventsTickByTheHostAYearLong) {
     }
     clock.reported(*tick);
   }
-  // And silence goes on: the newest tick by the host is some seconds behind after a day, never ahead.
+  // And silence continues: the newest tick by the host is some seconds behind after a day, never ahead.
   const auto later = clock.newest(host_time(base + 366 * day));
   ASSERT_TRUE(later);
   EXPECT_LE(later->t, camera_time(366 * day));

@@ -54,7 +54,7 @@ TEST(OverTime, ComparesTheEndWithWhatIsAheadOfItInTheSameIntervalAlone) {
 }
 
 TEST(OverTime, CountsWhatIsStillPredictedAfterAnInterval) {
-  // Behind the end at 5 ms lie 6, 8, 10 ms; the slip holds 10 ms.
+  // After the end at 5 ms come 6, 8, 10 ms; the slip has 10 ms.
   const auto verdicts = verdict_row(".pppss..");
   results::OverTimeOptions options = small;
   options.after = 6ms;

@@ -212,8 +212,8 @@ TEST(LabelRun, FlagsABurstAfterTheSlipThatNoLabelExplains) {
 }
 
 TEST(LabelRun, FlagsALiftThatTheObjectFollows) {
-  // The skin shears for 28 ms, in which the arm moves by 0.5 mm at 1.2 m/s^2; the arm goes on for 0.6 s. The host's times relate
-  // the clocks to a few milliseconds.
+  // The skin shears for 28 ms, in which the arm moves by 0.5 mm at 1.2 m/s^2; the arm continues for 0.6 s. The host's times
+  // relate the clocks to a few milliseconds.
   const test::TemporaryFolder data;
   robot::RobotLog logged = lift;
   for (robot::RobotState& state : logged.states) state.host_time = HostTime{microseconds{us_of(state.t) - 123'456'789}};

@@ -134,10 +134,10 @@ TEST(PressOnset, MayLieAsEarlyAsPixelsThatNoiseHasResetAreBlind) {
   lit.repeats.assign(5'000, 0);  // none repeats its event: for how long they were blind is not seen
   const alignment::UncertainTime fresh = press_onset(lit).time;
   lit.reset_share = 1.0;
-  const alignment::UncertainTime anew = press_onset(lit).time;
-  EXPECT_EQ(fresh.at, anew.at);
+  const alignment::UncertainTime again = press_onset(lit).time;
+  EXPECT_EQ(fresh.at, again.at);
   // They are blind for 25 ms more; a press reaches 0.6 of that, since some pixels were near their threshold.
-  EXPECT_NEAR(static_cast<double>(between(anew.low, fresh.low).count()), 15'000, 500);
+  EXPECT_NEAR(static_cast<double>(between(again.low, fresh.low).count()), 15'000, 500);
 }
 
 TEST(SlipOnset, IsTheJumpAfterTheRingingAndNotTheRinging) {

@@ -15,15 +15,15 @@ using test::drawn;
 using test::has_row;
 
 /// A setting that has the same values on the runs to choose on.
-ReportedSetting setting(const std::string& kind, const std::string& text, double us, double accuracy) {
-  ReportedSetting made;
+results::TradedSetting setting(const std::string& kind, const std::string& text, double us, double accuracy) {
+  results::TradedSetting made;
   made.kind = kind;
   made.text = text;
-  made.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
-  made.choice_accuracy.value = accuracy;
-  made.us_p99.value = made.choice_us_p99.value = us;
-  made.delay_us = {.value = 6000, .low = 4000, .high = 8000, .n = 9};
-  made.episodes_per_min.value = 9;
+  made.reported.figures.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
+  made.choice.figures.accuracy.value = accuracy;
+  made.reported.figures.us_p99.value = made.choice.figures.us_p99.value = us;
+  made.reported.figures.delay_median_us = {.value = 6000, .low = 4000, .high = 8000, .n = 9};
+  made.reported.figures.episodes_per_min.value = 9;
   return made;
 }
 
@@ -41,7 +41,7 @@ TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
     std::vector<std::vector<std::string>> of_kinds;
     for (const BestOfKind& best : best_within_budgets(trade)) {
       of_kinds.push_back({best.kind});
-      for (const ReportedSetting* one : best.within) of_kinds.back().push_back(one == nullptr ? "" : one->text);
+      for (const results::TradedSetting* one : best.within) of_kinds.back().push_back(one == nullptr ? "" : one->text);
     }
     return of_kinds;
   };
@@ -50,10 +50,10 @@ TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
                             {"trees", "", "trees", "trees", "trees", "trees"},
                             {"temporal", "", "", "", "", ""}}));
   // What the runs to report on show chooses nothing.
-  trade.settings[0].accuracy.value = 0.1;
-  trade.settings[0].us_p99.value = 1;
+  trade.settings[0].reported.figures.accuracy.value = 0.1;
+  trade.settings[0].reported.figures.us_p99.value = 1;
   EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "width 0.25", "width 0.25", "as usual"}));
-  trade.settings[3].choice_accuracy.value = NAN;
+  trade.settings[3].choice.figures.accuracy.value = NAN;
   EXPECT_EQ(texts()[1], (std::vector<std::string>{"trees", "", "", "trees, gate", "trees, gate", "trees, gate"}));
 }
 

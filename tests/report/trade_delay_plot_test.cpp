@@ -13,10 +13,10 @@ using test::contains;
 using test::drawn;
 using test::has_row;
 
-ReportedSetting setting_with(double episodes_per_min, double delay_us, double longest_us) {
-  ReportedSetting setting;
-  setting.episodes_per_min.value = episodes_per_min;
-  setting.delay_us = {delay_us, delay_us - 1000, longest_us, 10};
+results::TradedSetting setting_with(double episodes_per_min, double delay_us, double longest_us) {
+  results::TradedSetting setting;
+  setting.reported.figures.episodes_per_min.value = episodes_per_min;
+  setting.reported.figures.delay_median_us = {delay_us, delay_us - 1000, longest_us, 10};
   setting.on_delay_front = true;
   return setting;
 }

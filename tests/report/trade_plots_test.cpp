@@ -119,24 +119,24 @@ std::vector<Words> words_in(const pictures::Plot& plot) {
 }
 
 /// One that costs `us` a tick and alarms `alarms` times a minute, on both fronts.
-ReportedSetting setting(const std::string& text, double us, double accuracy, double alarms, double delay_us) {
-  ReportedSetting made;
+results::TradedSetting setting(const std::string& text, double us, double accuracy, double alarms, double delay_us) {
+  results::TradedSetting made;
   made.text = text;
   made.design = text == "as usual" ? "usual" : "one";
-  made.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
-  made.us_p99.value = us;
-  made.episodes_per_min.value = alarms;
-  made.delay_us = {.value = delay_us, .low = delay_us - 1000, .high = delay_us + 2000, .n = 9};
+  made.reported.figures.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
+  made.reported.figures.us_p99.value = us;
+  made.reported.figures.episodes_per_min.value = alarms;
+  made.reported.figures.delay_median_us = {.value = delay_us, .low = delay_us - 1000, .high = delay_us + 2000, .n = 9};
   made.on_accuracy_front = made.on_delay_front = true;
   return made;
 }
 
-ReportedSetting beaten(ReportedSetting setting) {
+results::TradedSetting beaten(results::TradedSetting setting) {
   setting.on_accuracy_front = setting.on_delay_front = false;
   return setting;
 }
 
-ReportedTrade trade_of(std::vector<ReportedSetting> settings) {
+ReportedTrade trade_of(std::vector<results::TradedSetting> settings) {
   ReportedTrade trade;
   trade.settings = std::move(settings);
   return trade;
@@ -209,8 +209,8 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
                                        "engine libtorch", "int8",      "confirm 2/3", "no gate"};
   std::string name;
   for (const std::string& knob : knobs) name += (name.empty() ? "" : ", ") + knob;
-  ReportedSetting long_one = setting(name, 20, 0.7, 900, 5000);
-  long_one.missed.value = 0.125;
+  results::TradedSetting long_one = setting(name, 20, 0.7, 900, 5000);
+  long_one.reported.figures.missed.value = 0.125;
   const ReportedTrade trade =
       trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000))});
   for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
@@ -278,8 +278,9 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       EXPECT_EQ(contains(svg, "95 %"), has_intervals) << "intervals are spoken of only where there are some";
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
-    for (ReportedSetting& one : trade.settings) {
-      for (results::Figure* measured : {&one.accuracy, &one.delay_us}) measured->low = measured->high = std::nullopt;
+    for (results::TradedSetting& one : trade.settings) {
+      for (results::Figure* measured : {&one.reported.figures.accuracy, &one.reported.figures.delay_median_us})
+        measured->low = measured->high = std::nullopt;
     }
   }
 }
@@ -287,7 +288,7 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
 TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> some(-1, 1);
-  std::vector<ReportedSetting> settings{setting("as usual", 100, 0.9, 3, 9000)};
+  std::vector<results::TradedSetting> settings{setting("as usual", 100, 0.9, 3, 9000)};
   for (int i = 1; i < 30; ++i)
     settings.push_back(setting(fmt::format("factor {}", i), 100 + 30 * some(random), 0.9 + 0.05 * some(random), 3, 9000));
   settings.push_back(beaten(setting("far", 900, 0.5, 3, 9000)));
@@ -333,7 +334,7 @@ TEST(TradePlots, NumberThoseOnNoFrontTooAndOnceWhereTheyMeet) {
 }
 
 TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
-  std::vector<ReportedSetting> settings{setting("as usual", 100, 0.9, 3, 9000)};
+  std::vector<results::TradedSetting> settings{setting("as usual", 100, 0.9, 3, 9000)};
   for (int i = 0; i < 100; ++i)
     settings.push_back(beaten(setting(fmt::format("int8, factor {}", i), 120 + 5 * i, 0.5 + 0.003 * i, 3, 9000)));
   settings.push_back(beaten(setting("dense", 700, 0.6, 3, 9000)));
@@ -346,10 +347,10 @@ TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
 }
 
 TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
-  const ReportedSetting usual = setting("as usual", 186, 0.9, 9, 14'000);
-  ReportedSetting silent = setting("denoise none", 120, 0.6, 2, NAN), unknown = setting("int8", NAN, NAN, NAN, 5000);
-  silent.delay_us = {};
-  using Settings = std::vector<ReportedSetting>;
+  const results::TradedSetting usual = setting("as usual", 186, 0.9, 9, 14'000);
+  results::TradedSetting silent = setting("denoise none", 120, 0.6, 2, NAN), unknown = setting("int8", NAN, NAN, NAN, 5000);
+  silent.reported.figures.delay_median_us = {};
+  using Settings = std::vector<results::TradedSetting>;
   for (const auto& make : {trade_accuracy_plot, trade_delay_plot}) {
     const std::string nothing = drawn(make(trade_of({})));
     EXPECT_TRUE(contains(nothing, "nothing to show"));

@@ -14,7 +14,7 @@ std::size_t bins_in(microseconds span, const EventRate& rate) {
   return static_cast<std::size_t>(std::max<std::int64_t>(1, span / rate.bin));
 }
 
-/// Events per bin, so many standard deviations of sums over `width` bins above the quiet rate.
+/// Events per bin, this many standard deviations of sums over `width` bins above the quiet rate.
 double limit_of(const QuietRate& quiet, std::size_t width, double deviations) {
   const double n = static_cast<double>(width), mean = quiet.mean * n;
   return (mean + deviations * std::sqrt(quiet.dispersion * std::max(mean, 1.0))) / n;

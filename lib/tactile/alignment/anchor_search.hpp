@@ -44,7 +44,7 @@ struct AnchorInputs {
 
 struct AnchorOptions {
   microseconds grid{4'000};           ///< of the first search, over all lags; whole milliseconds
-  double ambiguous_below = 1.2;       ///< a best match is refused if it is less than so many times as good as the second
+  double ambiguous_below = 1.2;       ///< a best match is refused if it is less than this many times as good as the second
   double least_likeness = 0.3;        ///< of the IMU: a worse match is refused; 1 is perfect
   double most_slack_m = 1e-3;         ///< of skin and object: the arm may move so far before anything shears
   microseconds stage_delay{350'000};  ///< from a stage's command to its contact, the middle of about 0.05 to 0.65 s

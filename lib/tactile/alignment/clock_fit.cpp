@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 8> kind_names{
     "stage output", "sync tap", "IMU", "ring-down", "first shear", "host times", "film of the arm", "film against events"};
 
-/// An anchor as a point of a line: x is its clock less the middle, y its offset less that of the first anchor [us].
+/// An anchor as a point of a line: x is its clock minus the middle, y its offset minus that of the first anchor [us].
 struct Point : UncertainPoint {  // sigma includes a drift that is not measured
   double weight = 1;
   bool used = true;
@@ -148,7 +148,7 @@ class Fitter {
     return fmt::format("the anchors span {:.0f} of {:.0f} s", 1e-6 * span_us, 1e-6 * least_span_us);
   }
 
-  /// @return why the drift is refused; empty if it is not. The anchors may leave the drift open
+  /// @return why the drift is refused; empty if it is not. The anchors may not determine the drift
   std::string fit_drift() {
     line_ = robust_line(points_, first_line(points_, true), true, options_.reject_beyond);
     scatter_ = scatter_of(points_, line_, 2);
@@ -156,7 +156,7 @@ class Fitter {
     const auto left = std::count_if(points_.begin(), points_.end(), [](const Point& p) { return p.used; });
     if (!(gradient_sigma < usual_drift_) || static_cast<std::size_t>(left) < options_.drift_needs_anchors) {
       with_drift_ = false;
-      why_no_drift_ = "the anchors leave it open";
+      why_no_drift_ = "the anchors do not determine it";
     } else if (std::abs(line_.gradient) > 1e-6 * options_.most_drift_ppm) {
       return fmt::format("the anchors give a drift of {:.0f} ± {:.0f} ppm; expected at most {:.0f}", 1e6 * line_.gradient,
                          normal_95 * 1e6 * gradient_sigma, options_.most_drift_ppm);

@@ -90,7 +90,7 @@ EventAnchors::EventAnchors(AnchorSearch& search)
       length_s_(1e-3 * static_cast<double>(ms_.counts.size())) {}
 
 /// Where the skin should show the arm's motion if it touches something: 1 during a motion (of a tap only around its lowest
-/// point), less the mean over that and `flank_s` on either side, so that activity beyond a motion's ends counts against it.
+/// point), minus the mean over that and `flank_s` on either side, so that activity beyond a motion's ends counts against it.
 std::vector<double> EventAnchors::expected_activity() const {
   constexpr double flank_s = 0.15, contact_share = 0.15;
   const double grid_s = search_.grid_s(), log_s = search_.origins.seconds_of(search_.inputs.robot.states.back().t);

@@ -41,7 +41,7 @@ std::vector<FilmedMotion> without_faint(std::vector<FilmedMotion> filmed) {
   return filmed;
 }
 
-/// Motions of a film and bursts of the events; an offset is camera time less the film's.
+/// Motions of a film and bursts of the events; an offset is camera time minus the film's.
 class BurstMatch {
  public:
   BurstMatch(const MotionEnergy& energy, std::vector<FilmedMotion> filmed, std::vector<SeenBurst> bursts)

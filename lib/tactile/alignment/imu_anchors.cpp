@@ -51,7 +51,7 @@ class ImuVelocity {
   std::vector<double> t_s_;
 };
 
-/// Means over so many points of the grid keep the arm's acceleration and lower the noise: a quarter of its shortest ramp.
+/// Means over this many points of the grid keep the arm's acceleration and lower the noise: a quarter of its shortest ramp.
 std::size_t smoothed_points(const AnchorSearch& search) {
   constexpr double share = 0.25, longest_s = 0.1;
   double ramp_s = infinite;
@@ -221,7 +221,7 @@ double unexplained(const std::vector<TimedSpeed>& rows, const ImuVelocity& imu, 
         {1.0, row.t_s - middle_s, (*moved)[0] - (*origin)[0], (*moved)[1] - (*origin)[1], (*moved)[2] - (*origin)[2], row.v}};
     sums += terms * terms.transpose();
   }
-  const auto left_by = [&sums](int first) {  // by so many of the terms, of v
+  const auto left_by = [&sums](int first) {  // by this many of the terms, of v
     const auto products = sums.col(n).head(first);
     return sums(n, n) - products.dot(sums.topLeftCorner(first, first).ldlt().solve(products));
   };

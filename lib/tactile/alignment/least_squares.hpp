@@ -13,7 +13,7 @@ struct LeastSquares {
   std::vector<double> steps;  ///< of each parameter, for the derivatives; 0: the parameter is held
 };
 
-/// Descends from `parameters` to a minimum, which `parameters` gets: at most so many iterations, fewer if one gains less than a
+/// Descends from `parameters` to a minimum, which `parameters` gets: at most this many iterations, fewer if one gains less than a
 /// millionth. Derivatives are differences, forward or, where these are impossible, backward. The method is Eigen's, of Levenberg
 /// and Marquardt; a step to impossible parameters is shortened. Nothing moves if there are more
 /// parameters than residuals.

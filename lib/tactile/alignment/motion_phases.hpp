@@ -15,7 +15,7 @@ enum class MotionKind { lift, lower, sideways, tap };
 
 std::string_view name_of(MotionKind kind);  ///< "lift" ...
 
-/// After a motion the arm may ring for so long.
+/// After a motion the arm may ring for this long.
 constexpr microseconds longest_ringing{350'000};
 
 /// A motion of the arm. A motion that reverses counts as two, except a tap.

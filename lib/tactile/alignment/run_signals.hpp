@@ -22,7 +22,7 @@ struct RunSignalsOptions {
   ActivityOptions activity{};
   MotionEnergyOptions video{};
   robot::RobotLogOptions robot{};
-  /// Reported if no pixel fires for so long, where the noise alone gives at least 30 events on average.
+  /// Reported if no pixel fires for this long, where the noise alone gives at least 30 events on average.
   microseconds shortest_gap{5'000};
 };
 

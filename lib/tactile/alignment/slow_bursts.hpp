@@ -15,7 +15,7 @@ struct SlowBurstOptions {
   unsigned most_per_pixel = 3;         ///< events of a pixel that count in a slot: one that is stuck for a while is no rise
   double stands_out = 6.0;             ///< [standard deviations] above the noise of the cells, and 10 events
   double dispersion = 1.5;             ///< variance per mean of the noise in a few cells
-  microseconds fades_within{150'000};  ///< so long after a burst its own decline is not looked at
+  microseconds fades_within{150'000};  ///< this long after a burst its own decline is ignored
 };
 
 /// Rises that the rate of the whole image hides: a slow press moves few markers, for a long time, at a few events per

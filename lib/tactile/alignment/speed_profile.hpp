@@ -53,7 +53,7 @@ struct SpeedRow {
 
 struct SpeedProfileOptions {
   double noise = 1e-4;                  ///< [m/s] standard deviation of each axis of a row, at rest
-  double smoothed_s = 0;                ///< each row's speed is the mean over so long to either side of its time
+  double smoothed_s = 0;                ///< each row's speed is the mean over this time on either side of it
   std::vector<double> knots_s{};        ///< rough times at which the commanded acceleration changes; at least 3, ascending
   std::vector<double> other_knots_s{};  ///< tried if the first do not fit; or none
   bool open_begin = false;

@@ -11,7 +11,7 @@
 namespace tactile::alignment {
 
 struct VideoClockOptions {
-  std::optional<std::int64_t> coarse_offset_us = {};  ///< if known: camera time of the film's first frame less its own time
+  std::optional<std::int64_t> coarse_offset_us = {};  ///< if known: camera time of the film's first frame minus its own time
   microseconds search{5'000'000};                     ///< to either side of that; else everywhere where the two overlap
   double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed at the best offset
   double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best offset

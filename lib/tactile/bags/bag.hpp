@@ -67,7 +67,7 @@ bool is_bag(const std::filesystem::path& place);
 /// @throws Error  if there is none
 std::vector<std::filesystem::path> files_of_bag(const std::filesystem::path& place);
 
-/// Opens a bag of ROS 1 or ROS 2. The first bytes of a file tell its format. `metadata.yaml` of a folder is not needed. A file
+/// Opens a bag of ROS 1 or ROS 2. The first bytes of a file show its format. `metadata.yaml` of a folder is not needed. A file
 /// that zstd compressed is first decompressed into the folder for temporary files.
 /// @throws Error  if there is no bag, or its first file cannot be read
 std::unique_ptr<BagReader> open_bag(const std::filesystem::path& place);

@@ -7,7 +7,7 @@
 
 namespace tactile {
 
-/// What happens to a file or folder that already has an output's name when the output is complete.
+/// What becomes of a file or folder that already has an output's name when the output is complete.
 enum class IfThere : std::uint8_t { refuse, replace };
 
 /// A hidden folder `.NAME.part-XXXXXX` next to a target, with a random name that no other process has, removed when this goes.

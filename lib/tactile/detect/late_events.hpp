@@ -33,7 +33,7 @@ class LateEvents {
       : slack_(slack), limit_(limit), report_(std::move(report)) {}
 
   /// Counts one packet. Reports a fault if more than 1 % of the events within a second were late.
-  /// @param late           so many of `events`, from the first on, were late
+  /// @param late           number of `events`, from the first on, that were late
   /// @param last_reported  the last tick with a verdict, if any
   void add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported, HostTime at);
 

@@ -13,7 +13,7 @@ namespace tactile::evaluation {
 
 struct DelayOptions {
   microseconds window{500'000};     ///< how long after its onset an interval can be detected, > 0
-  microseconds head_start{10'000};  ///< an episode that begins at most so long before the onset counts as its detection, >= 0
+  microseconds head_start{10'000};  ///< an episode that begins at most this long before the onset is its detection, >= 0
 };
 
 /// The detection delay of each interval:

@@ -34,7 +34,7 @@ struct HotPixel {
 struct HotPixels {
   std::vector<HotPixel> pixels;  ///< sorted by events, most first
   std::uint64_t fired = 0;       ///< pixels with an event
-  double least_events = 0;       ///< a hot pixel has at least so many, by all conditions but that on its neighbours
+  double least_events = 0;       ///< a hot pixel has at least this many, by all conditions but that on its neighbours
 };
 
 /// @param counts   events per pixel, row by row, of a sensor of this size

@@ -20,7 +20,7 @@ enum class Scan : std::uint8_t { none, columns, rows };
 ///   t = begin + k * period + step * line + jitter,   k whole, line = x (columns) or y (rows)
 struct Readout {
   /// steady: the formula holds over the whole recording. unsteady: read-outs share stamps but are stretched, and the period is
-  /// the shortest. none: events have times of their own (asynchronous sensors), or too few to tell.
+  /// the shortest. none: events have times of their own (asynchronous sensors), or too few events to decide.
   enum class Kind : std::uint8_t { none, unsteady, steady };
   Kind kind = Kind::none;
   Measured period_us;                   ///< meaningless if there is none

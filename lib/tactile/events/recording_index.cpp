@@ -14,7 +14,7 @@
 namespace tactile::events {
 namespace {
 
-constexpr std::uint64_t zero_sector = 512;  // so many zeros in a row are lost bytes, not packets without contents [B]
+constexpr std::uint64_t zero_sector = 512;  // this many zeros in a row are lost bytes, not packets without contents [B]
 
 /// The packets from the first on, as found by their headers.
 struct Walk {

@@ -16,7 +16,7 @@ namespace tactile::events {
 struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
   std::chrono::microseconds packet_span{10'000};  ///< a packet's elements span less time than this, > 0
-  std::size_t packet_events = 8192;               ///< and it has at most so many events, > 0
+  std::size_t packet_events = 8192;               ///< and it has at most this many events, > 0
   bool checksums = false;                         ///< in a file beside it, see packet_checksums.hpp; the caller removes that file
 };
 

@@ -10,7 +10,7 @@
 namespace tactile::events {
 namespace {
 
-constexpr std::size_t chunk = 8192;  // at most so many events are given before the tick that they fill
+constexpr std::size_t chunk = 8192;  // at most this many events are given before the tick that they fill
 
 /// Receives the events of a run, and passes on each full tick as soon as an event at or after it proves that it is full.
 class EveryTick {

@@ -25,7 +25,7 @@ TimeExtent time_extent_of(std::span<const Element> elements) {
 ///
 /// A step back by more than 2^31 us and at most 2^32 us is an overflow: the writer cut its times to 32 bits, and adding 2^32 us
 /// makes a shorter step forward of it. A single damaged time also makes such a step, before it or after it. Therefore the time
-/// before the leap is kept. If the stream soon returns to it, no overflow happened.
+/// before the leap is kept. If the stream soon returns to it, there was no overflow.
 class StreamTime {
  public:
   enum class Step : std::uint8_t { normal, overflow, back };
@@ -74,7 +74,7 @@ class StreamTime {
 
  private:
   static constexpr std::int64_t wrap = std::int64_t{1} << 32;
-  static constexpr std::int64_t leap = wrap / 64;  ///< a minute: a camera pauses so long only if nothing moves
+  static constexpr std::int64_t leap = wrap / 64;  ///< a minute: a camera pauses this long only if nothing moves
 
   static std::int64_t step_between(CameraTime a, CameraTime b) { return saturating_subtract(us_of(b), us_of(a)); }
   static double size_of(std::int64_t step) { return std::abs(static_cast<double>(step)); }

@@ -27,7 +27,7 @@ SlurmOptions slurm_named(const std::string& name);
 /// again.
 ///
 /// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
-/// `ended/` for each task that has ended: these files, and not the queue, tell that a task is done.
+/// `ended/` for each task that has ended: these files, and not the queue, show that a task is done.
 ///
 /// A task that Slurm ends before its process has ended is submitted again, up to `attempts` times: what runs must be able to
 /// resume. Out of memory, cancelled and any other end is an error. If a process fails, the other tasks are cancelled.

@@ -29,7 +29,7 @@ class ImageCells {
   int cell_px_, columns_, rows_;
 };
 
-/// What a touch changes in the picture: by cell, the number of its brighter events less that of its darker ones.
+/// What a touch changes in the picture: by cell, the number of its brighter events minus that of its darker ones.
 using Brightening = std::vector<std::int32_t>;
 
 /// Sum(a b) / sqrt(Sum(a a) Sum(b b)), -1 to 1; 0 if one of them is 0 everywhere. It is about 0, not about the means: cells

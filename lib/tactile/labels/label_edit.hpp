@@ -22,7 +22,7 @@ struct MoveEnd {
   std::string id;
   IntervalEnd which = IntervalEnd::start;
   CameraTime to{};
-  microseconds within = seen_within;  ///< > 0: half of what the person could tell apart, such as the spacing of events there
+  microseconds within = seen_within;  ///< > 0: half of what the person could distinguish, such as the spacing of events there
   bool end_earlier = false;           ///< a start within the interval before it ends that one there; else it is an error
 };
 

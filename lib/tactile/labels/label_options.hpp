@@ -20,8 +20,8 @@ struct LabelOptions {
   alignment::VideoClockOptions video_clock{};
   microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more in length, or film and events in
                                                ///< an onset
-  microseconds latest_slip{250'000};           ///< flagged if the slip starts so long after the lift
-  microseconds earliest_slip{5'000};           ///< flagged if it starts so long before, less the clock's uncertainty
+  microseconds latest_slip{250'000};           ///< flagged if the slip starts this long after the lift
+  microseconds earliest_slip{5'000};           ///< flagged if it starts this long before, minus the clock's uncertainty
 };
 
 nlohmann::json settings_of(const LabelOptions& options);

@@ -42,7 +42,7 @@ struct LitRate {
 
 struct LitRateOptions {
   int cell_px = 8;                     ///< side of a cell; small against a marker, large enough to hold some events
-  double stands_out = 5.0;             ///< [standard deviations] a lit cell has so many events above its noise, and 4 more
+  double stands_out = 5.0;             ///< [standard deviations] a lit cell has this many events above its noise, and 4 more
   int joined_cells = 2;                ///< lit cells not farther apart than this are connected
   std::size_t most_places = 24;        ///< in one burst, those with the most events
   microseconds margin{500'000};        ///< kept before a burst and after it

@@ -19,12 +19,12 @@ struct FoundTime {
 };
 
 struct OnsetOptions {
-  microseconds before{60'000};          ///< a slip is searched from so long before its burst's begin
-  microseconds first_contact{300'000};  ///< a first, weak contact is searched from so long before a press's burst
+  microseconds before{60'000};          ///< a slip is searched from this long before its burst's begin
+  microseconds first_contact{300'000};  ///< a first, weak contact is searched from this long before a press's burst
   microseconds rise{150'000};           ///< a slip's tips reach their speed within this time
   microseconds first_drag{25'000};      ///< the first drag reaches its speed within this time
   microseconds latency{400};            ///< the least time by which a marker may move before its first event
-  microseconds noise_ahead{400};        ///< so long before an onset noise may look like its first event
+  microseconds noise_ahead{400};        ///< this long before an onset, noise may look like its first event
   microseconds longest_blind{15'000};   ///< the greatest such time
   microseconds blind_reset{40'000};     ///< the same where noise has reset all pixels
   double press_blind_share = 0.6;       ///< of that time: where a press begins, some of many pixels are near their threshold

@@ -53,7 +53,7 @@ Scan scan_of(const std::vector<double>& likelihood, double dispersion);
 
 /// The events of a bin were caused since the read-out before it.
 /// @param counts, repeats  of the place where it begins
-/// @param blind_share      of the time for which its pixels were blind: so long before its first event the motion may begin
+/// @param blind_share      of the time for which its pixels were blind: the motion may begin this long before its first event
 FoundTime found_at(const LitRate& lit, const Scan& scan, Counts counts, Counts repeats, double blind_share,
                    const OnsetOptions& options);
 

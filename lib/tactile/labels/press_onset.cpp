@@ -34,7 +34,7 @@ double rate_before(Counts counts, double quiet, std::size_t part) {
   return least < infinite && least > quiet * bins ? (least + std::sqrt(least)) / bins : quiet;
 }
 
-/// How much likelier so many events are at their own rate than at the expected; 0 where they are fewer.
+/// How much likelier this many events are at their own rate than at the expected; 0 where they are fewer.
 double gain_of(double events, double expected) {
   return events > expected ? events * std::log(events / expected) - (events - expected) : 0.0;
 }

@@ -18,7 +18,7 @@ std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, 
 
 /// The part of it that needs no signals of a run: bursts within lifts are joined, and slow ones added.
 /// @param bursts  those of the rate, by time
-/// @param pauses  in which nothing was recorded: they tell nothing of the noise
+/// @param pauses  in which nothing was recorded: they show nothing of the noise
 std::vector<alignment::Burst> joined_and_slow_bursts(events::RecordingReader& recording, std::int32_t stream_id,
                                                      const alignment::EventRate& rate, const alignment::QuietRate& quiet,
                                                      std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,

@@ -28,7 +28,7 @@ using SaveOutcome = std::variant<VersionedLabels, EditConflict>;
 /// @throws Error  if the run has no labels, or they cannot be read
 VersionedLabels read_versioned_labels(const RunFolder& run);
 
-/// Calls `use` if the labels are still those of that version; meanwhile nobody changes them. @return  whether they are
+/// Calls `use` if the labels are still those of that version; meanwhile no other process changes them. @return  whether they are
 /// @throws Error  if the file cannot be read; what `use` throws
 bool while_unchanged(const RunFolder& run, const std::string& version, const std::function<void()>& use);
 

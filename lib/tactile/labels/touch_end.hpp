@@ -8,8 +8,8 @@ namespace tactile::labels {
 
 struct EndOptions {
   double still_share = 0.01;             ///< of the peak speed: a slower touch is still
-  microseconds press_still{20'000};      ///< a press ends at the first so long stillness
-  microseconds slip_still{150'000};      ///< a slip ends at the first stillness so long: stick phases belong to it
+  microseconds press_still{20'000};      ///< a press ends at the first stillness of this length
+  microseconds slip_still{150'000};      ///< a slip ends at the first stillness of this length: stick phases belong to it
   microseconds rung_out{50'000};         ///< after the arm's stop the tips of a slip stand still
   microseconds longest_unseen{200'000};  ///< a slip that is not seen for longer before the arm's stop ends where it was last seen
   microseconds stick_phase{10'000};      ///< so much of the last stick phase may lie before the arm's stop

@@ -18,7 +18,7 @@ namespace tactile::live {
 class SampledWindow {
  public:
   /// @param length       of a window, > 0
-  /// @param most_events  after so many it ends earlier, > 0: memory and work stay bounded
+  /// @param most_events  after this many it ends earlier, > 0: memory and work stay bounded
   SampledWindow(microseconds length, std::size_t most_events);
 
   /// By the thread that adds. @param events  ascending in time. A step back from an earlier call begins the window again.

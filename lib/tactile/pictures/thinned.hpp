@@ -13,7 +13,7 @@ struct PlotPoint {
   friend bool operator==(const PlotPoint&, const PlotPoint&) = default;
 };
 
-/// The visible points of a line where [begin, end) is so many pixels wide: of each column its first, least, largest
+/// The visible points of a line where [begin, end) is this many pixels wide: of each column its first, least, largest
 /// and last point, and a gap if it has one. The nearest points before and after stay, so that the line reaches both edges.
 ///
 /// @param points   by x

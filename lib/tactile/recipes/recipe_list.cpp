@@ -23,7 +23,7 @@ constexpr std::array swapped_shares{10.0, 25.0, 50.0, 75.0, 100.0};
 constexpr std::array higher_thresholds{10.0, 20.0, 50.0, 100.0, 200.0};
 constexpr std::array amplitudes_px{1.0, 2.0, 3.0, 5.0, 8.0};
 
-constexpr RecipeParameter packet_ms{"packet_ms", "ms", 10, 0.1, 1000, "Duration of a packet; DV sends one each 10 ms."};
+constexpr RecipeParameter packet_ms{"packet_ms", "ms", 10, 0.1, 1000, "Duration of a packet; DV sends one every 10 ms."};
 constexpr RecipeParameter direction_deg{
     "direction_deg", "degrees", 0, -360, 360, "Direction in the picture: 0 to the right, 90 downwards."};
 constexpr std::array in_packets{packet_ms};
@@ -94,7 +94,7 @@ constexpr std::array entries{
                  .least = 0,
                  .most = 100,
                  .usual = lost_shares,
-                 .text = "All events of random times are lost, which are this share of the recording.",
+                 .text = "All events in random stretches of time are lost; together these are this share of the recording.",
                  .model = "Lost and kept times alternate, each of exponential length.",
                  .parameters = in_bursts},
                 make_burst_loss},
@@ -108,17 +108,17 @@ constexpr std::array entries{
                  .model = "Packets have equal durations from the first event; those of the file do not count.",
                  .parameters = in_packets},
                 make_packet_loss},
-    RecipeEntry{
-        {.name = "readout-limit",
-         .title = "saturated read-out",
-         .unit = "ns/event",
-         .least = 0,
-         .most = 1e5,
-         .usual = ns_per_event,
-         .text = "The read-out spends this time on each event, so its largest rate is 1000 Mev/s divided by it.",
-         .model = "A queue with a constant rate; an event that finds it full is lost, so the last of a burst are. Stamps stay.",
-         .parameters = with_queue},
-        make_readout_limit},
+    RecipeEntry{{.name = "readout-limit",
+                 .title = "saturated read-out",
+                 .unit = "ns/event",
+                 .least = 0,
+                 .most = 1e5,
+                 .usual = ns_per_event,
+                 .text = "The read-out spends this time on each event, so its largest rate is 1000 Mev/s divided by it.",
+                 .model = "A queue with a constant rate. An event that comes when it is full is lost, so a burst loses its last "
+                          "events. Stamps do not change.",
+                 .parameters = with_queue},
+                make_readout_limit},
     RecipeEntry{{
                     .name = "flicker-100",
                     .title = "flicker of 100 Hz",
@@ -160,19 +160,17 @@ constexpr std::array entries{
                  .text = "Times are rounded down to multiples of this.",
                  .model = "Exact; multiples count from 0 of the recording's clock."},
                 make_rounding},
-    RecipeEntry{
-        {.name = "late",
-         .title = "late packets",
-         .unit = "ms",
-         .least = 0,
-         .most = 1e4,
-         .usual = delays_ms,
-         .text = "Some packets arrive later by this time.",
-         .model =
-             "All events of a late packet get the time of its arrival, which is its end and the delay: they are missing before, "
-             "and count as new from then on.",
-         .parameters = late_packets},
-        make_late},
+    RecipeEntry{{.name = "late",
+                 .title = "late packets",
+                 .unit = "ms",
+                 .least = 0,
+                 .most = 1e4,
+                 .usual = delays_ms,
+                 .text = "Some packets arrive later by this time.",
+                 .model = "All events of a late packet get the time of its arrival, which is its end plus the delay. Earlier "
+                          "ticks do not have them, and they count as new when they arrive.",
+                 .parameters = late_packets},
+                make_late},
     RecipeEntry{{.name = "shift",
                  .title = "picture shifted",
                  .unit = "px",
@@ -192,17 +190,16 @@ constexpr std::array entries{
                  .text = "The picture turns clockwise around its centre.",
                  .model = "To the nearest pixel, so a few pixels get the events of two and a few get none."},
                 make_rotate},
-    RecipeEntry{
-        {.name = "scale",
-         .title = "picture scaled",
-         .unit = "%",
-         .least = -90,
-         .most = 300,
-         .usual = growths,
-         .text = "The picture grows around its centre by this share, or shrinks below 0.",
-         .model =
-             "Events per pixel stay: with the area, events are copied to the pixels that theirs covers, or left out at random."},
-        make_scale},
+    RecipeEntry{{.name = "scale",
+                 .title = "picture scaled",
+                 .unit = "%",
+                 .least = -90,
+                 .most = 300,
+                 .usual = growths,
+                 .text = "The picture grows around its centre by this share; below 0 it shrinks.",
+                 .model = "The number of events per pixel stays the same: events are copied to each pixel that their own pixel "
+                          "now covers, or left out at random."},
+                make_scale},
     RecipeEntry{{.name = "mirror-x",
                  .title = "picture mirrored, left and right",
                  .unit = "",
@@ -238,10 +235,9 @@ constexpr std::array entries{
                  .least = -90,
                  .most = 1000,
                  .usual = higher_thresholds,
-                 .text = "The pixels' contrast threshold is higher by this share, or lower below 0.",
-                 .model = "A pixel's events of one polarity in a row are one change of its brightness, which the new threshold "
-                          "divides. Changes "
-                          "below the old threshold stay unseen, and copies share a stamp."},
+                 .text = "The pixels' contrast threshold is higher by this share; below 0 it is lower.",
+                 .model = "Successive events of one polarity at a pixel are one change of its brightness, which is divided by "
+                          "the new threshold. Changes below the old threshold stay unseen. Copied events have the same stamp."},
                 make_threshold},
     RecipeEntry{
         {.name = "vibration",

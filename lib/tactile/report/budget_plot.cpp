@@ -24,15 +24,18 @@ std::string name_of_kind(const std::string& kind) {
 /// One panel: a figure of a setting, and its axis.
 struct Panel {
   const char* label;
-  results::Figure (*of)(const ReportedSetting&);
+  results::Figure (*of)(const results::TradedSetting&);
   bool from_zero;  ///< the axis is linear near 0 and logarithmic beyond
 };
 
 constexpr std::array<Panel, panels> all_panels{
-    Panel{"accuracy [%]", [](const ReportedSetting& setting) { return results::scaled(setting.accuracy, 100); }, false},
+    Panel{"accuracy [%]",
+          [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.accuracy, 100); }, false},
     Panel{"median delay, misses included [ms]",
-          [](const ReportedSetting& setting) { return results::scaled(setting.delay_us, 1e-3); }, false},
-    Panel{"false alarms per minute", [](const ReportedSetting& setting) { return setting.episodes_per_min; }, true}};
+          [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.delay_median_us, 1e-3); },
+          false},
+    Panel{"false alarms per minute",
+          [](const results::TradedSetting& setting) { return setting.reported.figures.episodes_per_min; }, true}};
 
 double position_of(double value, const Panel& panel) {
   return panel.from_zero ? log_position_from_zero(std::max(0.0, value)) : value;
@@ -54,7 +57,7 @@ std::vector<double> rows_of(const BestOfKind& best, const Panel& panel, double a
 AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
   double least = INFINITY, most = -INFINITY;
   for (const BestOfKind& best : all) {
-    for (const ReportedSetting* setting : best.within) {
+    for (const results::TradedSetting* setting : best.within) {
       if (setting == nullptr) continue;
       const double value = position_of(panel.of(*setting).value, panel);
       if (std::isfinite(value)) least = std::min(least, value), most = std::max(most, value);
@@ -67,12 +70,12 @@ AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
 /// "LeNet, from 50 us on: width 0.25, int8", one for each setting of a kind.
 std::vector<std::string> names_of(const BestOfKind& best) {
   std::vector<std::string> names;
-  const ReportedSetting* before = nullptr;
+  const results::TradedSetting* before = nullptr;
   for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
-    const ReportedSetting* setting = best.within[i];
+    const results::TradedSetting* setting = best.within[i];
     if (setting == before || setting == nullptr) continue;
     names.push_back(fmt::format("{}, from {:g} us on: {} ({:.0f} us)", name_of_kind(best.kind), tick_budgets[i], setting->text,
-                                setting->us_p99.value));
+                                setting->reported.figures.us_p99.value));
     before = setting;
   }
   if (names.empty()) names.push_back(fmt::format("{}: no setting within {:g} us", name_of_kind(best.kind), tick_budgets.back()));
@@ -90,13 +93,15 @@ std::string budget_tics() {
 
 std::vector<BestOfKind> best_within_budgets(const ReportedTrade& trade) {
   std::vector<BestOfKind> all;
-  for (const ReportedSetting& setting : trade.settings) {
+  for (const results::TradedSetting& setting : trade.settings) {
     auto best = std::find_if(all.begin(), all.end(), [&](const BestOfKind& one) { return one.kind == setting.kind; });
     if (best == all.end()) best = all.insert(all.end(), {.kind = setting.kind});
-    if (!std::isfinite(setting.choice_accuracy.value)) continue;
+    if (!std::isfinite(setting.choice.figures.accuracy.value)) continue;
     for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
-      if (!(setting.choice_us_p99.value <= tick_budgets[i])) continue;
-      const auto rank = [](const ReportedSetting& of) { return std::pair(of.choice_accuracy.value, -of.choice_us_p99.value); };
+      if (!(setting.choice.figures.us_p99.value <= tick_budgets[i])) continue;
+      const auto rank = [](const results::TradedSetting& of) {
+        return std::pair(of.choice.figures.accuracy.value, -of.choice.figures.us_p99.value);
+      };
       if (best->within[i] == nullptr || rank(setting) > rank(*best->within[i])) best->within[i] = &setting;
     }
   }

@@ -14,8 +14,8 @@ inline constexpr std::array<double, 5> tick_budgets{1, 10, 50, 100, 200};
 
 /// The best settings of one kind of model.
 struct BestOfKind {
-  std::string kind;                                                  ///< "lenet"
-  std::array<const ReportedSetting*, tick_budgets.size()> within{};  ///< of each limit; null where none keeps it
+  std::string kind;                                                         ///< "lenet"
+  std::array<const results::TradedSetting*, tick_budgets.size()> within{};  ///< of each limit; null where none keeps it
 };
 
 /// For each kind and limit, the most accurate setting of which 99 % of the ticks take at most this long, both on the choice runs;

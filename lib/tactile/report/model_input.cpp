@@ -31,7 +31,7 @@ nlohmann::json compared_settings(const nlohmann::json& model, const std::string&
 std::string other_settings(const nlohmann::json& one, const nlohmann::json& two, const std::string& where) {
   std::string text;
   nlohmann::json first = compared_settings(one, where), second = compared_settings(two, where);
-  // Models of two kinds share no settings of network and training: a list of them would tell nothing.
+  // Models of two kinds share no settings of network and training: a list of them would be useless.
   if (results::JsonView(one, where)["network"]["kind"].words() != results::JsonView(two, where)["network"]["kind"].words()) {
     text = "another kind of model";
     for (nlohmann::json* settings : {&first, &second}) {

@@ -23,7 +23,7 @@ std::string titled(const ReportedTrade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
 }
 
-Dot dot_of(const ReportedSetting& setting) {
+Dot dot_of(const results::TradedSetting& setting) {
   return {
       .usual = setting.design == "usual", .is_single_change = setting.text.find(',') == std::string::npos, .text = setting.text};
 }
@@ -50,10 +50,10 @@ std::optional<double> cut_intervals(std::vector<Dot>& dots) {
 
 pictures::Plot trade_accuracy_plot(const ReportedTrade& trade) {
   std::vector<Dot> dots;
-  for (const ReportedSetting& setting : trade.settings) {
+  for (const results::TradedSetting& setting : trade.settings) {
     Dot dot = dot_of(setting);
-    dot.x = setting.us_p99.value;
-    dot.y = results::scaled(setting.accuracy, 100);
+    dot.x = setting.reported.figures.us_p99.value;
+    dot.y = results::scaled(setting.reported.figures.accuracy, 100);
     dot.on_front = setting.on_accuracy_front;
     dots.push_back(std::move(dot));
   }
@@ -69,12 +69,13 @@ pictures::Plot trade_accuracy_plot(const ReportedTrade& trade) {
 
 pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
   std::vector<Dot> dots;
-  for (const ReportedSetting& setting : trade.settings) {
+  for (const results::TradedSetting& setting : trade.settings) {
     Dot dot = dot_of(setting);
-    dot.x = setting.episodes_per_min.value;
-    dot.y = results::scaled(setting.delay_us, 1e-3);
+    dot.x = setting.reported.figures.episodes_per_min.value;
+    dot.y = results::scaled(setting.reported.figures.delay_median_us, 1e-3);
     dot.on_front = setting.on_delay_front;
-    if (std::isfinite(setting.missed.value)) dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.missed.value);
+    if (std::isfinite(setting.reported.figures.missed.value))
+      dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.reported.figures.missed.value);
     dots.push_back(std::move(dot));
   }
   const std::optional<double> cut = cut_intervals(dots);

@@ -14,20 +14,20 @@ namespace {
 constexpr std::size_t most_settings = 80;  // in the table, besides those on a front
 
 /// Those on both fronts first, then those on one, then the others; the most accurate first.
-std::vector<ReportedSetting> by_rank(std::vector<ReportedSetting> settings) {
-  const auto fronts = [](const ReportedSetting& setting) {
+std::vector<results::TradedSetting> by_rank(std::vector<results::TradedSetting> settings) {
+  const auto fronts = [](const results::TradedSetting& setting) {
     return (setting.on_accuracy_front ? 1 : 0) + (setting.on_delay_front ? 1 : 0);
   };
-  const auto accuracy = [](const ReportedSetting& setting) {
-    return std::isfinite(setting.accuracy.value) ? setting.accuracy.value : -1;
+  const auto accuracy = [](const results::TradedSetting& setting) {
+    return std::isfinite(setting.reported.figures.accuracy.value) ? setting.reported.figures.accuracy.value : -1;
   };
-  std::stable_sort(settings.begin(), settings.end(), [&](const ReportedSetting& a, const ReportedSetting& b) {
+  std::stable_sort(settings.begin(), settings.end(), [&](const results::TradedSetting& a, const results::TradedSetting& b) {
     return std::pair(fronts(a), accuracy(a)) > std::pair(fronts(b), accuracy(b));
   });
   return settings;
 }
 
-void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
+void add_table(ReportPage& page, const std::vector<results::TradedSetting>& settings) {
   HtmlTable table{
       .caption =
           "Each setting by its difference from the usual one; below each figure its 95 % interval. Differences are paired over "
@@ -37,31 +37,34 @@ void add_table(ReportPage& page, const std::vector<ReportedSetting>& settings) {
                "probability [%]: accuracy", "delay"},
       .rows = {}};
   std::size_t left_out = 0;
-  for (const ReportedSetting& setting : settings) {
+  for (const results::TradedSetting& setting : settings) {
     const bool on_both = setting.on_accuracy_front && setting.on_delay_front;
     if (table.rows.size() >= most_settings && !setting.on_accuracy_front && !setting.on_delay_front) {
       ++left_out;
       continue;
     }
+    const results::TradeFigures& figures = setting.reported.figures;
+    const results::TradeDifference difference = setting.difference.value_or(results::TradeDifference{});
+    const auto probability_cell = [](const std::optional<double>& share) { return number_cell(100 * share.value_or(NAN), 0); };
     table.rows.push_back({{.text = setting.text},
                           number_cell(static_cast<double>(setting.trainings), 0),
-                          percent_cell(setting.accuracy),
-                          percent_cell(setting.accuracy_difference),
-                          figure_cell(setting.delay_us, 1e-3),
-                          figure_cell(setting.delay_difference_us, 1e-3),
-                          figure_cell(setting.delay_p90_us, 1e-3),
-                          percent_cell(setting.missed),
-                          figure_cell(setting.episodes_per_min),
-                          figure_cell(setting.episodes_difference),
-                          figure_cell(setting.us_p50),
-                          figure_cell(setting.us_p99),
-                          figure_cell(setting.us_p999),
+                          percent_cell(figures.accuracy),
+                          percent_cell(difference.accuracy),
+                          figure_cell(figures.delay_median_us, 1e-3),
+                          figure_cell(difference.delay_us, 1e-3),
+                          figure_cell(figures.delay_p90_us, 1e-3),
+                          percent_cell(figures.missed),
+                          figure_cell(figures.episodes_per_min),
+                          figure_cell(difference.episodes_per_min),
+                          figure_cell(figures.us_p50),
+                          figure_cell(figures.us_p99),
+                          figure_cell(figures.us_p999),
                           {.text = on_both                     ? "accuracy, delay"
                                    : setting.on_accuracy_front ? "accuracy"
                                    : setting.on_delay_front    ? "delay"
                                                                : ""},
-                          number_cell(100 * setting.accuracy_front_probability, 0),
-                          number_cell(100 * setting.delay_front_probability, 0)});
+                          probability_cell(setting.front_probability.accuracy),
+                          probability_cell(setting.front_probability.delay)});
   }
   page.html.table(table);
   if (left_out > 0) page.html.paragraph(fmt::format("{} more settings, on no front, are in trade.csv.", left_out));
@@ -78,19 +81,19 @@ void add_trade(ReportPage& page, const ReportInput& input) {
   if (!trade.sentence.empty()) page.html.paragraph(trade.sentence);
   if (!trade.usual_is.empty()) page.html.paragraph(trade.usual_is);
   page.html.paragraph(fmt::format("{} Measured on {}. {}", trade.times_are, trade.machine, trade.judged_by));
-  const auto on = [&](bool ReportedSetting::*front) {
+  const auto on = [&](bool results::TradedSetting::*front) {
     return std::count_if(trade.settings.begin(), trade.settings.end(),
-                         [front](const ReportedSetting& setting) { return setting.*front; });
+                         [front](const results::TradedSetting& setting) { return setting.*front; });
   };
   page.figure(
       "trade-accuracy", trade_accuracy_plot(trade),
       fmt::format("Accuracy against time per tick of {} settings, {} of them on the front.", trade.settings.size(),
-                  on(&ReportedSetting::on_accuracy_front)),
+                  on(&results::TradedSetting::on_accuracy_front)),
       "Accuracy against the 99th percentile of the time per tick. The front was found on the choice runs; on the reported "
       "runs it can differ by chance.");
   page.figure("trade-delay", trade_delay_plot(trade),
               fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.",
-                          trade.settings.size(), on(&ReportedSetting::on_delay_front)),
+                          trade.settings.size(), on(&results::TradedSetting::on_delay_front)),
               "Median delay of presses and slips, with the time of computing, against false alarms per minute outside labels. "
               "Missed ones "
               "count with the time in which they could be detected; the list has their share.");

@@ -20,7 +20,7 @@ void append(std::string& text, float value) {
   fmt::format_to(std::back_inserter(text), "{:08x}", std::bit_cast<std::uint32_t>(value));
 }
 
-/// Nothing unless they are so many.
+/// Nothing unless the text has `count` values.
 std::optional<std::vector<float>> floats_in(const std::string& text, std::size_t count) {
   if (text.size() != count * digits_of_one) return std::nullopt;
   std::vector<float> values;
@@ -44,7 +44,7 @@ std::string hexadecimal(const Probabilities& probabilities) {
   return text;
 }
 
-/// @throws Error  unless they are so many, in [0, 1]
+/// @throws Error  unless there are three for each tick, in [0, 1]
 Probabilities probabilities_in(const JsonView& view, std::size_t ticks) {
   const auto values = floats_in(view.text(), ticks * touch_count);
   const auto is_probability = [](float value) { return value >= 0 && value <= 1; };
@@ -55,7 +55,7 @@ Probabilities probabilities_in(const JsonView& view, std::size_t ticks) {
   return probabilities;
 }
 
-/// @throws Error  unless they are so many
+/// @throws Error  unless there is one for each tick
 std::vector<float> ratios_in(const JsonView& view, std::size_t ticks) {
   auto values = floats_in(view.text(), ticks);
   if (!values || std::any_of(values->begin(), values->end(), [](float value) { return std::isnan(value); }))

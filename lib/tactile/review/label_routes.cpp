@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t most_us = 24LL * 3600 * 1'000'000;  // a day: no run is so long
+constexpr std::int64_t most_us = 24LL * 3600 * 1'000'000;  // a day: no run is longer
 constexpr const char* where = "the edit";
 
 CameraTime time_of(const json& edit, const char* key, CameraTime first) {

@@ -26,7 +26,7 @@ struct PageServerOptions {
   std::size_t most_body = 65'536;                    ///< [B] of a request
   std::size_t most_connections = 256;                ///< at once; more wait
   std::chrono::milliseconds request_within{10'000};  ///< a request must have arrived, from its first byte on
-  std::chrono::milliseconds stall{10'000};           ///< a client that takes no byte of an answer for so long is dropped
+  std::chrono::milliseconds stall{10'000};           ///< a client that takes no byte of an answer for this long is dropped
   std::chrono::milliseconds idle{5'000};             ///< a connection without a request is closed
 };
 

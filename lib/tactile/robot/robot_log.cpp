@@ -28,7 +28,7 @@ constexpr std::string_view bits_name = "actual_digital_output_bits";
 constexpr std::string_view host_time_name = "host_time_us";
 
 constexpr microseconds longest_clock_disagreement = 1s;  // of robot and host about a lost connection: a reboot takes far longer
-constexpr microseconds longest_leap = 60s;               // no recorder of a run pauses for so long
+constexpr microseconds longest_leap = 60s;               // no recorder of a run pauses longer
 constexpr double fastest_cb_rate_hz = 250.0;             // CB controllers send 125 rows a second, e-Series ones up to 500
 
 using Six = std::array<std::size_t, 6>;

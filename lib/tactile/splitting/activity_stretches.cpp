@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "tactile/core/robust_statistics.hpp"
+
 namespace tactile::splitting {
 namespace {
 
@@ -99,10 +101,9 @@ LongActivity activity_in(const alignment::EventRate& rate, const LongActivityOpt
     recorded_until = stretch.end;
   }
   if (quiet_rates.empty()) return found;
-  const auto middle = quiet_rates.begin() + static_cast<std::ptrdiff_t>(quiet_rates.size() / 2);
-  std::nth_element(quiet_rates.begin(), middle, quiet_rates.end(),
-                   [](const alignment::QuietRate& a, const alignment::QuietRate& b) { return a.mean < b.mean; });
-  found.quiet = *middle;
+  found.quiet = value_of_rank<alignment::QuietRate>(
+      quiet_rates, quiet_rates.size() / 2,
+      [](const alignment::QuietRate& a, const alignment::QuietRate& b) { return a.mean < b.mean; });
   found.has_quiet = true;
   return found;
 }

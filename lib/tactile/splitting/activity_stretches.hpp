@@ -19,12 +19,12 @@ struct LongActivityOptions {
   alignment::ActivityOptions bursts{};
   microseconds part{60'000'000};    ///< the quiet rate is found for parts of this length: the light drifts over minutes
   microseconds margin{10'000'000};  ///< a part is looked at with so much of its neighbours
-  microseconds silence{1'000'000};  ///< without any event for so long, nothing was recorded: parts end there
+  microseconds silence{1'000'000};  ///< this long without any event, nothing was recorded: parts end there
 };
 
 /// As `bursts_in`, for hours: the quiet rate may drift, and the recording may pause. A stretch between two pauses that is too
 /// short for a quiet rate of its own, or shows no burst against it, is a burst as a whole if it has 100 events or more: then the
-/// sensor is silent unless something moves, and the stretch tells nothing of a quiet rate.
+/// sensor is silent unless something moves, and the stretch has no quiet rate.
 LongActivity activity_in(const alignment::EventRate& rate, const LongActivityOptions& options = {});
 
 }  // namespace tactile::splitting

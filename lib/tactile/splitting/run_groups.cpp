@@ -71,7 +71,7 @@ bool ends_in_press(const RunGroup& run) {
   return last != run.kinds.rend() && *last == labels::BurstKind::press;
 }
 
-/// Classifies the bursts of runs, and joins runs whose press goes on.
+/// Classifies the bursts of runs, and joins runs whose press continues.
 class Grouping {
  public:
   Grouping(events::RecordingReader& recording, std::int32_t stream, const EventRate& rate, const LongActivity& activity,
@@ -154,7 +154,7 @@ class Grouping {
     return false;
   }
 
-  /// Whether the time between two runs was recorded. Noise tells: a pause would have had events, if the sensor is not silent.
+  /// Whether the time between two runs was recorded. Noise shows it: only a pause has no events, unless the sensor is silent.
   bool was_seen_between(const RunGroup& first, const RunGroup& second) const {
     constexpr double surely_some = 20;  // events: a Poisson process has none with a probability of 2e-9
     const std::size_t begin = first.bursts.back().end, end = second.bursts.front().begin;

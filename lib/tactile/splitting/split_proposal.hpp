@@ -45,7 +45,7 @@ struct ProposedRun {
 
 struct ProposeOptions {
   std::string stream{};           ///< of several event streams, by id or source
-  microseconds quiet{2'000'000};  ///< without a touch for so long, a run has ended unless an object is held, > 0
+  microseconds quiet{2'000'000};  ///< a run ends after this long without a touch, unless an object is held, > 0
   LongActivityOptions activity{};
   std::size_t most_bins = 4'000'000;  ///< of the event rate: a long recording has longer bins, so that memory stays bounded
 };

@@ -22,7 +22,7 @@ bool has_film_times(const fs::path& file) {
     const TableFile table(file, {.name = "the times of a film's frames", .header = "index,pts_us", .ends_in_any_bytes = true});
     return table.find("index") && table.find("pts_us");
   } catch (const Error&) {
-    return false;  // another file that happens to have this name
+    return false;  // another file that has this name by chance
   }
 }
 

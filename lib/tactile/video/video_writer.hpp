@@ -15,7 +15,7 @@ struct VideoWriterOptions {
   int frames_per_fragment = 30;  ///< a fragment begins with a key frame; it is in the file once the next has begun; > 0
   bool fast = false;             ///< in a third of the time; `quality` is then the quantiser of every frame
   microseconds fragment_span{
-      0};  ///< a frame so long after a fragment's first begins the next; 0: by `frames_per_fragment` only, >= 0
+      0};  ///< a frame this long after a fragment's first begins the next; 0: by `frames_per_fragment` only, >= 0
 };
 
 /// Writes H.264 in fragmented MP4 with every frame's own time, in microseconds, at any frame rate: a reader of the file gets

@@ -11,7 +11,7 @@ results::Figure figure(double value, double half_width, std::size_t n = 10) {
   return made;
 }
 
-TradeFigures figures(double accuracy, double us, double episodes = 1, double delay_us = 5000) {
+results::TradeFigures figures(double accuracy, double us, double episodes = 1, double delay_us = 5000) {
   return {.accuracy = figure(accuracy, 0.01),
           .us_p50 = figure(us / 2, 5),
           .us_p99 = figure(us, 10),
@@ -23,7 +23,8 @@ TradeFigures figures(double accuracy, double us, double episodes = 1, double del
 }
 
 TEST(Choose, TakesTheMostAccurateThatIsFastEnoughInItsInterval) {
-  const std::vector<TradeFigures> settings{figures(0.99, 400), figures(0.95, 150), figures(0.97, 195), figures(0.94, 100)};
+  const std::vector<results::TradeFigures> settings{figures(0.99, 400), figures(0.95, 150), figures(0.97, 195),
+                                                    figures(0.94, 100)};
   const auto choice = choose({.at_most_us = 200}, settings);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->index, 1U) << "the interval of the third ends at 205";
@@ -31,14 +32,14 @@ TEST(Choose, TakesTheMostAccurateThatIsFastEnoughInItsInterval) {
 }
 
 TEST(Choose, TakesTheFastestThatIsAccurateEnough) {
-  const std::vector<TradeFigures> settings{figures(0.99, 400), figures(0.97, 150), figures(0.90, 50)};
+  const std::vector<results::TradeFigures> settings{figures(0.99, 400), figures(0.97, 150), figures(0.90, 50)};
   const auto choice = choose({.at_least_accuracy = 0.95}, settings);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->index, 1U);
 }
 
 TEST(Choose, UsesValuesOnlyWhereNoIntervalMeetsTheConstraint) {
-  const std::vector<TradeFigures> settings{figures(0.955, 400), figures(0.90, 50)};
+  const std::vector<results::TradeFigures> settings{figures(0.955, 400), figures(0.90, 50)};
   const auto choice = choose({.at_least_accuracy = 0.95}, settings);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->index, 0U);
@@ -47,7 +48,7 @@ TEST(Choose, UsesValuesOnlyWhereNoIntervalMeetsTheConstraint) {
 
 TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheConstraint) {
   // The first is the most accurate and on the verge of both limits; the second is in the middle of what may be.
-  const std::vector<TradeFigures> settings{figures(0.959, 199), figures(0.957, 195), figures(0.951, 100)};
+  const std::vector<results::TradeFigures> settings{figures(0.959, 199), figures(0.957, 195), figures(0.951, 100)};
   const auto choice = choose({.at_most_us = 200, .at_least_accuracy = 0.95}, settings);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->index, 1U) << "0.5 of its half interval from the limit of time, the first 0.1, the third 0.1 from the other";
@@ -55,16 +56,16 @@ TEST(Choose, TakesTheSurestWhereNoIntervalMeetsTheConstraint) {
 }
 
 TEST(Choose, FindsNothingWhereNothingMeetsEveryConstraint) {
-  const std::vector<TradeFigures> settings{figures(0.99, 400, 0.1), figures(0.90, 50, 0.1), figures(0.99, 50, 9)};
+  const std::vector<results::TradeFigures> settings{figures(0.99, 400, 0.1), figures(0.90, 50, 0.1), figures(0.99, 50, 9)};
   EXPECT_FALSE(choose({.at_most_us = 200, .at_least_accuracy = 0.95, .at_most_false_alarms_per_min = 1}, settings));
-  TradeFigures unknown = figures(0.99, 50);
+  results::TradeFigures unknown = figures(0.99, 50);
   unknown.accuracy = {};
-  EXPECT_FALSE(choose({.at_most_us = 200}, std::vector<TradeFigures>{unknown}));
+  EXPECT_FALSE(choose({.at_most_us = 200}, std::vector<results::TradeFigures>{unknown}));
 }
 
 TEST(Choose, LeavesOutWhatDoesNotKeepUpWithItsTicks) {
-  std::vector<TradeFigures> settings{figures(0.99, 620), figures(0.9, 150)};
-  for (TradeFigures& one : settings) one.tick_us = 500;
+  std::vector<results::TradeFigures> settings{figures(0.99, 620), figures(0.9, 150)};
+  for (results::TradeFigures& one : settings) one.tick_us = 500;
   const auto choice = choose({.at_most_us = 1000}, settings);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->index, 1U);
@@ -72,7 +73,7 @@ TEST(Choose, LeavesOutWhatDoesNotKeepUpWithItsTicks) {
 }
 
 TEST(MeetsInInterval, IsNeverSoWithoutAnInterval) {
-  TradeFigures two_runs = figures(0.99, 100);
+  results::TradeFigures two_runs = figures(0.99, 100);
   two_runs.accuracy.low = two_runs.accuracy.high = std::nullopt;
   const TradeConstraints constraint{.at_least_accuracy = 0.9};
   EXPECT_TRUE(meets(constraint, two_runs));
@@ -81,7 +82,7 @@ TEST(MeetsInInterval, IsNeverSoWithoutAnInterval) {
 }
 
 TEST(Choose, UsesTheDelayOfTheConstraint) {
-  std::vector<TradeFigures> settings{figures(0.99, 100, 1, 9000), figures(0.95, 100, 1, 5000)};
+  std::vector<results::TradeFigures> settings{figures(0.99, 100, 1, 9000), figures(0.95, 100, 1, 5000)};
   settings[1].delay_p90_us = figure(200'000, 1000);
   const auto of_half = choose({.at_most_delay = DelayLimit{6}}, settings);
   ASSERT_TRUE(of_half);
@@ -93,7 +94,7 @@ TEST(Choose, UsesTheDelayOfTheConstraint) {
 }
 
 TEST(Choose, CountsMissedPressesAndSlips) {
-  std::vector<TradeFigures> settings{figures(0.99, 100), figures(0.95, 100)};
+  std::vector<results::TradeFigures> settings{figures(0.99, 100), figures(0.95, 100)};
   settings[1].missed = figure(0.03, 0.01);
   const auto choice = choose({.at_most_missed = 0.05}, settings);
   ASSERT_TRUE(choice);
@@ -109,7 +110,7 @@ TEST(TextOfConstraints, NamesEachOfThem) {
 }
 
 TEST(Recommend, NamesTheSettingAndWhatItHas) {
-  TradeFigures again = figures(0.97, 150, 1, 5000);
+  results::TradeFigures again = figures(0.97, 150, 1, 5000);
   again.p90_is_bound = true;
   const Recommendation answer = recommend({.at_most_us = 200, .at_least_accuracy = 0.95}, "t_h 20 ms", again,
                                           LiveTrial{.ticks = 9000, .us_p50 = 80, .us_p99 = 190, .us_p999 = 400}, false);
@@ -136,8 +137,8 @@ TEST(Recommend, DoesNotConfirmWhatIsTooSlowInDetect) {
                                   "'tactile detect', where 99 of "
                                   "100 ticks must take at most 200 us. "))
       << answer.sentence;
-  // Without a wish for a time, it must keep up with its ticks.
-  TradeFigures again = figures(0.97, 150);
+  // Without a limit on the time, it must keep up with its ticks.
+  results::TradeFigures again = figures(0.97, 150);
   again.tick_us = 205;
   EXPECT_FALSE(recommend({.at_least_accuracy = 0.9}, "t_h 20 ms", again, slow, false).met);
   again.tick_us = 2000;

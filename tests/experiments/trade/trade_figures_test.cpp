@@ -88,7 +88,7 @@ TimedRun timed(const std::string& object, std::vector<float> tick_us) {
 TEST(ResultOf, IsWhatOneWorksOutByHand) {
   const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000, 3000}), outcome("b", 4, 0, {5000}), outcome("c", 2, 2, {7000})};
   const std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40, 50}), timed("c", {60})};
-  const TradeResult result = result_of(runs, times);
+  const results::TradeResult result = result_of(runs, times);
   EXPECT_DOUBLE_EQ(result.figures.accuracy.value, (0.75 + 1 + 0.5) / 3);
   EXPECT_DOUBLE_EQ(result.figures.us_p50.value, 30);
   EXPECT_DOUBLE_EQ(result.figures.us_p99.value, 60);
@@ -169,7 +169,7 @@ TEST(DifferenceOf, IsPairedOverRuns) {
     times_of_a.push_back(timed(object, {10}));
     times_of_b.push_back(timed(object, {15}));
   }
-  const TradeDifference difference = difference_of({a, times_of_a}, {b, times_of_b});
+  const results::TradeDifference difference = difference_of({a, times_of_a}, {b, times_of_b});
   EXPECT_NEAR(difference.accuracy.value, 0.02, 1e-12);
   ASSERT_TRUE(difference.accuracy.low);
   EXPECT_GT(*difference.accuracy.low, 0) << "the objects differ by ten times as much";

@@ -21,7 +21,7 @@ struct StressOptions {
   std::vector<std::filesystem::path> models{};     ///< folders of model bundles, at least one
   std::vector<StressSeries> series{};              ///< at least one
   std::vector<std::filesystem::path> quiet{};      ///< recordings without a touch: every alarm is false
-  std::optional<unsigned> runs{};                  ///< at most so many of each object
+  std::optional<unsigned> runs{};                  ///< at most this many of each object
   evaluation::EvaluationOptions judging{};         ///< `threads` too
   model::EngineKind engine = model::EngineKind::fast;
   std::uint64_t seed = 1;  ///< as that of the recipes of `series`

@@ -99,7 +99,7 @@ std::string enough_of(const results::Claim& claim) {
     return claim.asked == results::Asked::below ? figure.value > claim.limit : figure.value < claim.limit;
   };
   double factor = 0, confidence = 0.95;
-  std::size_t n = measured.n, parts = 1;  // runs are of so many objects
+  std::size_t n = measured.n, parts = 1;  // runs are of this many objects
   if (claim.scope != results::ClaimScope::every_object) {
     factor = factor_of(measured, claim.limit);
   } else if (is_refuted(measured)) {

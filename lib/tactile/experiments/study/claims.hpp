@@ -30,9 +30,9 @@ struct ClaimInputs {
 
 /// The claims of the paper's section V, always the same ones in the same order.
 ///
-/// - history-2-worst: the accuracy at 2 ms less the lowest at any other history, the largest over objects, is below 0.
+/// - history-2-worst: the accuracy at 2 ms minus the lowest at any other history, the largest over objects, is below 0.
 /// - best-history-40: 40 ms is the best for more objects than any other history: the difference is above 0.
-/// - marginal-past-20: the highest mean accuracy past 20 ms less that at 20 ms is below 1 point.
+/// - marginal-past-20: the highest mean accuracy past 20 ms minus that at 20 ms is below 1 point.
 /// - accuracy-at-40: the lowest object's accuracy at 40 ms is above 95 %.
 /// - press-delay, slip-delay: the largest object's mean delay is below 5 ms; cannot_tell
 /// instead of holds if an interval was missed or detected early.

@@ -101,8 +101,8 @@ class Drawable {
     std::sort(delays_.begin(), delays_.end(), [](const Delay& a, const Delay& b) { return a.us < b.us; });
   }
 
-  TradeFigures of(const Draw& draw) const {
-    TradeFigures figures;
+  results::TradeFigures of(const Draw& draw) const {
+    results::TradeFigures figures;
     Weights all(candidate_.runs.size(), 0), timed(candidate_.timed.size(), 0);
     double accuracies = 0, objects = 0;
     for_drawn_objects(cells_, draw, all.size(), [&](const Weights& weights) {
@@ -144,7 +144,7 @@ class Drawable {
     std::size_t run;
   };
 
-  void add_delays(const Weights& weights, TradeFigures& figures) const {
+  void add_delays(const Weights& weights, results::TradeFigures& figures) const {
     std::uint64_t total = 0, missed = 0, passed = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const TradedRun& run = candidate_.runs[i];
@@ -170,7 +170,7 @@ class Drawable {
 
 }  // namespace
 
-std::string text_of(const FrontProbability& probability) {
+std::string text_of(const results::FrontProbability& probability) {
   if (!probability.accuracy || !probability.delay) return {};
   return fmt::format(
       "on the front of accuracy and time in {:.0f} % of the draws of trainings, objects and runs, and on that of delay, misses "
@@ -179,9 +179,9 @@ std::string text_of(const FrontProbability& probability) {
       100 * *probability.accuracy, 100 * *probability.delay);
 }
 
-OnFronts fronts_of(std::span<const TradeFigures> figures) {
+OnFronts fronts_of(std::span<const results::TradeFigures> figures) {
   std::vector<TradePlace> by_accuracy, by_delay;
-  for (const TradeFigures& one : figures) {
+  for (const results::TradeFigures& one : figures) {
     by_accuracy.push_back({one.us_p99.value, -one.accuracy.value, 0});
     by_delay.push_back({one.episodes_per_min.value, one.delay_median_us.value, one.missed.value});
   }
@@ -191,9 +191,9 @@ OnFronts fronts_of(std::span<const TradeFigures> figures) {
   return on;
 }
 
-std::vector<FrontProbability> front_probabilities(std::span<const FrontCandidate> candidates, unsigned threads,
-                                                  const results::BootstrapOptions& options) {
-  std::vector<FrontProbability> probabilities(candidates.size());
+std::vector<results::FrontProbability> front_probabilities(std::span<const FrontCandidate> candidates, unsigned threads,
+                                                           const results::BootstrapOptions& options) {
+  std::vector<results::FrontProbability> probabilities(candidates.size());
   std::set<std::string> names;
   for (const FrontCandidate& candidate : candidates) {
     for (const TradedRun& run : candidate.runs) names.insert(run.object);
@@ -210,7 +210,7 @@ std::vector<FrontProbability> front_probabilities(std::span<const FrontCandidate
   std::vector<OnFronts> draws(options.draws);
   parallel_for(options.draws, threads, [&](std::size_t i) {
     const Draw draw = drawn(seed_for(options.seed, {"front", std::to_string(i)}), names.size(), most_trainings, most_runs);
-    std::vector<TradeFigures> figures;
+    std::vector<results::TradeFigures> figures;
     for (const Drawable& one : drawables) figures.push_back(one.of(draw));
     draws[i] = fronts_of(figures);
   });

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,13 +8,8 @@
 
 namespace tactile::trade {
 
-/// How probable it is that a setting is on each front; nothing with fewer than three objects to draw from.
-struct FrontProbability {
-  std::optional<double> accuracy, delay;
-};
-
 /// "on the front of accuracy and time in 62 % of the draws of trainings, objects and runs, and on that of …"; empty if unknown.
-std::string text_of(const FrontProbability& probability);
+std::string text_of(const results::FrontProbability& probability);
 
 /// What the fronts are found by: outcomes on the runs to choose on, and times.
 struct FrontCandidate {
@@ -27,12 +21,12 @@ struct FrontCandidate {
 struct OnFronts {
   std::vector<bool> accuracy, delay;
 };
-OnFronts fronts_of(std::span<const TradeFigures> figures);
+OnFronts fronts_of(std::span<const results::TradeFigures> figures);
 
 /// The share of draws in which each candidate is on a front. A draw takes trainings, objects, and runs of each object with
 /// replacement, the same ones for all candidates with the same number of trainings. Times depend on objects and runs alone.
 /// @param options  `confidence` is not used
-std::vector<FrontProbability> front_probabilities(std::span<const FrontCandidate> candidates, unsigned threads,
-                                                  const results::BootstrapOptions& options = {});
+std::vector<results::FrontProbability> front_probabilities(std::span<const FrontCandidate> candidates, unsigned threads,
+                                                           const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::trade

@@ -44,10 +44,10 @@ std::vector<TimedRun> timed_runs_of(const TradePlan& plan, const MeasuredPoints&
 }
 
 void find_fronts(std::span<TradePoint> points, std::span<const FrontCandidate> candidates, unsigned threads) {
-  std::vector<TradeFigures> figures;
+  std::vector<results::TradeFigures> figures;
   for (const TradePoint& point : points) figures.push_back(point.choice.figures);
   const OnFronts on = fronts_of(figures);
-  const std::vector<FrontProbability> probabilities = front_probabilities(candidates, threads);
+  const std::vector<results::FrontProbability> probabilities = front_probabilities(candidates, threads);
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i].on_accuracy_front = on.accuracy[i];
     points[i].on_delay_front = on.delay[i];
@@ -86,7 +86,7 @@ void judge(const TradePlan& plan, MeasuredPoints& measured) {
 std::map<std::string, TradeOutcome> known_outcomes(std::span<const TradePoint> points) {
   std::map<std::string, TradeOutcome> known;
   for (const TradePoint& point : points) {
-    const TradeFigures& figures = point.choice.figures;
+    const results::TradeFigures& figures = point.choice.figures;
     const TradeOutcome outcome{figures.accuracy.value, figures.us_p99.value, figures.delay_median_us.value,
                                figures.episodes_per_min.value, figures.missed.value};
     const bool is_known = std::isfinite(outcome.accuracy) && std::isfinite(outcome.us) && std::isfinite(outcome.delay_us) &&

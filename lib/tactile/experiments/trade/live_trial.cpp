@@ -69,7 +69,7 @@ class LoggedProcess {
   ChildProcess process_;
 };
 
-/// Looks until `found` gives something, for so long at most.
+/// Looks until `found` gives something, at most for this long.
 template <class Found>
 auto waited_for(Clock::duration at_most, const ProgressCallback& progress, const std::string& what, Found found) {
   const Clock::time_point begun = Clock::now();

@@ -171,7 +171,7 @@ void keep_predicted(const Stage& stage, MeasuredPoints& measured) {
 /// Whether a setting gets more trainings. The usual one does: all others are compared with it.
 bool may_be_on_a_front(const TradePoint& point) {
   constexpr double least = 0.025;
-  const FrontProbability& probability = point.front_probability;
+  const results::FrontProbability& probability = point.front_probability;
   return point.design == "usual" || point.on_accuracy_front || point.on_delay_front ||
          probability.accuracy.value_or(0) >= least || probability.delay.value_or(0) >= least;
 }

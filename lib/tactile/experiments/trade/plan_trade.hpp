@@ -63,10 +63,10 @@ struct TradePoint {
   TradeSetting setting;
   std::string design;                       ///< "usual", "one", "corner", "all"
   std::vector<TradeNetwork> networks = {};  ///< one for each training
-  TradeResult choice = {}, reported = {};
-  std::optional<TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
+  results::TradeResult choice = {}, reported = {};
+  std::optional<results::TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
   bool on_accuracy_front = false, on_delay_front = false;
-  FrontProbability front_probability = {};
+  results::FrontProbability front_probability = {};
 };
 
 /// A setting that could not be measured, in words.

@@ -27,7 +27,7 @@ std::optional<TradeChoice> choose_point(const TradeConstraints& constraints, std
   if (!constraints.any()) return std::nullopt;
   std::size_t most = 0;
   for (const TradePoint& point : points) most = std::max(most, point.networks.size());
-  std::vector<TradeFigures> candidates;
+  std::vector<results::TradeFigures> candidates;
   for (const TradePoint& point : points) {
     candidates.push_back(point.choice.figures);
     // `detect` has no dense pass: it is measured for comparison only. Fewer trainings have narrower intervals than they should.
@@ -62,6 +62,7 @@ std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point
   const std::vector<TimedSetting> settings{timed_setting_of(usual), timed_setting_of(point)};
   const std::vector<std::uint32_t> runs = reported_runs(plan, point);
   std::vector<fs::path> recordings;
+  recordings.reserve(runs.size());
   for (const std::uint32_t run : runs) recordings.push_back(plan.recording(run));
   const auto times = time_ticks(settings, recordings, plan.options.timing, progress);
   const auto gate = gate_of(point.setting, point.networks.front());
@@ -72,7 +73,7 @@ std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point
 
 /// Measures a setting by each of its networks, on the runs that this one reports on. Uses nothing that was measured before. If
 /// the tick is the network's own, `evaluate` gives accuracy and false alarms.
-/// @return  `TradeResult` as JSON, with "by" ("eval" or "trade"), "model" and "runs"
+/// @return  `results::TradeResult` as JSON, with "by" ("eval" or "trade"), "model" and "runs"
 json measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, const ProgressCallback& progress) {
   const TradeSetting& setting = point.setting;
   const unsigned threads = plan.options.threads;
@@ -176,20 +177,11 @@ std::optional<json> run_trial(const Stage& stage, const TradePoint& point) {
   return read_json(file);
 }
 
-TradeFigures figures_in(const json& again, const fs::path& folder, double tick_us) {
+results::TradeFigures figures_in(const json& again, const fs::path& folder, double tick_us) {
   const results::JsonView view(again, folder.string(), results::MissingMember::is_error);
-  const results::JsonView us = view["us"], delay = view["delay_us"];
-  return {.accuracy = view["accuracy"].get<results::Figure>(),
-          .us_p50 = us["p50"].get<results::Figure>(),
-          .us_p99 = us["p99"].get<results::Figure>(),
-          .us_p999 = us["p999"].get<results::Figure>(),
-          .delay_median_us = delay["median"].get<results::Figure>(),
-          .delay_p90_us = delay["p90"].get<results::Figure>(),
-          .median_is_bound = delay["median_is_bound"].truth(),
-          .p90_is_bound = delay["p90_is_bound"].truth(),
-          .missed = delay["missed"].get<results::Figure>(),
-          .episodes_per_min = view["episodes_per_min"].get<results::Figure>(),
-          .tick_us = tick_us};
+  results::TradeFigures figures = view.get<results::TradeResult>().figures;
+  figures.tick_us = tick_us;
+  return figures;
 }
 
 /// The chosen point measured again, in words and as JSON.

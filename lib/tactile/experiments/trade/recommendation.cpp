@@ -13,16 +13,16 @@
 namespace tactile::trade {
 namespace {
 
-const results::Figure& delay_of(const DelayLimit& limit, const TradeFigures& figures) {
+const results::Figure& delay_of(const DelayLimit& limit, const results::TradeFigures& figures) {
   return limit.p90 ? figures.delay_p90_us : figures.delay_median_us;
 }
 
 /// A quantile that falls on what was never detected meets no limit.
-bool is_bound_of(const DelayLimit& limit, const TradeFigures& figures) {
+bool is_bound_of(const DelayLimit& limit, const results::TradeFigures& figures) {
   return limit.p90 ? figures.p90_is_bound : figures.median_is_bound;
 }
 
-bool all_met(const TradeConstraints& constraints, const TradeFigures& figures,
+bool all_met(const TradeConstraints& constraints, const results::TradeFigures& figures,
              const std::function<bool(const results::Figure&, double, bool at_least)>& is_met) {
   return (!constraints.at_most_us || is_met(figures.us_p99, *constraints.at_most_us, false)) &&
          (!constraints.at_least_accuracy || is_met(figures.accuracy, *constraints.at_least_accuracy, true)) &&
@@ -43,7 +43,7 @@ double margin(const results::Figure& figure, double limit, bool at_least) {
 }
 
 /// The least margin over all constraints, for a setting whose values meet them.
-double least_margin(const TradeConstraints& constraints, const TradeFigures& figures) {
+double least_margin(const TradeConstraints& constraints, const results::TradeFigures& figures) {
   double least = std::numeric_limits<double>::infinity();
   all_met(constraints, figures, [&](const results::Figure& figure, double limit, bool at_least) {
     least = std::min(least, margin(figure, limit, at_least));
@@ -56,7 +56,7 @@ std::string delay_text(const results::Figure& delay, bool is_bound) {
   return std::string(is_bound ? "at least " : "") + text_of(scaled(delay, 1e-3), " ms", ".2f");
 }
 
-std::string measured_text(const TradeFigures& figures) {
+std::string measured_text(const results::TradeFigures& figures) {
   return fmt::format(
       "an accuracy of {}. A tick takes {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000. The delay is {} in half "
       "of "
@@ -70,7 +70,8 @@ std::string measured_text(const TradeFigures& figures) {
 }
 
 /// Whether the trial meets the limit of time; without a limit, the tick is the limit.
-bool meets_in_detect(const TradeConstraints& constraints, const TradeFigures& figures, const std::optional<LiveTrial>& trial) {
+bool meets_in_detect(const TradeConstraints& constraints, const results::TradeFigures& figures,
+                     const std::optional<LiveTrial>& trial) {
   return !trial || trial->us_p99 <= std::min(constraints.at_most_us.value_or(figures.tick_us), figures.tick_us);
 }
 
@@ -110,15 +111,15 @@ std::string text_of(const TradeConstraints& constraints) {
   return words.empty() ? "no constraint" : fmt::format("{}", fmt::join(words, " and "));
 }
 
-bool keeps_up(const TradeFigures& figures) { return figures.us_p99.value <= figures.tick_us; }
+bool keeps_up(const results::TradeFigures& figures) { return figures.us_p99.value <= figures.tick_us; }
 
-bool meets(const TradeConstraints& constraints, const TradeFigures& figures) {
+bool meets(const TradeConstraints& constraints, const results::TradeFigures& figures) {
   return keeps_up(figures) && all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            return at_least ? figure.value >= limit : figure.value <= limit;  // false for NaN
          });
 }
 
-bool meets_in_interval(const TradeConstraints& constraints, const TradeFigures& figures) {
+bool meets_in_interval(const TradeConstraints& constraints, const results::TradeFigures& figures) {
   return meets(constraints, figures) &&
          all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            const std::optional<double>& bound = at_least ? figure.low : figure.high;
@@ -126,15 +127,15 @@ bool meets_in_interval(const TradeConstraints& constraints, const TradeFigures& 
          });
 }
 
-std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const TradeFigures> settings) {
+std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeFigures> settings) {
   const bool prefers_speed = constraints.at_least_accuracy && !constraints.at_most_us;
-  const auto rank = [&](const TradeFigures& figures) {
+  const auto rank = [&](const results::TradeFigures& figures) {
     const double accuracy = -figures.accuracy.value, us = figures.us_p99.value;
     return prefers_speed ? std::tuple(us, accuracy, figures.delay_median_us.value)
                          : std::tuple(accuracy, figures.delay_median_us.value, us);
   };
   for (const bool in_interval : {true, false}) {
-    const auto goes_first = [&](const TradeFigures& a, const TradeFigures& b) {
+    const auto goes_first = [&](const results::TradeFigures& a, const results::TradeFigures& b) {
       const double doubt_a = in_interval ? 0 : -least_margin(constraints, a),
                    doubt_b = in_interval ? 0 : -least_margin(constraints, b);
       return doubt_a != doubt_b ? doubt_a < doubt_b : rank(a) < rank(b);
@@ -151,7 +152,7 @@ std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span
 }
 
 Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
-                         const TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated) {
+                         const results::TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated) {
   Recommendation recommendation{.setting = setting, .met = false, .sentence = {}};
   const std::string of_runs = simulated ? " On simulated runs, which say nothing about real ones." : "";
   const std::string measured =

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 
-#include "tactile/evaluation/crossed_figure.hpp"
+#include "tactile/results/traded_setting.hpp"
 
 namespace tactile::trade {
 
@@ -31,24 +30,13 @@ struct TradeConstraints {
 void to_json(nlohmann::json& json, const TradeConstraints& constraints);  ///< {"at_most_us", …}, null if not given
 std::string text_of(const TradeConstraints& constraints);  ///< "at most 200 us a tick and an accuracy of at least 95 %"
 
-/// The figures of a setting that constraints and fronts apply to.
-struct TradeFigures {
-  results::Figure accuracy;                            ///< in [0, 1]
-  results::Figure us_p50, us_p99, us_p999;             ///< time per tick that half, 99 % and 99.9 % of all ticks do not exceed
-  results::Figure delay_median_us, delay_p90_us;       ///< of all presses and slips; those not detected count with their limit
-  bool median_is_bound = false, p90_is_bound = false;  ///< one not detected lies at or below it: the true value may be higher
-  results::Figure missed;                              ///< share of presses and slips missed or early, in [0, 1]
-  results::Figure episodes_per_min;                    ///< that begin outside labels
-  double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next
-};
-
 /// Whether 99 of 100 ticks are done before the next one is due. A setting that does not keep up meets no constraint.
-bool keeps_up(const TradeFigures& figures);
+bool keeps_up(const results::TradeFigures& figures);
 
 /// Whether a setting keeps up and meets every constraint: with its values, and with its whole 95 % intervals. Without an interval
 /// the latter is false.
-bool meets(const TradeConstraints& constraints, const TradeFigures& figures);
-bool meets_in_interval(const TradeConstraints& constraints, const TradeFigures& figures);
+bool meets(const TradeConstraints& constraints, const results::TradeFigures& figures);
+bool meets_in_interval(const TradeConstraints& constraints, const results::TradeFigures& figures);
 
 /// The setting chosen for constraints.
 struct TradeChoice {
@@ -64,7 +52,7 @@ struct TradeChoice {
 ///
 /// because a setting on the verge hardly meets them on other runs; of equals, as above.
 /// @return  nothing if there is none
-std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const TradeFigures> settings);
+std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeFigures> settings);
 
 /// A trial of the chosen setting in `tactile detect`, over loopback.
 struct LiveTrial {
@@ -84,6 +72,6 @@ struct Recommendation {
 /// @param again    its figures on the reported runs
 /// @param trial    in `detect`, if there was one
 Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
-                         const TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated);
+                         const results::TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated);
 
 }  // namespace tactile::trade

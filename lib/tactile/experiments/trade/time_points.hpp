@@ -13,7 +13,7 @@ namespace tactile::trade {
 /// @throws Error  if the budget has no time for the usual setting, or the step fails
 void time_points(const Stage& stage, const std::string& step_name, std::uint64_t ticks, MeasuredPoints& measured);
 
-/// The time that timing so many ticks of one setting takes, as far as it is known.
+/// The time that timing this many ticks of one setting takes, as far as it is known.
 double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known);
 
 /// Times ticks over event rates, histories and resolutions in one step.

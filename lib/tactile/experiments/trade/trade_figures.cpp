@@ -185,26 +185,6 @@ results::FalseAlarms outside_labels(const results::FalseAlarms& counts) {
   return all;
 }
 
-void to_json(nlohmann::json& json, const TradeResult& result) {
-  const TradeFigures& figures = result.figures;
-  json = {{"accuracy", figures.accuracy},
-          {"delay_us",
-           {{"median", figures.delay_median_us},
-            {"p90", figures.delay_p90_us},
-            {"median_is_bound", figures.median_is_bound},
-            {"p90_is_bound", figures.p90_is_bound},
-            {"mean", result.delay_mean_us},
-            {"missed", figures.missed},
-            {"intervals", result.intervals},
-            {"misses", result.misses},
-            {"early", result.early}}},
-          {"episodes_per_min", figures.episodes_per_min},
-          {"episodes", result.episodes},
-          {"false_alarms_per_min", result.false_alarms_per_min},
-          {"false_alarms", result.alarms},
-          {"us", {{"p50", figures.us_p50}, {"p99", figures.us_p99}, {"p999", figures.us_p999}, {"ticks", result.ticks}}}};
-}
-
 namespace {
 
 /// Whether one that was not detected lies at or below a quantile: the true one may be higher.
@@ -215,7 +195,7 @@ bool is_bound(Runs runs, const results::Figure& figure) {
   });
 }
 
-void add_counts(Runs runs, TradeResult& result) {
+void add_counts(Runs runs, results::TradeResult& result) {
   for (const TradedRun& run : runs) {
     result.intervals += run.delays.size();
     result.misses += run.misses;
@@ -227,7 +207,7 @@ void add_counts(Runs runs, TradeResult& result) {
 
 }  // namespace
 
-TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results::BootstrapOptions& options) {
+results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results::BootstrapOptions& options) {
   const evaluation::CrossedResults all = all_by_object(runs);
   const Times times(timed);
   const Ranges ranges = ranges_of(runs);
@@ -237,8 +217,8 @@ TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results:
   const auto of_times = [&](double q) {
     return evaluation::figure_over_objects(times.runs, times.us(q), options, {.lowest = 0});
   };
-  TradeResult result;
-  TradeFigures& figures = result.figures;
+  results::TradeResult result;
+  results::TradeFigures& figures = result.figures;
   figures.accuracy = figure(accuracy_in(runs), ranges.accuracy);
   figures.us_p50 = of_times(0.5);
   figures.us_p99 = of_times(0.99);
@@ -260,15 +240,7 @@ TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results:
   return result;
 }
 
-void to_json(nlohmann::json& json, const TradeDifference& difference) {
-  json = {{"accuracy", difference.accuracy},
-          {"delay_us", difference.delay_us},
-          {"missed", difference.missed},
-          {"episodes_per_min", difference.episodes_per_min},
-          {"us", {{"p50", difference.us_p50}, {"p99", difference.us_p99}}}};
-}
-
-TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, const results::BootstrapOptions& options) {
+results::TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, const results::BootstrapOptions& options) {
   const auto is_same = [](const results::JudgedRun& one, const results::JudgedRun& other) {
     return one.object == other.object && one.run == other.run && one.training == other.training;
   };
@@ -289,13 +261,14 @@ TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, co
   const evaluation::CrossedResults all = all_by_object(a.runs);
   const Ranges ranges = ranges_of(a.runs);
   const Times of_a(a.timed), of_b(b.timed);
-  TradeDifference difference{.accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
-                             .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5), both_ways(ranges.delay)),
-                             .missed = over(all, missed_in(a.runs), missed_in(b.runs), both_ways(ranges.missed)),
-                             .episodes_per_min = over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels),
-                                                      both_ways(ranges.per_min)),
-                             .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5), {}),
-                             .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99), {})};
+  results::TradeDifference difference{
+      .accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
+      .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5), both_ways(ranges.delay)),
+      .missed = over(all, missed_in(a.runs), missed_in(b.runs), both_ways(ranges.missed)),
+      .episodes_per_min =
+          over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels), both_ways(ranges.per_min)),
+      .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5), {}),
+      .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99), {})};
   add_to(difference.delay_us, of_b.computing_us() - of_a.computing_us());
   return difference;
 }

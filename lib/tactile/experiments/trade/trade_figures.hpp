@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +15,7 @@
 #include "tactile/experiments/trade/recommendation.hpp"
 #include "tactile/experiments/trade/tick_quantiles.hpp"
 #include "tactile/experiments/trade/tick_times.hpp"
+#include "tactile/results/traded_setting.hpp"
 
 namespace tactile::trade {
 
@@ -55,30 +55,10 @@ TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::o
 /// releases and motion without labels are not known. A long episode counts again for each further 500 ms.
 results::FalseAlarms outside_labels(const results::FalseAlarms& counts);
 
-/// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a tick
-/// whose gate is open, as it is at each detection. The intervals of false alarms are wider if there are few alarms.
-struct TradeResult {
-  TradeFigures figures;
-  results::Figure delay_mean_us;         ///< of the detected presses and slips
-  results::Figure false_alarms_per_min;  ///< of none time, without releases and motion without labels
-  std::uint64_t intervals = 0, misses = 0, early = 0, alarms = 0;
-  std::uint64_t episodes = 0;  ///< outside labels
-  std::uint64_t ticks = 0;     ///< timed
-};
-
-void to_json(nlohmann::json& json, const TradeResult& result);
-
 /// @param runs   of every training
 /// @param timed  with the network of one training
-TradeResult result_of(std::span<const TradedRun> runs, std::span<const TimedRun> timed,
-                      const results::BootstrapOptions& options = {});
-
-/// `b - a` on the same trainings and runs in the same order, also in each draw of the bootstrap.
-struct TradeDifference {
-  results::Figure accuracy, delay_us, missed, episodes_per_min, us_p50, us_p99;  ///< `delay_us` of the medians
-};
-
-void to_json(nlohmann::json& json, const TradeDifference& difference);
+results::TradeResult result_of(std::span<const TradedRun> runs, std::span<const TimedRun> timed,
+                               const results::BootstrapOptions& options = {});
 
 /// What a difference is taken of.
 struct TradeOutcomes {
@@ -86,7 +66,9 @@ struct TradeOutcomes {
   std::span<const TimedRun> timed;
 };
 
-/// @throws Error  if they are not of the same trainings and runs
-TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b, const results::BootstrapOptions& options = {});
+/// `b - a`, also in each draw of the bootstrap.
+/// @throws Error  if they are not of the same trainings and runs in the same order
+results::TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b,
+                                       const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::trade

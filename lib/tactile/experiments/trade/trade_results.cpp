@@ -36,23 +36,20 @@ std::string judged_by(const TradePlan& plan) {
       trainings);
 }
 
-json front_json(const TradePoint& point) {
-  const auto share = [](const std::optional<double>& value) { return value ? json(*value) : json(); };
-  const FrontProbability& probability = point.front_probability;
-  return {{"accuracy", point.on_accuracy_front},
-          {"delay", point.on_delay_front},
-          {"probability", {{"accuracy", share(probability.accuracy)}, {"delay", share(probability.delay)}}}};
-}
-
 json point_json(const TradePoint& point, const TradeSetting& usual) {
-  json networks = json::array();
-  for (const TradeNetwork& network : point.networks) networks.push_back(network.name());
-  json entry = {{"id", id_of(point.setting)}, {"text", text_of(point.setting, usual)},
-                {"design", point.design},     {"setting", point.setting},
-                {"models", networks},         {"trainings", point.networks.size()},
-                {"choice", point.choice},     {"reported", point.reported},
-                {"difference", nullptr},      {"front", front_json(point)}};
-  if (point.difference) entry["difference"] = *point.difference;
+  json entry = results::TradedSetting{.text = text_of(point.setting, usual),
+                                      .design = point.design,
+                                      .trainings = point.networks.size(),
+                                      .choice = point.choice,
+                                      .reported = point.reported,
+                                      .difference = point.difference,
+                                      .on_accuracy_front = point.on_accuracy_front,
+                                      .on_delay_front = point.on_delay_front,
+                                      .front_probability = point.front_probability};
+  entry["id"] = id_of(point.setting);
+  entry["setting"] = point.setting;
+  entry["models"] = json::array();
+  for (const TradeNetwork& network : point.networks) entry["models"].push_back(network.name());
   return entry;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double margin_of_shares = 0.01, margin_of_delay_us = 1000, margin_of_episodes = 1;
 
-bool is_faster(const TradeDifference& difference) {
+bool is_faster(const results::TradeDifference& difference) {
   const auto is_below = [](const results::Figure& us) { return us.high && *us.high < 0; };
   return is_below(difference.us_p50) && is_below(difference.us_p99);
 }
@@ -19,7 +19,7 @@ bool is_faster(const TradeDifference& difference) {
 /// Fewer trainings decide nothing, as in a study.
 constexpr std::size_t fewest_trainings = 5;
 
-bool is_better(const TradeDifference& difference) {
+bool is_better(const results::TradeDifference& difference) {
   if (difference.accuracy.trainings < fewest_trainings) return false;
   const auto at_most = [](const results::Figure& figure, double most) { return figure.high && *figure.high <= most; };
   return is_faster(difference) && difference.accuracy.low && *difference.accuracy.low >= -margin_of_shares &&
@@ -28,7 +28,7 @@ bool is_better(const TradeDifference& difference) {
 }
 
 std::string text_of(const TradePoint& point, const TradeSetting& usual) {
-  const TradeDifference& difference = *point.difference;
+  const results::TradeDifference& difference = *point.difference;
   return fmt::format(
       "{} (time in half of the ticks {}, accuracy {}, delay {}, misses {}, false alarms {})", text_of(point.setting, usual),
       text_of(difference.us_p50, " us", "+.0f"), text_of(scaled(difference.accuracy, 100), " points", "+.1f"),

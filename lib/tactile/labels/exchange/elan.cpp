@@ -68,7 +68,7 @@ std::vector<Annotation> touches_of(const LabelsToExport& labels) {
     }
     if (!annotations.empty() && annotation.start_ms < annotations.back().end_ms) {
       throw Error(
-          fmt::format("{}: {} and {} meet within one millisecond, which ELAN cannot tell apart; expected another --format",
+          fmt::format("{}: {} and {} meet within one millisecond, which ELAN cannot distinguish; expected another --format",
                       labels.run, annotations.back().id, interval.id));
     }
     annotations.push_back(std::move(annotation));

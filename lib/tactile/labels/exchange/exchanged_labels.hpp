@@ -72,7 +72,7 @@ struct ImportedLabels {
   std::string where;                    ///< the file
   std::optional<std::string> run = {};  ///< "fan/01", if the file names it
   std::optional<FileTimes> times = {};  ///< if the file declares them
-  bool looked_at = true;                ///< false: nobody has annotated this run yet, so it is not changed
+  bool looked_at = true;                ///< false: no person has annotated this run yet, so it is not changed
   /// What the file's tool can show. An interval that begins before or is shorter is missing in the file, and not removed.
   std::int64_t earliest_us = std::numeric_limits<std::int64_t>::min(), shortest_us = 0;
   std::vector<ImportedInterval> intervals = {};

@@ -27,7 +27,8 @@ void from_json(const nlohmann::json& json, Gate& gate) {
   gate.intervals = member<std::uint64_t>(json, "intervals", where);
   const bool is_sound = std::is_sorted(gate.ratios.begin(), gate.ratios.end()) && gate.ratios.size() <= gate.intervals &&
                         std::all_of(gate.ratios.begin(), gate.ratios.end(), [](double ratio) { return std::isfinite(ratio); });
-  if (!is_sound) throw Error(where + ": ratios that are not finite and ascending, or more than intervals; expected such");
+  if (!is_sound)
+    throw Error(where + ": its ratios cannot be used; expected finite ratios in ascending order, at most one per interval");
 }
 
 Gate calibrated_gate(const std::vector<std::uint64_t>& counts, double share) {

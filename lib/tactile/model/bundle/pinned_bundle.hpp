@@ -20,7 +20,7 @@ void pin_bundle(const std::filesystem::path& models, const std::string& name);
 std::string unpin_bundle(const std::filesystem::path& models);
 
 /// The bundle in the folder `models` that `tactile train` made last, or found unchanged; the file `last` in it has its name.
-/// Trainings of `eval --unseen` do not count: nobody asked for one of them by itself.
+/// Trainings of `eval --unseen` do not count: no user asked for one of them alone.
 /// @return  nothing if no file has a name, or its bundle was removed
 std::optional<ModelBundle> last_bundle(const std::filesystem::path& models);
 

@@ -39,7 +39,7 @@ class DecisionFilter {
   DecisionFilter(const FilterSettings& settings, microseconds tick);
 
   Touch next(const Probabilities& probabilities);  ///< the verdict at the next tick
-  void skip(std::uint64_t ticks);                  ///< so many ticks without an observation
+  void skip(std::uint64_t ticks);                  ///< this many ticks have no observation
   void restart();                                  ///< the next tick begins in none
 
   const std::array<double, touch_count>& state() const { return state_; }  ///< of none, press, slip; the sum is 1
@@ -74,7 +74,7 @@ class RunningDecision {
   RunningDecision(const Decision& decision, microseconds tick);
 
   Touch next(Touch predicted, const Probabilities& probabilities);  ///< the verdict at the next tick
-  void skip(std::uint64_t ticks);                                   ///< so many ticks without a prediction
+  void skip(std::uint64_t ticks);                                   ///< this many ticks have no prediction
   void restart();
 
  private:

@@ -12,7 +12,7 @@
 
 namespace tactile::model {
 
-/// What happens to a training run in an epoch: with the chance 1/2 nothing; else one of the recipes, each alike, with a severity
+/// What is done to a training run in an epoch: with the chance 1/2 nothing; else one of the recipes, each alike, with a severity
 /// that is uniform between 0 and its own, rounded up where only whole ones are allowed. It depends on nothing else.
 /// @param epoch  from 1
 std::optional<recipes::Recipe> drawn_stress(std::span<const recipes::Recipe> recipes, std::uint64_t seed, unsigned epoch,

@@ -47,7 +47,7 @@ struct TrainModelOptions {
   bool resume = false;   ///< resumes from the state that an interrupted training of this name left, if any
   std::chrono::duration<double> save_every{30};  ///< between two saved states, in addition to those after each epoch; >= 0
   std::filesystem::path from{};                  ///< the bundle of `settings.from`
-  IfThere if_there = IfThere::replace;           ///< what happens to an existing bundle when training ends
+  IfThere if_there = IfThere::replace;           ///< what becomes of an existing bundle when training ends
   nlohmann::json command_settings{};             ///< for the bundle's `settings.json`; null: it has none
   std::filesystem::path tensorboard{};           ///< folder for an event file of the scalars of each epoch; empty: none
 

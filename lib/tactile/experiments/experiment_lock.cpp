@@ -1,4 +1,4 @@
-#include "tactile/experiments/folder_lock.hpp"
+#include "tactile/experiments/experiment_lock.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -9,7 +9,7 @@
 
 namespace tactile::experiments {
 
-FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& command) {
+ExperimentLock::ExperimentLock(const std::filesystem::path& folder, const std::string& command) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   file_ = ::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -20,6 +20,6 @@ FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& c
   }
 }
 
-FolderLock::~FolderLock() { ::close(file_); }
+ExperimentLock::~ExperimentLock() { ::close(file_); }
 
 }  // namespace tactile::experiments
