@@ -16,7 +16,6 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
-#include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/model/training/open_classifier.hpp"
@@ -176,8 +175,8 @@ struct RunsOfModel {
 void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_t)>& progress) {
   const std::optional<std::uint32_t> index = index_of(run);
   // `check_unchanged` has compared the hash of a run in the dataset with its file.
-  const bool learned_from = tactile::model::learned_from(
-      classifier.model(), index ? dataset->runs()[*index].events_sha256 : sha256_of_file(run.folder.events()));
+  const bool learned_from = index ? tactile::model::learned_from(classifier.model(), dataset->runs()[*index])
+                                  : tactile::model::learned_from(classifier.model(), run.folder.events());
   const evaluation::RunPrediction prediction = evaluation::predict_run(run.folder, classifier, options, progress);
   if (prediction.verdicts.empty()) {
     throw Error(fmt::format("{}: shorter than the history of {} ms; expected at least one full tick", run.folder.name(),

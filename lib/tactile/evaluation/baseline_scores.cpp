@@ -24,7 +24,7 @@ std::vector<std::uint32_t> training_runs_of(const windows::Dataset& dataset, con
   std::vector<std::uint32_t> runs;
   for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
     const auto& named = model.train_runs;
-    if (model::learned_from(model, dataset.runs()[run].events_sha256) &&
+    if (model::learned_from(model, dataset.runs()[run]) &&
         std::find(named.begin(), named.end(), name_of(dataset.runs()[run])) != named.end())
       runs.push_back(run);
   }

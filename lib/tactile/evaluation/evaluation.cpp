@@ -228,8 +228,7 @@ ProgressCallback part_of(const ProgressCallback& progress, double from, double t
 
 void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
                                 const model::Classifier& classifier) {
-  std::erase_if(runs,
-                [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run].events_sha256); });
+  std::erase_if(runs, [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run]); });
   if (model::samples_of_runs(dataset, runs).empty()) {
     throw Error(fmt::format("{}: no run with samples is left that {} neither learned from nor was calibrated on; expected one",
                             dataset.file().string(), classifier.bundle().string()));

@@ -91,7 +91,7 @@ results::UnseenComparison compare_unseen(const windows::Dataset& dataset, std::s
 std::vector<std::uint32_t> runs_neither_saw(const windows::Dataset& dataset, const model::ModelDescription& seen,
                                             const model::ModelDescription& held_out) {
   std::vector<std::uint32_t> runs = model::test_runs_of(dataset, held_out);
-  std::erase_if(runs, [&](std::uint32_t run) { return model::learned_from(seen, dataset.runs()[run].events_sha256); });
+  std::erase_if(runs, [&](std::uint32_t run) { return model::learned_from(seen, dataset.runs()[run]); });
   if (model::samples_of_runs(dataset, runs).empty()) {
     throw Error(
         fmt::format("{}: every run of the held-out objects with samples was used to train one of the models; expected "
