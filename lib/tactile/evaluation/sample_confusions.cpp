@@ -52,7 +52,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     });
     return confusions;
   }
-  for_full_runs(dataset, classifier, runs, threads, progress,
+  for_full_runs(dataset, runs, ticks_of_unchanged(dataset, classifier, runs, threads), threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                   results::FullRun run =
                       classify_full_run(folder_of(dataset, runs[i]).events(), classifier,

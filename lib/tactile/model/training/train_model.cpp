@@ -174,10 +174,16 @@ std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const M
 }
 
 std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
-  std::vector<std::uint32_t> samples;
-  for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
-    if (std::find(run_indexes.begin(), run_indexes.end(), dataset.samples()[i].run_index) != run_indexes.end())
-      samples.push_back(i);
+  // Samples are sorted by run, and there may be many of both.
+  std::vector<std::uint32_t> runs(run_indexes.begin(), run_indexes.end()), samples;
+  std::sort(runs.begin(), runs.end());
+  runs.erase(std::unique(runs.begin(), runs.end()), runs.end());
+  const std::span<const windows::Sample> all = dataset.samples();
+  for (const std::uint32_t run : runs) {
+    const auto first = std::lower_bound(
+        all.begin(), all.end(), run, [](const windows::Sample& sample, std::uint32_t index) { return sample.run_index < index; });
+    for (auto sample = first; sample != all.end() && sample->run_index == run; ++sample)
+      samples.push_back(static_cast<std::uint32_t>(sample - all.begin()));
   }
   return samples;
 }
