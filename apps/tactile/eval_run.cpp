@@ -239,6 +239,8 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     });
   }
   if (shown.rows.empty()) return end_with(errors);
+  const fs::path folder = stem_of(args, bundle, runs.front().folder).parent_path();
+  write_settings(common, folder / "settings.json", {{"model", bundle.folder.string()}});
   print_result(
       common,
       {{"model", bundle.folder.string()}, {"confirm", args.decision.confirm}, {"engine", args.engine}, {"runs", shown.json}},
