@@ -109,7 +109,9 @@ void add_info_command(CLI::App& app) {
   auto args = std::make_shared<InfoArguments>();
   Command command = add_command(app, "info", "Show the contents of recordings: streams, rates, gaps, hot pixels, health",
                                 [args](const CommonArguments& common) { report_on(*args, common); });
-  command.add_option("files", args->places, "Recordings, ROS bags, runs, or folders of runs").type_name("FILE|RUN").required();
+  command.add_option("files", args->places, "Recordings, ROS bags, runs, folders of runs, or one model")
+      .type_name("FILE|RUN")
+      .required();
   command.add_option("--stream", args->report.stream, "Show only this event stream, given by id or source")
       .type_name("ID|SOURCE");
   command.add_option("--gap-ms", args->report.gap_ms, "Report gaps without data longer than this [ms]")
