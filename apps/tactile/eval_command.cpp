@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
@@ -307,6 +308,7 @@ void add_eval_command(CLI::App& app) {
           .type_name("RUN,...")
           .excludes(unseen);
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder").needs(run);
+  add_camera_time_option(command, args->camera_time).needs(run);
 }
 
 }  // namespace tactile::cli

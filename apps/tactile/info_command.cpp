@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bag_report.hpp"
+#include "camera_time.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
@@ -118,6 +119,7 @@ void add_info_command(CLI::App& app) {
       .check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       .show_default();
   command.add_flag("--verbose", args->report.verbose, "Show each of several recordings in full");
+  add_camera_time_option(command, args->report.camera_time);
   command.add_flag("--check", args->report.check,
                    "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "
                    "damaged or misnamed");

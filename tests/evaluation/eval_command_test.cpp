@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -229,6 +230,21 @@ TEST(EvalCommand, AgreesWithAnIndependentComputation) {
     EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
     EXPECT_NE(checked.out.find("figures agree"), std::string::npos) << checked.out;
   }
+}
+
+TEST(EvalCommand, PrintsOnsetsInSecondsSinceTheFirstEventOrInCameraTime) {
+  const Trained trained({"fan", "usb-hub"}, 2, 1);
+  const double first_s =
+      1e-6 * static_cast<double>(us_of(test::events_in_file(trained.folder / "data/fan/02/events.aedat4").front().t));
+  ASSERT_GT(first_s, 1) << "otherwise both would look alike";
+  const auto labels = read_json(trained.folder / "data/fan/02/labels.json");
+  const double press_s = 1e-6 * labels.at("intervals")[0].at("start_us").get<double>();
+  for (const auto& [option, zero_s] : {std::pair("", first_s), std::pair(" --camera-time", 0.0)}) {
+    const auto shown = run_tactile(std::string("eval --run fan/02") + option, trained.folder.path());
+    ASSERT_EQ(shown.exit_code, 0) << shown.err;
+    EXPECT_NE(shown.out.find(fmt::format("{:.4f}", press_s - zero_s)), std::string::npos) << shown.out;
+  }
+  EXPECT_NE(run_tactile("eval --camera-time", trained.folder.path()).exit_code, 0) << "needs --run";
 }
 
 TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
