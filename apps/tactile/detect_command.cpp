@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
@@ -217,7 +218,7 @@ void add_model_options(Command& command, DetectArguments& args) {
 
 void add_output_options(Command& command, DetectArguments& args) {
   command.add_option("--udp", args.udp, "Send a record at each tick to this address, HOST:PORT").type_name("ADDRESS");
-  command.add_flag("--camera-time", args.camera_time, "Print camera times instead of seconds since the first event");
+  add_camera_time_option(command, args.camera_time);
   command.add_option("--ticks", args.ticks, "Write every tick to this CSV file").type_name("FILE.csv");
   add_page_option(command, "--page", args.page, "Show verdicts on a local page while it runs, at this port; 0 takes a free port");
   command.add_option("--plot", args.plot, "Draw probabilities, events and truth over time").type_name("FILE.png|FILE.svg");

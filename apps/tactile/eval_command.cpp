@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
@@ -26,6 +27,7 @@
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
+#include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
@@ -112,6 +114,17 @@ std::string sentence_on_learning(const model::ModelBundle& bundle, const windows
       left_out > 1 ? "are" : "is");
 }
 
+/// Measures how long a tick takes, on the first test run, and keeps it for `tactile models`.
+std::optional<evaluation::TickSpeed> measured_speed(const windows::Dataset& dataset, std::uint32_t run,
+                                                    const model::Classifier& classifier, const model::ModelBundle& bundle) {
+  const auto speed = evaluation::measure_tick_speed(dataset.run_folder(run) / "events.aedat4", classifier);
+  if (!speed) return speed;
+  nlohmann::json json = *speed;
+  json["engine"] = name_of(classifier.engine());
+  write_json(evaluation::speed_file(bundle), json);
+  return speed;
+}
+
 void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   const fs::path file = dataset_file(args.data);
   if (!fs::exists(file)) {
@@ -146,7 +159,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   const std::string learning = options.of_another_dataset
                                    ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
                                    : "";
-  print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + learning + written);
+  const auto speed = measured_speed(dataset, runs.front(), classifier, bundle);
+  print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation, speed)) + learning + written);
 }
 
 /// Trainings with and without objects, and the runs to compare them on.
@@ -296,6 +310,7 @@ void add_eval_command(CLI::App& app) {
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder")
       .type_name("DIR")
       .needs(run);
+  add_camera_time_option(command, args->camera_time).needs(run);
 }
 
 }  // namespace tactile::cli

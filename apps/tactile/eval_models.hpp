@@ -24,6 +24,7 @@ struct EvalArguments {
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has
   std::vector<std::string> runs;      ///< to show over time, instead of the evaluation
   std::string out;
+  bool camera_time = false;
 };
 
 /// The command that trains a model with these settings.

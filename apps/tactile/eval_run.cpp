@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "chosen_model.hpp"
 #include "model_arguments.hpp"
 #include "tactile/core/duration_units.hpp"
@@ -16,7 +17,6 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
-#include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/model/training/open_classifier.hpp"
@@ -146,13 +146,20 @@ std::map<CameraTime, Touch> samples_of(const windows::Dataset& dataset, std::uin
 
 /// The row of a run in the table.
 std::vector<std::string> row_of(const evaluation::RunPrediction& prediction, bool learned_from) {
-  std::string outcomes;
-  for (const results::Detection& detection : prediction.detections)
-    outcomes += fmt::format("{}{} {}", outcomes.empty() ? "" : ", ", name_of(detection.interval.touch), words_of(detection));
   const auto count = [&](std::uint64_t alarms) { return prediction.truth.labels.empty() ? "-" : std::to_string(alarms); };
-  return {prediction.run + (learned_from ? " (learned from)" : ""), std::to_string(prediction.verdicts.size()),
-          count(prediction.false_alarms.outside_labels), count(prediction.false_alarms.wrong_class),
-          outcomes.empty() ? "no labels" : outcomes};
+  return {prediction.run, std::to_string(prediction.verdicts.size()), count(prediction.false_alarms.outside_labels),
+          count(prediction.false_alarms.wrong_class), learned_from ? "learned from" : ""};
+}
+
+/// The rows of a run's intervals in their table.
+std::vector<std::vector<std::string>> interval_rows(const evaluation::RunPrediction& prediction, bool camera_time) {
+  std::vector<std::vector<std::string>> rows;
+  const CameraTime zero = zero_of_times(camera_time, prediction.first_event.value_or(CameraTime{}));
+  for (const results::Detection& detection : prediction.detections) {
+    rows.push_back({prediction.run, std::string(name_of(detection.interval.touch)),
+                    fmt::format("{:.4f}", in_s(between(zero, detection.interval.start))), words_of(detection)});
+  }
+  return rows;
 }
 
 /// Predicts runs at every tick with one model, and writes the files of each.
@@ -163,7 +170,7 @@ struct RunsOfModel {
   const model::Classifier& classifier;
   const evaluation::PredictionOptions& options;
   nlohmann::json json = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows = {};
+  std::vector<std::vector<std::string>> rows = {}, intervals = {};
 
   /// The run's index in the dataset, if the model was trained on this dataset.
   std::optional<std::uint32_t> index_of(const ChosenRun& run) const {
@@ -176,8 +183,8 @@ struct RunsOfModel {
 void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_t)>& progress) {
   const std::optional<std::uint32_t> index = index_of(run);
   // `check_unchanged` has compared the hash of a run in the dataset with its file.
-  const bool learned_from = tactile::model::learned_from(
-      classifier.model(), index ? dataset->runs()[*index].events_sha256 : sha256_of_file(run.folder.events()));
+  const bool learned_from = index ? tactile::model::learned_from(classifier.model(), dataset->runs()[*index])
+                                  : tactile::model::learned_from(classifier.model(), run.folder.events());
   const evaluation::RunPrediction prediction = evaluation::predict_run(run.folder, classifier, options, progress);
   if (prediction.verdicts.empty()) {
     throw Error(fmt::format("{}: shorter than the history of {} ms; expected at least one full tick", run.folder.name(),
@@ -195,6 +202,7 @@ void RunsOfModel::show(const ChosenRun& run, const std::function<void(std::size_
   json.push_back(json_of(prediction, bundle, learned_from, stem));
   json.back()["warnings"] = remark.empty() ? nlohmann::json::array() : nlohmann::json{remark};
   rows.push_back(row_of(prediction, learned_from));
+  for (std::vector<std::string>& row : interval_rows(prediction, args.camera_time)) intervals.push_back(std::move(row));
   spdlog::info("{}: {}", run.folder.name(), stem.string() + ".csv, .png, .svg");
 }
 
@@ -240,13 +248,15 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
     });
   }
   if (shown.rows.empty()) return end_with(errors);
+  const fs::path folder = stem_of(args, bundle, runs.front().folder).parent_path();
+  write_settings(common, folder / "settings.json", {{"model", bundle.folder.string()}});
   print_result(
       common,
       {{"model", bundle.folder.string()}, {"confirm", args.decision.confirm}, {"engine", args.engine}, {"runs", shown.json}},
       fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
-          text_table({"run", "ticks", "alarms outside labels", "of wrong class", "intervals and their delay"}, shown.rows) +
-          "\nWritten to " + stem_of(args, bundle, runs.front().folder).parent_path().string() +
-          ": a CSV, JSON, PNG and SVG each\n");
+          text_table({"run", "ticks", "alarms outside labels", "of wrong class", ""}, shown.rows) +
+          (shown.intervals.empty() ? "" : "\n" + text_table({"run", "label", "onset [s]", "delay"}, shown.intervals)) +
+          "\nWritten to " + folder.string() + ": a CSV, JSON, PNG and SVG each\n");
   end_with(errors);
 }
 

@@ -61,7 +61,7 @@ std::string comparison_with_baselines(const results::Evaluation& evaluation) {
   return "The model's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".";
 }
 
-std::string summary_of(const results::Evaluation& evaluation) {
+std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {
   const results::Figure& accuracy = evaluation.accuracy.mean;
   std::vector<std::pair<std::string, std::string>> lines{
       {"accuracy", fmt::format("{}, mean over {} objects, {} runs", percent_of(accuracy), evaluation.accuracy.objects.size(),
@@ -79,6 +79,10 @@ std::string summary_of(const results::Evaluation& evaluation) {
   if (const auto& off = evaluation.gate_off; off && off->ticks > 0) {
     const double share = static_cast<double>(off->gated) / static_cast<double>(off->ticks);
     lines.emplace_back("gate", fmt::format("skips the model at {:.1f} % of {} ticks", 100 * share, off->ticks));
+  }
+  if (speed) {
+    lines.emplace_back("time per tick", fmt::format("{:.0f} us in half of the ticks, {:.0f} us in 99 of 100, of one core",
+                                                    speed->us_p50, speed->us_p99));
   }
   return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + wrapped(comparison_with_baselines(evaluation)) + "\n" +
          "In brackets: 95 % intervals. --verbose prints all tables.\n";

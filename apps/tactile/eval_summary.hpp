@@ -1,14 +1,17 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/results/evaluation.hpp"
 
 namespace tactile::cli {
 
 /// The results of an evaluation in a few lines: accuracy, best baseline, delays with misses, false alarms, wrong class. The
 /// tables of `text_of` have the rest.
-std::string summary_of(const results::Evaluation& evaluation);
+/// @param speed  of the model, if it was measured
+std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed = {});
 
 /// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks, gated"
 std::string heading_of(const results::Evaluation& evaluation);

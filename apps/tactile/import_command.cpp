@@ -15,7 +15,7 @@
 #include "converted_source.hpp"
 #include "option_checks.hpp"
 #include "recording_report.hpp"
-#include "robot_columns.hpp"
+#include "splitting_arguments.hpp"
 #include "tactile/bags/bag.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
@@ -35,9 +35,8 @@ namespace fs = std::filesystem;
 
 struct ImportCommandArguments {
   std::vector<std::string> recordings;
-  std::string data = "data";
   std::string object, run;
-  std::string robot, robot_columns, video, stream, session;
+  SplittingArguments splitting;
 };
 
 /// A name that the user gave, and the one that a run folder needs.
@@ -138,21 +137,19 @@ std::string label_text(const std::string& runs, bool several, const std::vector<
 ImportedRun import_one(const std::string& recording, const ImportCommandArguments& args, const RunNames& names,
                        const CommonArguments& common) {
   std::optional<ConvertedSource> converted;
-  if (needs_conversion(recording)) converted.emplace(recording, args.data, common);
+  if (needs_conversion(recording)) converted.emplace(recording, args.splitting.data, common);
   splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(recording);
-  if (!args.robot.empty()) source.robot = args.robot;
-  source.robot_columns = args.robot_columns;
-  if (!args.video.empty()) splitting::set_video(source, args.video);
+  set_devices(source, args.splitting);
   if (names.first_run) {
     const std::string id = run_id_of(*names.first_run);
-    check_free({fs::path(args.data) / names.object / id, names.object, id}, source);
+    check_free({fs::path(args.splitting.data) / names.object / id, names.object, id}, source);
   }
   events::RecordingReader reader(source.recording, common.threads);
   // A recording without cuts is one run, with all of its robot log and film.
-  const splitting::SplitProposal whole = splitting::proposal_with(source, reader, {}, {.stream = args.stream});
+  const splitting::SplitProposal whole = splitting::proposal_with(source, reader, {}, {.stream = args.splitting.stream});
   splitting::SplitResult result = splitting::split_recording(
       source, reader, whole,
-      {.data = args.data, .objects = {names.object}, .first_run = names.first_run, .session = args.session},
+      {.data = args.splitting.data, .objects = {names.object}, .first_run = names.first_run, .session = args.splitting.session},
       progress_line(common));
   warn_of_losses(recording, result.problems);
   ImportedRun imported{.recording = recording, .made = std::move(result.runs.front()), .report = {}, .lacks = {}};
@@ -176,7 +173,7 @@ nlohmann::json json_of(const ImportCommandArguments& args, const RunNames& names
                    {"reasons", run.report.health.reasons},
                    {"lacks", run.lacks}});
   }
-  return {{"data", args.data}, {"renamed", renamed}, {"runs", all}};
+  return {{"data", args.splitting.data}, {"renamed", renamed}, {"runs", all}};
 }
 
 std::string text_of(const ImportCommandArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
@@ -194,7 +191,7 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
   text += text_table({"run", "from", ""}, rows) + "\n" + summary_of(reports, as_info_check());
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
-  const fs::path object = fs::path(args.data) / names.object;
+  const fs::path object = fs::path(args.splitting.data) / names.object;
   return text + fmt::format("Next: tactile label {}\n", shell_word(object.string()));
 }
 
@@ -234,23 +231,7 @@ void add_import_command(CLI::App& app) {
   command.add_option("--run", args->run, "Number of the run, or of the first of several; default: after the highest existing run")
       .type_name("NN")
       .check(Check{check_run_number, "1 to 99"});
-  command.add_option("--out", args->data, "Folder of runs").type_name("DATA").show_default();
-  command.add_option("--robot", args->robot, "Robot log; default: robot.csv next to events.aedat4")
-      .type_name("FILE")
-      .check(is_existing_file());
-  add_robot_columns_option(command, args->robot_columns);
-  command
-      .add_option("--video", args->video,
-                  "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
-      .type_name("FILE")
-      .check(is_existing_file());
-  command
-      .add_option("--session", args->session,
-                  "Session of the runs, if several recordings share one start of camera and controller; default: a "
-                  "separate one for each recording")
-      .type_name("NAME");
-  command.add_option("--stream", args->stream, "Event stream to use, if a recording has several; all streams are kept")
-      .type_name("ID|SOURCE");
+  add_splitting_options(command, args->splitting);
 }
 
 }  // namespace tactile::cli

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bag_report.hpp"
+#include "camera_time.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
@@ -111,13 +112,16 @@ void add_info_command(CLI::App& app) {
   auto args = std::make_shared<InfoArguments>();
   Command command = add_command(app, "info", "Show the contents of recordings: streams, rates, gaps, hot pixels, health",
                                 [args](const CommonArguments& common) { report_on(*args, common); });
-  command.add_option("files", args->places, "Recordings, ROS bags, runs, or folders of runs").type_name("FILE|RUN").required();
+  command.add_option("files", args->places, "Recordings, ROS bags, runs, folders of runs, or one model")
+      .type_name("FILE|RUN")
+      .required();
   command.add_option("--stream", args->report.stream, "Show only this event stream, given by id or source")
       .type_name("ID|SOURCE");
   command.add_option("--gap-ms", args->report.gap_ms, "Report gaps without data longer than this [ms]")
       .check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       .show_default();
   command.add_flag("--verbose", args->report.verbose, "Show each of several recordings in full");
+  add_camera_time_option(command, args->report.camera_time);
   command.add_flag("--check", args->report.check,
                    "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "
                    "damaged or misnamed");

@@ -6,6 +6,7 @@
 #include <array>
 #include <opencv2/core/types.hpp>
 
+#include "camera_time.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "label_edits.hpp"
@@ -35,6 +36,7 @@ struct LabelArguments {
   bool summary = false;
   bool strict = false;
   bool no_pictures = false;
+  bool camera_time = false;
   std::string roi;
   std::string robot_columns;
   std::string mask;
@@ -113,7 +115,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
     }
     (run.unchanged ? outcome.kept.emplace_back(run.run.name()), labelled : ++labelled);
     const CameraTime first = first_event_of(run.labels, run.run);
-    outcome.labelled.push_back({std::move(run.run), std::move(run.labels), first});
+    outcome.labelled.push_back({std::move(run.run), std::move(run.labels), first, zero_of_times(arguments.camera_time, first)});
   }
   pictures.warn_of_failures();
   const auto so_many = [](std::size_t count) { return count == 1 ? std::string("1 run") : fmt::format("{} runs", count); };
@@ -126,7 +128,7 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
 }
 
 /// Of the labels that are there.
-Outcome read_runs(std::vector<RunFolder> runs) {
+Outcome read_runs(std::vector<RunFolder> runs, bool camera_time) {
   std::vector<std::string> without;
   std::erase_if(runs, [&](const RunFolder& run) {
     if (is_there(run.labels())) return false;
@@ -140,7 +142,7 @@ Outcome read_runs(std::vector<RunFolder> runs) {
     try {
       labels::Labels labels = labels::read_labels(run.labels());
       const CameraTime first = first_event_of(labels, run);
-      outcome.labelled.push_back({run, std::move(labels), first});
+      outcome.labelled.push_back({run, std::move(labels), first, zero_of_times(camera_time, first)});
     } catch (const std::exception& e) {
       outcome.failures.push_back(sentence_of(e, run.name()));
     }
@@ -179,7 +181,7 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
       return label_all(common, arguments, {unlabelled.begin(), unlabelled.end()}).failures;
     });
   }
-  Outcome outcome = arguments.summary ? read_runs(runs) : label_all(common, arguments, runs);
+  Outcome outcome = arguments.summary ? read_runs(runs, arguments.camera_time) : label_all(common, arguments, runs);
   outcome.failures.insert(outcome.failures.end(), found.unreadable.begin(), found.unreadable.end());
   const std::vector<LabelledRun>& labelled = outcome.labelled;
   nlohmann::json json = {
@@ -225,6 +227,7 @@ void add_label_command(CLI::App& app) {
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
           .excludes(summary);
+  add_camera_time_option(command, arguments->camera_time);
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);
   add_label_edit_options(command, arguments->edits);
 }

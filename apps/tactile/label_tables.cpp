@@ -41,7 +41,7 @@ std::optional<microseconds> lag_of(const labels::Labels& labels) {
 std::string onset_text(const LabelledRun& labelled, Touch touch) {
   const labels::LabelledInterval* interval = first_of(labelled.labels, touch);
   if (interval == nullptr) return "-";
-  return fmt::format("{} ±{}", ms(between(labelled.first_event, interval->start.at)),
+  return fmt::format("{:.4f} ±{}", in_s(between(labelled.zero, interval->start.at)),
                      ms(between(interval->start.low, interval->start.high) / 2));
 }
 
@@ -248,7 +248,9 @@ std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods) 
   }
   const bool has_lag =
       std::any_of(runs.begin(), runs.end(), [](const LabelledRun& labelled) { return lag_of(labelled.labels).has_value(); });
-  std::string legend = "Times in ms. Onsets count from a run's first event; ± is half of their 95 % interval.";
+  const bool since_first = runs.front().zero == runs.front().first_event;
+  std::string legend = fmt::format("Onsets in seconds {}, all other times in ms; ± is half of an onset's 95 % interval.",
+                                   since_first ? "since a run's first event" : "of the camera's clock");
   if (!methods.legend().empty()) legend += " For a clock, ± is half of its offset's 95 % interval.";
   if (has_lag) legend += " Lift to slip includes the robot clock's error. It is negative only because of this error.";
   return text + wrapped(legend) + "\n" + (with_methods ? methods.legend() : "") + advice_on_sessions(runs);

@@ -9,7 +9,8 @@ namespace tactile::cli {
 struct LabelledRun {
   RunFolder run;
   labels::Labels labels;
-  CameraTime first_event{};  ///< zero of the times in tables
+  CameraTime first_event{};
+  CameraTime zero{};  ///< of the times in tables, as `zero_of_times`
 };
 
 }  // namespace tactile::cli

@@ -17,6 +17,9 @@
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/runs_below.hpp"
+#include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/review/model_list.hpp"
@@ -41,7 +44,7 @@ std::uint64_t bytes_below(const fs::path& folder) {
   return bytes;
 }
 
-/// As `review::models_json`, with the size of each bundle and whether it is pinned.
+/// As `review::models_json`, with the size of each bundle, whether it is pinned, and the time of a tick as `eval` measured it.
 json listed(const fs::path& models) {
   const auto pinned = model::pinned_bundle(models);
   json list = review::models_json(models);
@@ -49,6 +52,8 @@ json listed(const fs::path& models) {
     const std::string name = entry.at("name");
     entry["bytes"] = bytes_below(models / name);
     entry["pinned"] = pinned && pinned->name() == name;
+    const fs::path speed = evaluation::speed_file({models / name});
+    entry["speed"] = is_file(speed) ? read_json(speed) : json();
   }
   return list;
 }
@@ -61,7 +66,7 @@ const json& entry_of(const json& list, const std::string& name, const std::strin
 
 /// What a model was found to do: names and texts, the same for every model.
 std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
-  const json& eval = entry.at("eval");
+  const json &eval = entry.at("eval"), &speed = entry.at("speed");
   const auto text = [&](const char* key, double scale) { return eval.is_null() ? "-" : figure_text(eval.at(key), scale, 1); };
   return {{"accuracy [%]", text("accuracy", 100)},
           {"press delay, median [ms]", text("press_delay_ms", 1)},
@@ -69,7 +74,10 @@ std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
           {"presses missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("press"), 100, 1)},
           {"slips missed [%]", eval.is_null() ? "-" : figure_text(eval.at("missed").at("slip"), 100, 1)},
           {"false alarms [1/min]", text("false_alarms_per_min", 1)},
-          {"size", bytes_text(entry.at("bytes").get<std::uint64_t>())}};
+          {"size", bytes_text(entry.at("bytes").get<std::uint64_t>())},
+          {"time per tick [us]", speed.is_null() ? "-"
+                                                 : fmt::format("{:.0f}, 99 % within {:.0f}", speed.at("us_p50").get<double>(),
+                                                               speed.at("us_p99").get<double>())}};
 }
 
 std::string shown_value(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }

@@ -20,6 +20,7 @@ struct ReportOptions {
   std::int64_t gap_ms = 100;  ///< report gaps without data longer than this [ms], > 0
   bool check = false;         ///< compare checksums
   bool verbose = false;       ///< of several recordings, show each in full
+  bool camera_time = false;   ///< show camera times instead of seconds since the first event
 };
 
 /// A recording, or a run with its recording.

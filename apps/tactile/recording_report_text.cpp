@@ -1,13 +1,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "quantity_text.hpp"
 #include "readout_text.hpp"
 #include "recording_report.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "text_table.hpp"
 
@@ -44,7 +45,14 @@ std::string title_of(const events::Stream& stream) {
   return fmt::format("{}  {}{}", stream.id, known, stream.name.empty() || stream.name == type ? "" : " \"" + stream.name + "\"");
 }
 
-std::string stream_table(const events::RecordingHealth& health) {
+/// The zero of the shown times. A recording without events counts from its first element.
+CameraTime zero_of(const events::RecordingHealth& health, const ReportOptions& options) {
+  const events::StreamHealth* events = main_stream(health);
+  const bool has_events = events != nullptr && events->stamps.elements > 0;
+  return zero_of_times(options.camera_time, has_events ? events->stamps.first : health.first().value_or(CameraTime{}));
+}
+
+std::string stream_table(const events::RecordingHealth& health, CameraTime zero) {
   const bool several_cameras = std::any_of(health.streams.begin(), health.streams.end(), [&](const events::StreamHealth& s) {
     return s.stream.source != health.streams.front().stream.source;
   });
@@ -57,9 +65,7 @@ std::string stream_table(const events::RecordingHealth& health) {
                                  std::to_string(stream.bytes)};
     row.push_back(stamps.rate_hz() ? rate_text(*stamps.rate_hz()) : "-");
     for (const CameraTime t : {stamps.first, stamps.last}) {
-      row.push_back(stamps.elements == 0
-                        ? "-"
-                        : fmt::format("{:.6f} s", std::chrono::duration<double>(between(*health.first(), t)).count()));
+      row.push_back(stamps.elements == 0 ? "-" : fmt::format("{:.6f} s", in_s(between(zero, t))));
     }
     if (several_cameras) row.push_back(stream.stream.source);
     rows.push_back(std::move(row));
@@ -74,13 +80,12 @@ std::string stream_table(const events::RecordingHealth& health) {
   return indented;
 }
 
-std::string gaps_text(const events::StampHealth& stamps, const ReportOptions& options) {
+std::string gaps_text(const events::StampHealth& stamps, const ReportOptions& options, CameraTime zero) {
   if (stamps.gaps == 0) return fmt::format("none longer than {} ms", options.gap_ms);
   const auto longest = std::max_element(stamps.longest_gaps.begin(), stamps.longest_gaps.end(),
                                         [](const events::Gap& a, const events::Gap& b) { return a.length() < b.length(); });
   return fmt::format("{} longer than {} ms, {} in total; the longest {} from {:.6f} s on{}", stamps.gaps, options.gap_ms,
-                     duration_text(stamps.silent), duration_text(longest->length()),
-                     std::chrono::duration<double>(between(stamps.first, longest->begin)).count(),
+                     duration_text(stamps.silent), duration_text(longest->length()), in_s(between(zero, longest->begin)),
                      longest->imu_silent ? ", also without IMU samples" : "");
 }
 
@@ -97,7 +102,7 @@ std::string hot_pixels_text(const events::EventHealth& events, std::uint64_t all
   return text + (events.hot_pixels > shown ? " ..." : "");
 }
 
-std::string event_lines(const events::StreamHealth& stream, const ReportOptions& options) {
+std::string event_lines(const events::StreamHealth& stream, const ReportOptions& options, CameraTime zero) {
   const events::EventHealth& events = *stream.events;
   const events::StampHealth& stamps = stream.stamps;
   Lines lines("    ");
@@ -112,7 +117,7 @@ std::string event_lines(const events::StreamHealth& stream, const ReportOptions&
                             16));
   lines.add("read-out", wrapped(readout_text(events.readout), 16));
   lines.add("stamps", wrapped(precision_text(events.readout), 16));
-  lines.add("silences", wrapped(gaps_text(stamps, options), 16));
+  lines.add("silences", wrapped(gaps_text(stamps, options, zero), 16));
   lines.add("hot pixels", wrapped(hot_pixels_text(events, stamps.elements), 16));
   return lines.text();
 }
@@ -148,10 +153,11 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
                        ? fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
                                      counted(health.packets(), "packet"), table_state(health))
                        : fmt::format("{}, Prophesee RAW, {}", bytes_text(health.file_size), name_of(health.encoding)));
-  std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health);
+  const CameraTime zero = zero_of(health, options);
+  std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health, zero);
   for (const events::StreamHealth& stream : health.streams) {
     if (!stream.events || stream.stamps.elements == 0) continue;
-    text += fmt::format("\n  Events of stream {}\n{}", stream.stream.id, event_lines(stream, options));
+    text += fmt::format("\n  Events of stream {}\n{}", stream.stream.id, event_lines(stream, options, zero));
   }
   Lines verdict("  ");
   verdict.add(health.healthy() ? "healthy" : "SICK", health.healthy() ? "" : health.reasons.front());

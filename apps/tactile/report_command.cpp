@@ -112,11 +112,11 @@ fs::path folder_to_include(const std::string& named, const std::string& usual) {
   return is_file(fs::path(usual) / (usual + ".json")) ? usual : "";
 }
 
+/// What is reported if nothing is named.
+fs::path usual_what() { return is_file("study/study.json") ? "study" : "data"; }
+
 /// The input of the report, and its folder.
-std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
-  const fs::path what = !args.what.empty()            ? fs::path(args.what)
-                        : is_file("study/study.json") ? fs::path("study")
-                                                      : fs::path("data");
+std::pair<report::ReportInput, fs::path> input_of(const fs::path& what, const ReportArguments& args) {
   if (what.filename() == "study.json" && is_file(what))
     return {report::read_study(what.parent_path()), what.parent_path() / "report"};
   if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
@@ -139,7 +139,8 @@ std::pair<report::ReportInput, fs::path> input_of(const ReportArguments& args) {
 }
 
 void report(const ReportArguments& args, const CommonArguments& common) {
-  auto [input, place] = input_of(args);
+  const fs::path what = args.what.empty() ? usual_what() : fs::path(args.what);
+  auto [input, place] = input_of(what, args);
   if (const fs::path trade = folder_to_include(args.trade, "trade"); !trade.empty() && !input.trade)
     input.trade = report::read_trade(trade);
   if (const fs::path stress = folder_to_include(args.stress, "stress"); !stress.empty() && !input.stress)
@@ -153,7 +154,8 @@ void report(const ReportArguments& args, const CommonArguments& common) {
         stop_if_interrupted();
         spdlog::info("drawing {}", figure);
       });
-  write_settings(common, summary.page.parent_path() / "settings.json");
+  write_settings(common, summary.page.parent_path() / "settings.json",
+                 {{"what", what.string()}, {"out", summary.page.parent_path().string()}});
   std::string text = summary.title + "\n\n";
   if (summary.claims > 0) {
     text += fmt::format("Of the paper's {} claims {} hold, {} do not hold, and {} cannot be decided.\n\n", summary.claims,

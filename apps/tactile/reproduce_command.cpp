@@ -21,6 +21,7 @@
 #include "rendering_arguments.hpp"
 #include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/sha256.hpp"
@@ -275,6 +276,8 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   }
   try {
     const fs::path page = draw_report(options.out, options.program, new_progress);
+    // The report is what this command writes from the study's folder.
+    write_json(page.parent_path() / "settings.json", {{"what", options.out.string()}, {"out", page.parent_path().string()}});
     result["report"] = page.string();
     text += fmt::format("Report with figures: {}\n", page.string());
   } catch (const Error&) {

@@ -30,6 +30,7 @@ struct SimulateArguments {
   std::uint64_t seed = 1;
   bool one_camera = false;
   bool force = false;
+  bool verbose = false;
 };
 
 std::string_view name_of(simulation::SimulatedRun::Kind kind) {
@@ -69,7 +70,23 @@ nlohmann::json json_of(const simulation::SimulatedRun& run) {
   return json;
 }
 
-std::string table_of(const std::vector<simulation::SimulatedRun>& runs) {
+/// A row for each object.
+std::string table_of_objects(const std::vector<simulation::SimulatedRun>& runs) {
+  std::map<std::string, std::vector<simulation::SimulatedRun>> by_object;
+  for (const simulation::SimulatedRun& run : runs) by_object[run.run.object].push_back(run);
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [object, of_object] : by_object) {
+    const SimulatedTotals totals = totals_of(of_object);
+    std::uint64_t events = 0;
+    for (const simulation::SimulatedRun& run : of_object) events += is_new(run) ? run.events : 0;
+    rows.push_back({object, std::to_string(of_object.size()),
+                    totals.duration_s > 0 ? fmt::format("{:.2f}", totals.duration_s) : "",
+                    events > 0 ? std::to_string(events) : "", fmt::format("{:.1f}", 1e-6 * static_cast<double>(totals.bytes))});
+  }
+  return text_table({"object", "runs", "seconds", "events", "MB"}, rows);
+}
+
+std::string table_of_runs(const std::vector<simulation::SimulatedRun>& runs) {
   std::vector<std::vector<std::string>> rows;
   for (const simulation::SimulatedRun& run : runs) {
     rows.push_back({run.run.name(), std::string(name_of(run.kind)), is_new(run) ? fmt::format("{:.2f}", run.duration_s) : "",
@@ -128,8 +145,9 @@ void simulate_runs(const SimulateArguments& args, const CommonArguments& common)
     result[std::string(kind)] = totals.counts.at(kind);
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", totals.counts.at(kind), kind);
   }
-  std::string text = table_of(runs) + fmt::format("\n{}: {}; {:.1f} MB (simulated, seed {})\n", args.data, counts,
-                                                  1e-6 * static_cast<double>(totals.bytes), args.seed);
+  std::string text = (args.verbose ? table_of_runs(runs) : table_of_objects(runs)) +
+                     fmt::format("\n{}: {}; {:.1f} MB (simulated, seed {})\n", args.data, counts,
+                                 1e-6 * static_cast<double>(totals.bytes), args.seed);
   if (totals.duration_s > 0 && core_s > 0) text += speed_of(totals, elapsed_s, core_s, result);
   print_result(common, result, text);
 }
@@ -167,6 +185,7 @@ void add_simulate_command(CLI::App& app) {
   command.add_flag("--one-camera", args->one_camera, "The same camera in all sessions; otherwise each session has its own");
   command.add_flag("--force", args->force,
                    "Replace runs that were simulated with other settings, and remove extra simulated runs");
+  command.add_flag("--verbose", args->verbose, "Print a line for each run");
 }
 
 }  // namespace tactile::cli

@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "camera_time.hpp"
 #include "command.hpp"
 #include "commands.hpp"
 #include "converted_source.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
-#include "robot_columns.hpp"
+#include "splitting_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -31,25 +32,25 @@ using labels::BurstKind;
 
 struct SplitArguments {
   std::string recording;
-  std::string data = "data";
   std::vector<std::string> objects;
   std::string first_run;
-  std::string robot, robot_columns, video, stream, session;
+  SplittingArguments splitting;
   std::vector<double> at;
   double quiet_s = 2.0;
-  bool dry_run = false;
+  bool dry_run = false, camera_time = false;
 };
 
 std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * static_cast<double>(t.count())); }
 
-std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names) {
+/// @param zero  of the times of begin and end
+std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names, CameraTime zero) {
   std::vector<std::string> header{"run", "begin [s]", "end [s]", "length [s]", "events"};
   if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
   std::vector<std::vector<std::string>> rows;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
     std::vector<std::string>& row = rows.emplace_back();
     row = {rows.size() <= names.size() ? names[rows.size() - 1] : std::to_string(rows.size()),
-           seconds_text(between(proposal.first, run.begin)), seconds_text(between(proposal.first, run.end)),
+           seconds_text(between(zero, run.begin)), seconds_text(between(zero, run.end)),
            seconds_text(between(run.begin, run.end)), std::to_string(run.events)};
     if (!proposal.looked_for_touches) continue;
     const std::size_t presses = splitting::count_of(run, BurstKind::press), slips = splitting::count_of(run, BurstKind::slip);
@@ -99,7 +100,7 @@ splitting::SplitProposal proposal_of(const SplitArguments& args, const splitting
                                      events::RecordingReader& recording, const CommonArguments& common) {
   const auto us_in = [](double seconds) { return microseconds{std::llround(1e6 * seconds)}; };
   splitting::ProposeOptions options;
-  options.stream = args.stream;
+  options.stream = args.splitting.stream;
   options.quiet = us_in(args.quiet_s);
   if (args.at.empty()) return splitting::propose_runs(source, recording, options, progress_line(common));
   std::vector<microseconds> cuts;
@@ -119,12 +120,12 @@ std::string result_text(const SplitArguments& args, const splitting::SplitPropos
     bytes += run.bytes;
     kept += run.is_kept ? 1 : 0;
   }
-  std::string text = table_of(proposal, names) + "\n" + quiet_text(proposal);
+  std::string text = table_of(proposal, names, zero_of_times(args.camera_time, proposal.first)) + "\n" + quiet_text(proposal);
   const std::string made = kept == result.runs.size() ? "all exist already, and were kept"
                            : kept > 0                 ? fmt::format("{} existed already", kept)
                                                       : "all new";
-  text += wrapped(fmt::format("{}: {}, {}, session {}, {}", args.data, counted(result.runs.size(), "run"), made, result.session,
-                              bytes_text(bytes))) +
+  text += wrapped(fmt::format("{}: {}, {}, session {}, {}", args.splitting.data, counted(result.runs.size(), "run"), made,
+                              result.session, bytes_text(bytes))) +
           "\n";
   if (copied + encoded > 0) text += fmt::format("packets: {} copied as they are, {} encoded again\n", copied, encoded);
   const auto add_device = [&](const char* name, const std::string& how,
@@ -146,29 +147,30 @@ std::string result_text(const SplitArguments& args, const splitting::SplitPropos
 /// The original among the runs of DATA would be used like one of them.
 void warn_of_original(const SplitArguments& args, const splitting::SplitSource& source) {
   std::error_code unknown;
-  const fs::path data = fs::weakly_canonical(args.data, unknown), place = fs::weakly_canonical(source.recording, unknown);
+  const fs::path data = fs::weakly_canonical(args.splitting.data, unknown),
+                 place = fs::weakly_canonical(source.recording, unknown);
   const fs::path below = place.lexically_relative(data);
   if (unknown || below.empty() || below.begin()->string() == ".." || std::distance(below.begin(), below.end()) != 3) return;
-  spdlog::warn("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin, args.data);
+  spdlog::warn("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin,
+               args.splitting.data);
 }
 
 void split(const SplitArguments& args, const CommonArguments& common) {
   std::optional<ConvertedSource> converted;
-  if (needs_conversion(args.recording)) converted.emplace(args.recording, args.data, common);
+  if (needs_conversion(args.recording)) converted.emplace(args.recording, args.splitting.data, common);
   splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(args.recording);
-  if (!args.robot.empty()) source.robot = args.robot;
-  source.robot_columns = args.robot_columns;
-  if (!args.video.empty()) splitting::set_video(source, args.video);
+  set_devices(source, args.splitting);
   events::RecordingReader recording(source.recording, common.threads);
   const splitting::SplitProposal proposal = proposal_of(args, source, recording, common);
   warn_about(proposal, args.recording);
 
   nlohmann::json json = {{"recording", args.recording}, {"proposal", splitting::json_of(proposal)}, {"result", nullptr}};
   if (args.dry_run) {
-    print_result(common, json, table_of(proposal, {}) + "\n" + quiet_text(proposal));
+    const CameraTime zero = zero_of_times(args.camera_time, proposal.first);
+    print_result(common, json, table_of(proposal, {}, zero) + "\n" + quiet_text(proposal));
     return;
   }
-  splitting::SplitOptions options{.data = args.data, .objects = args.objects, .session = args.session};
+  splitting::SplitOptions options{.data = args.splitting.data, .objects = args.objects, .session = args.splitting.session};
   if (options.objects.empty())
     options.objects = {source.info && is_object_name(source.info->object) ? source.info->object : "unnamed"};
   if (!args.first_run.empty()) options.first_run = std::stoi(args.first_run);
@@ -190,7 +192,6 @@ void add_split_command(CLI::App& app) {
                   "Recording or run folder, or what 'tactile convert' reads: a bag, .raw, .csv, .h5; it is not changed")
       .type_name("RECORDING")
       .required();
-  command.add_option("--out", args->data, "Folder of runs").type_name("DATA").show_default();
   command
       .add_option("--object", args->objects,
                   "Object of all runs, or of each one; default: that of the recording's run.json, or unnamed")
@@ -199,21 +200,7 @@ void add_split_command(CLI::App& app) {
   command.add_option("--first-run", args->first_run, "First number to use; default: after the highest existing run")
       .type_name("NN")
       .check(is_run());
-  command.add_option("--robot", args->robot, "Robot log; default: robot.csv next to events.aedat4")
-      .type_name("FILE")
-      .check(is_existing_file());
-  add_robot_columns_option(command, args->robot_columns);
-  command
-      .add_option("--video", args->video,
-                  "Film, with its times in a .csv of the same name; default: video.mp4 next to events.aedat4")
-      .type_name("FILE")
-      .check(is_existing_file());
-  command
-      .add_option(
-          "--session", args->session,
-          "Session of all runs, if several recordings share one start of camera and controller; default: that of run.json, or "
-          "a new one for this recording")
-      .type_name("NAME");
+  add_splitting_options(command, args->splitting);
   command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
       .type_name("S,...")
       .delimiter(',')
@@ -221,8 +208,8 @@ void add_split_command(CLI::App& app) {
   command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for this long [s], unless an object is held")
       .check(in_range(0.05, 3600.0))
       .show_default();
-  command.add_option("--stream", args->stream, "Event stream to look at, if the recording has several").type_name("ID|SOURCE");
   command.add_flag("--dry-run", args->dry_run, "Print the proposal, and write nothing");
+  add_camera_time_option(command, args->camera_time);
 }
 
 }  // namespace tactile::cli

@@ -4,10 +4,12 @@
 
 #include <utility>
 
+#include "camera_time.hpp"
 #include "command.hpp"
 #include "interruption.hpp"
 #include "quantity_text.hpp"
 #include "standard_streams.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile::cli {
@@ -64,8 +66,8 @@ void TickReader::begin_episode(const detect::ReportedTick& tick) {
   if (!options_.prints) return;
   line_.clear();
   const Touch touch = tick.verdict.verdict;
-  const std::int64_t us = options_.camera_time ? us_of(tick.verdict.t) : between(tick.first_event, tick.verdict.t).count();
-  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), 1e-6 * static_cast<double>(us),
+  const microseconds shown = between(zero_of_times(options_.camera_time, tick.first_event), tick.verdict.t);
+  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), in_s(shown),
                     static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
 }
 

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "tactile/alignment/clock_fit.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/robust_statistics.hpp"
@@ -253,7 +254,7 @@ std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   std::vector<std::string> named;
   for (const ComparedRun& run : runs) {
     const std::string name = run.labelled->run.name();
-    const auto at_s = [&](CameraTime t) { return 1e-6 * static_cast<double>(between(run.labelled->first_event, t).count()); };
+    const auto at_s = [&](CameraTime t) { return in_s(between(run.labelled->zero, t)); };
     for (const labels::IntervalComparison& interval : run.comparison.intervals) {
       if (interval.flagged) continue;
       if (!interval.start) {

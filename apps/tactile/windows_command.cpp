@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -25,7 +28,7 @@ struct WindowsArguments {
   double window_ms = 500, guard_ms = 100, history_ms = 50;
   std::int64_t tick_us = 2000;
   std::uint64_t seed = 1;
-  bool mix = false, include_flagged = false, strict = false, verify = false;
+  bool mix = false, include_flagged = false, strict = false, verify = false, verbose = false;
 };
 
 const char* name_of(windows::DatasetSummary::Outcome outcome) {
@@ -87,8 +90,34 @@ std::string text_of(const windows::DatasetChanges& changes) {
   return text;
 }
 
-/// @param differing  what differs from the previous dataset
-std::string text_of(const windows::DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing) {
+/// A row for each object; one for all of them where there are many.
+std::string table_of_objects(const windows::DatasetSummary& summary) {
+  constexpr std::size_t most_objects = 10;
+  struct Sum {
+    std::size_t runs = 0, remarks = 0;
+    std::array<std::size_t, touch_count> samples{};
+  };
+  std::map<std::string, Sum> sums;
+  Sum all;
+  for (const windows::WindowedRun& run : summary.runs) {
+    for (Sum* sum : {&sums[run.object], &all}) {
+      ++sum->runs;
+      sum->remarks += run.remark.empty() ? 0 : 1;
+      for (const Touch touch : all_touches)
+        sum->samples[static_cast<std::size_t>(touch)] += run.samples[static_cast<std::size_t>(touch)];
+    }
+  }
+  if (sums.size() > most_objects) sums = {{fmt::format("all {}", sums.size()), all}};
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [object, sum] : sums) {
+    rows.push_back({object, std::to_string(sum.runs), std::to_string(sum.samples[0]), std::to_string(sum.samples[1]),
+                    std::to_string(sum.samples[2]),
+                    sum.remarks == 0 ? "" : fmt::format("{} with a remark, see --verbose", counted(sum.remarks, "run"))});
+  }
+  return text_table({"object", "runs", "none", "press", "slip", ""}, rows);
+}
+
+std::string table_of_runs(const windows::DatasetSummary& summary) {
   std::vector<std::vector<std::string>> rows;
   for (const windows::WindowedRun& run : summary.runs) {
     const auto count = [&](Touch touch) {
@@ -96,7 +125,13 @@ std::string text_of(const windows::DatasetSummary& summary, const std::string& f
     };
     rows.push_back({run.object + "/" + run.run, count(Touch::none), count(Touch::press), count(Touch::slip), run.remark});
   }
-  std::string text = text_table({"run", "none", "press", "slip", ""}, rows);
+  return text_table({"run", "none", "press", "slip", ""}, rows);
+}
+
+/// @param differing  what differs from the previous dataset
+std::string text_of(const windows::DatasetSummary& summary, const std::string& file, const std::vector<std::string>& differing,
+                    bool verbose) {
+  std::string text = verbose ? table_of_runs(summary) : table_of_objects(summary);
   text += fmt::format("\n{}: {}, {} samples and {} events{}, manifest {}\n", file, name_of(summary.outcome), summary.samples,
                       summary.events, summary.simulated ? " of simulated runs" : "", summary.manifest_hash.substr(0, 8));
   if (summary.was_damaged) text += "The previous dataset could not be read. It is replaced, and its heatmaps are lost.\n";
@@ -155,7 +190,7 @@ void write_windows(const WindowsArguments& args, const CommonArguments& common) 
   const std::vector<std::string> differing = windows::settings_unlike_those_in(file, options);
   const windows::DatasetSummary summary = windows::write_dataset(args.data, file, options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
-  print_result(common, json_of(summary, file), text_of(summary, file, differing));
+  print_result(common, json_of(summary, file), text_of(summary, file, differing, args.verbose));
   end_with(summary.errors);
 }
 
@@ -186,6 +221,7 @@ void add_windows_command(CLI::App& app) {
                    "Put simulated and real runs into one dataset; default: only the real runs if there are both");
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
+  command.add_flag("--verbose", args->verbose, "Print a line for each run, with its remarks");
   command.add_flag("--verify", args->verify,
                    "Write nothing: derive the dataset again with its own settings and compare; exit with 2 if it differs");
 }

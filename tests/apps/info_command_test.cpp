@@ -137,6 +137,13 @@ TEST(InfoCommand, PrintsAReportForPeople) {
   }
 }
 
+TEST(InfoCommand, CountsTimeFromTheFirstEventUnlessAskedForCameraTime) {
+  const std::string command = "info " + vendor_files + "dv-lz4.aedat4";
+  const std::string since_first = run_tactile(command).out, camera = run_tactile(command + " --camera-time").out;
+  EXPECT_NE(since_first.find(" 0.000000 s"), std::string::npos) << since_first;
+  EXPECT_NE(camera.find(" 1700000011.000033 s"), std::string::npos) << camera;
+}
+
 TEST(InfoCommand, EndsWithTwoWhereACheckFailsAndNamesTheReasons) {
   const test::TemporaryFolder folder;
   fs::copy_file(vendor_files + "dv-lz4.aedat4", folder / "cut.aedat4");

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -232,6 +233,20 @@ TEST_F(LabelCommand, ExplainsTheLagFromLiftToSlipOnlyWhereThereIsOne) {
   };
   EXPECT_EQ(explanations(labels.at("intervals").back().at("start_us").get<std::int64_t>() - 3'000), 2);
   EXPECT_EQ(explanations(nullptr), 0);
+}
+
+TEST_F(LabelCommand, PrintsOnsetsInSecondsSinceTheFirstEventOrInCameraTime) {
+  ASSERT_EQ(run_tactile("label --no-pictures", folder.path()).exit_code, 0);
+  const auto json = nlohmann::json::parse(run_tactile("label data/fan/01 --json", folder.path()).out).at("runs")[0];
+  const double press_s = 1e-6 * json.at("intervals")[0].at("start_us").get<double>();
+  const double first_s = 1e-6 * json.at("first_event_us").get<double>();
+  ASSERT_GT(first_s, 1) << "otherwise both would look alike";
+  for (const std::string command : {"label data/fan/01", "label data/fan/01 --summary"}) {
+    const std::string since_first = run_tactile(command, folder.path()).out;
+    const std::string camera = run_tactile(command + " --camera-time", folder.path()).out;
+    EXPECT_NE(since_first.find(fmt::format("{:.4f} ±", press_s - first_s)), std::string::npos) << since_first;
+    EXPECT_NE(camera.find(fmt::format("{:.4f} ±", press_s)), std::string::npos) << camera;
+  }
 }
 
 TEST_F(LabelCommand, KeepsItsTablesWithinTheWidth) {

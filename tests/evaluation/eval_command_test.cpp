@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "evaluation/trained_model.hpp"
 #include "support/events_in_file.hpp"
 #include "support/run_command.hpp"
+#include "support/settings_file.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/truth.hpp"
@@ -230,6 +232,21 @@ TEST(EvalCommand, AgreesWithAnIndependentComputation) {
   }
 }
 
+TEST(EvalCommand, PrintsOnsetsInSecondsSinceTheFirstEventOrInCameraTime) {
+  const Trained trained({"fan", "usb-hub"}, 2, 1);
+  const double first_s =
+      1e-6 * static_cast<double>(us_of(test::events_in_file(trained.folder / "data/fan/02/events.aedat4").front().t));
+  ASSERT_GT(first_s, 1) << "otherwise both would look alike";
+  const auto labels = read_json(trained.folder / "data/fan/02/labels.json");
+  const double press_s = 1e-6 * labels.at("intervals")[0].at("start_us").get<double>();
+  for (const auto& [option, zero_s] : {std::pair("", first_s), std::pair(" --camera-time", 0.0)}) {
+    const auto shown = run_tactile(std::string("eval --run fan/02") + option, trained.folder.path());
+    ASSERT_EQ(shown.exit_code, 0) << shown.err;
+    EXPECT_NE(shown.out.find(fmt::format("{:.4f}", press_s - zero_s)), std::string::npos) << shown.out;
+  }
+  EXPECT_NE(run_tactile("eval --camera-time", trained.folder.path()).exit_code, 0) << "needs --run";
+}
+
 TEST(EvalCommand, OptionsThatMakeOtherFiguresHaveFilesOfTheirOwn) {
   const Trained trained({"fan", "usb-hub"}, 2, 1);
   ASSERT_EQ(run_tactile("eval --quiet", trained.folder.path()).exit_code, 0);
@@ -297,6 +314,15 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   EXPECT_TRUE(runs[0].at("learned_from").get<bool>()) << "its start did";
   EXPECT_TRUE(runs[1].at("learned_from").get<bool>());
   EXPECT_FALSE(runs[2].at("learned_from").get<bool>());
+  fs::copy(trained.folder / "data/fan/01", trained.folder / "elsewhere", fs::copy_options::recursive);
+  ASSERT_EQ(
+      run_tactile("convert data/fan/01/events.aedat4 elsewhere/events.aedat4 --compression zstd --force", trained.folder.path())
+          .exit_code,
+      0);
+  const auto copy = run_tactile("eval --json --model next --run elsewhere --out shown", trained.folder.path());
+  ASSERT_EQ(copy.exit_code, 0) << copy.err;
+  EXPECT_TRUE(nlohmann::json::parse(copy.out).at("runs")[0].at("learned_from").get<bool>()) << "the same events";
+  test::expect_settings_of("shown/settings.json", "eval --model next --run elsewhere --out shown", trained.folder.path());
   const auto one_missing = run_tactile("eval --json --model next --run nowhere/01,fan/03", trained.folder.path());
   EXPECT_EQ(one_missing.exit_code, 1);
   EXPECT_NE(one_missing.err.find("nowhere/01: no such run"), std::string::npos) << one_missing.err;

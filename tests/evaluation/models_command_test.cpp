@@ -37,7 +37,16 @@ TEST(ModelsCommand, ListsComparesPinsAndRemovesModels) {
     EXPECT_EQ(model.at("eval").is_null(), model.at("name") != "second");
   }
 
+  EXPECT_GT(json.at(json.at(0).at("name") == "second" ? 0 : 1).at("speed").at("us_p50").get<double>(), 0);
+  EXPECT_TRUE(json.at(json.at(0).at("name") == "second" ? 1 : 0).at("speed").is_null()) << "not measured by 'eval'";
   const auto shown = run_tactile("models show second", folder);
+  for (const char* place : {"models/second", "models/second/", "second"}) {
+    const auto info = run_tactile(std::string("info ") + place, folder);
+    EXPECT_EQ(info.out, shown.out) << place << ": " << info.err;
+  }
+  EXPECT_EQ(run_tactile("info --json models/second", folder).out, run_tactile("models show --json second", folder).out);
+  EXPECT_EQ(run_tactile("info models/none", folder).exit_code, 1);
+  EXPECT_TRUE(has(shown.out, "time per tick [us]")) << shown.out;
   EXPECT_TRUE(has(shown.out, "training.batch") && has(shown.out, "64") && has(shown.out, "accuracy [%]")) << shown.out;
   const auto compared = run_tactile("models compare second " + first, folder);
   EXPECT_TRUE(has(compared.out, "training.epochs") && has(compared.out, "training.batch")) << compared.out;

@@ -52,8 +52,16 @@ TEST(Figure, IsWrittenWithItsIntervalAndUnit) {
   const Figure figure{.value = 0.8832, .low = 0.8126, .high = 0.9449, .n = 10, .trainings = 5};
   EXPECT_EQ(text_of(scaled(figure, 100), " %"), "88.3 % [81.3, 94.5]");
   EXPECT_EQ(text_of(scaled(figure, -1), " ms", "+.2f"), "-0.88 ms [-0.81, -0.94]");
-  EXPECT_EQ(text_of({.value = 4.0, .low = {}, .high = {}, .n = 2}, ""), "4.0 (no interval)");
+  EXPECT_EQ(text_of({.value = 4.0, .low = {}, .high = {}, .n = 2}, ""), "4.0");
   EXPECT_EQ(text_of(Figure{}, " ms"), "unknown");
+}
+
+TEST(Figure, WithoutAnIntervalIsExplainedOnceForAll) {
+  const Figure whole{.value = 0.8832, .low = 0.8126, .high = 0.9449, .n = 10, .trainings = 5}, unmeasured;
+  const Figure bare{.value = 4.0, .low = {}, .high = {}, .n = 2};
+  EXPECT_EQ(note_on_intervals({whole, unmeasured}), "") << "unknown says enough";
+  EXPECT_EQ(note_on_intervals({bare, whole, bare}),
+            "A value without brackets has no 95 % interval: that needs three objects, or three runs of one object.");
 }
 
 }  // namespace

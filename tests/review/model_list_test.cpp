@@ -60,8 +60,8 @@ TEST(ModelList, AnEvaluatedModelHasItsFigures) {
   results::Evaluation evaluation;
   evaluation.models.push_back({.name = "a", .settings = json::object(), .weights_sha256 = "", .test_runs = {"fan/02"}});
   evaluation.accuracy.mean = {.value = 0.9, .low = 0.85, .high = 0.95, .n = 5};
-  evaluation.network.press.all.median_ms = {.value = 6, .low = 4, .high = 8, .n = 5};
-  evaluation.network.false_alarms.per_min = {.value = 2.5, .low = 1, .high = 4, .n = 5};
+  evaluation.network.press.all.median_of_all_ms.ms = {.value = 6, .low = 4, .high = 8, .n = 5};
+  evaluation.network.false_alarms.outside_labels_per_min = {.value = 2.5, .low = 1, .high = 4, .n = 5};
   write_json(bundle.evaluation(), evaluation);
   const json eval = models_json(folder.path()).at(0).at("eval");
   EXPECT_EQ(eval.at("accuracy"), (json{{"value", 0.9}, {"low", 0.85}, {"high", 0.95}}));

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -188,6 +189,12 @@ TEST_F(SplitCommand, TakesFreeNumbersAndOneObjectForEachRun) {
   const CameraTime first = test::contents_of(folder / "take/events.aedat4").events.front().t;
   EXPECT_GE(events.front().t, after(first, 2'500ms));
   EXPECT_LT(events.back().t, after(first, 5'250ms));
+
+  const std::string cut = "split take --at 2.5,5.25 --dry-run";
+  EXPECT_NE(run(cut).out.find(" 2.500 "), std::string::npos);
+  const std::string camera = run(cut + " --camera-time").out;
+  const double first_s = 1e-6 * static_cast<double>(us_of(first));
+  EXPECT_NE(camera.find(fmt::format("{:.3f}", first_s + 2.5)), std::string::npos) << camera;
 }
 
 TEST_F(SplitCommand, GivesEveryRunTheWholeLogIfItsClockIsNotKnown) {

@@ -206,13 +206,17 @@ TEST_F(GrowingDataset, IsMadeInFullOfADamagedOlderOne) {
 }
 
 TEST_F(GrowingDataset, IsMadeInFullOfOneFromAnEarlierVersion) {
-  {
+  const auto make_older = [&] {
     const hdf5::Session session;
     hdf5::Id out = hdf5::open_file(file(), true);
-    for (const char* name : {"runs/first_us", "runs/last_us"}) H5Ldelete(out, name, H5P_DEFAULT);
+    for (const char* name : {"runs/first_us", "runs/last_us", "runs/event_digest"}) H5Ldelete(out, name, H5P_DEFAULT);
     out.close("dataset.h5");
-  }
-  EXPECT_FALSE(Dataset(file()).runs()[0].ends);
+  };
+  make_older();
+  EXPECT_FALSE(Dataset(file()).runs()[0].recording);
+  EXPECT_EQ(write_dataset(data(), file()).read_runs.size(), 3U) << "although no run has changed";
+  EXPECT_TRUE(Dataset(file()).runs()[0].recording);
+  make_older();
   test::make_run(data(), {.object = "mug", .run = "02", .seed = 5, .mean_gap_us = 7});
   EXPECT_EQ(write_dataset(data(), file()).read_runs.size(), 4U);
   expect_as_made_at_once(file());

@@ -26,7 +26,9 @@ class WindowsCommand : public testing::Test {
 TEST_F(WindowsCommand, ReadsDataAndWritesTheDatasetIntoIt) {
   const auto result = run_tactile("windows", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("usb-hub/01    30     30    30"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("usb-hub     1    30     30    30"), std::string::npos) << result.out;
+  const auto verbose = run_tactile("windows --verbose", folder.path());
+  EXPECT_NE(verbose.out.find("usb-hub/01    30     30    30"), std::string::npos) << verbose.out;
   EXPECT_NE(result.out.find("data/dataset.h5: written, 270 samples"), std::string::npos) << result.out;
   EXPECT_EQ(Dataset(folder / "data/dataset.h5").samples().size(), 270U);
   EXPECT_NE(run_tactile("windows", folder.path()).out.find("unchanged"), std::string::npos);

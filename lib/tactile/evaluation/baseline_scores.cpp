@@ -24,21 +24,12 @@ std::vector<std::uint32_t> training_runs_of(const windows::Dataset& dataset, con
   std::vector<std::uint32_t> runs;
   for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
     const auto& named = model.train_runs;
-    if (model::learned_from(model, dataset.runs()[run].events_sha256) &&
+    if (model::learned_from(model, dataset.runs()[run]) &&
         std::find(named.begin(), named.end(), name_of(dataset.runs()[run])) != named.end())
       runs.push_back(run);
   }
   return runs;
 }
-
-/// The baselines of one training.
-struct FittedBaselines {
-  MajorityBaseline majority;
-  EventCountBaseline event_count;
-  LogisticBaseline moments, fields;
-  std::optional<model::BoostedTrees> trees;
-  std::optional<model::TemporalNetwork> temporal;
-};
 
 /// Whether a kind without heatmaps can read this history.
 bool can_read(model::ModelKind kind, const heatmaps::HeatmapOptions& rendering) {
@@ -103,49 +94,52 @@ BaselineSamples training_samples(const windows::Dataset& dataset, const model::C
   return training;
 }
 
-std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamples> trainings,
-                                                    std::span<const BaselineSamples> tests,
+FittedBaselines::FittedBaselines(const BaselineSamples& training, std::uint64_t seed) {
+  if (training.truth.empty()) return;
+  fitted_ = Fitted{fit_majority(training.truth),
+                   fit_event_count(training.events, training.truth),
+                   fit_logistic(training.moments, training.truth),
+                   fit_logistic(training.fields, training.truth),
+                   trees_of(training, seed),
+                   temporal_of(training, seed)};
+}
+
+BaselineConfusions FittedBaselines::confusions_of(const BaselineSamples& run) const {
+  BaselineConfusions confusions;
+  if (!fitted_) return confusions;
+  const Fitted& by = *fitted_;
+  const auto confusion_by = [&](auto verdict) {
+    results::Confusion confusion;
+    for (std::size_t k = 0; k < run.truth.size(); ++k) confusion.add(run.truth[k], verdict(k));
+    return confusion;
+  };
+  const auto part = [](const std::vector<float>& all, std::size_t k, std::size_t length) {
+    return std::span(all).subspan(k * length, length);
+  };
+  confusions[0] = confusion_by([&](std::size_t) { return by.majority.touch; });
+  confusions[1] = confusion_by([&](std::size_t k) { return by.event_count.verdict(run.events[k]); });
+  confusions[2] = confusion_by([&](std::size_t k) { return by.moments.verdict(run.moments[k]); });
+  confusions[3] = confusion_by([&](std::size_t k) { return by.fields.verdict(run.fields[k]); });
+  if (by.trees && (run.truth.empty() || !run.features.empty())) {
+    confusions[4] = confusion_by(
+        [&](std::size_t k) { return model::verdict_of(by.trees->logits(part(run.features, k, features::feature_count))); });
+  }
+  if (by.temporal && (run.truth.empty() || !run.steps.empty())) {
+    confusions[5] = confusion_by(
+        [&](std::size_t k) { return model::verdict_of(by.temporal->logits(part(run.steps, k, features::step_values))); });
+  }
+  return confusions;
+}
+
+std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineConfusions> confusions,
                                                     std::span<const results::JudgedRun> runs,
                                                     const results::BootstrapOptions& bootstrap) {
-  std::vector<FittedBaselines> fitted;
-  for (const BaselineSamples& training : trainings) {
-    if (training.truth.empty()) return {};
-    fitted.push_back({fit_majority(training.truth), fit_event_count(training.events, training.truth),
-                      fit_logistic(training.moments, training.truth), fit_logistic(training.fields, training.truth),
-                      trees_of(training, bootstrap.seed), temporal_of(training, bootstrap.seed)});
-  }
-  const auto score = [&](const std::string& name, auto verdict) {
-    std::vector<results::RunConfusion> confusions;
-    for (std::size_t i = 0; i < tests.size(); ++i) {
-      results::RunConfusion run{runs[i], {}};
-      for (std::size_t k = 0; k < tests[i].truth.size(); ++k)
-        run.confusion.add(tests[i].truth[k], verdict(fitted[runs[i].training], tests[i], k));
-      confusions.push_back(run);
-    }
-    return results::BaselineScore{name, accuracy_of(confusions, bootstrap)};
-  };
-  using Fitted = const FittedBaselines&;
-  using Samples = const BaselineSamples&;
-  std::vector<results::BaselineScore> scores{
-      score("majority", [](Fitted by, Samples, std::size_t) { return by.majority.touch; }),
-      score("event_count", [](Fitted by, Samples run, std::size_t k) { return by.event_count.verdict(run.events[k]); }),
-      score("logistic_moments", [](Fitted by, Samples run, std::size_t k) { return by.moments.verdict(run.moments[k]); }),
-      score("logistic_position", [](Fitted by, Samples run, std::size_t k) { return by.fields.verdict(run.fields[k]); })};
-  const auto all_have = [&](auto model, std::vector<float> BaselineSamples::*input) {
-    return std::all_of(fitted.begin(), fitted.end(), [&](Fitted by) { return (by.*model).has_value(); }) &&
-           std::none_of(tests.begin(), tests.end(), [&](Samples run) { return (run.*input).empty() && !run.truth.empty(); });
-  };
-  if (all_have(&FittedBaselines::trees, &BaselineSamples::features)) {
-    scores.push_back(score("boosted_trees", [](Fitted by, Samples run, std::size_t k) {
-      return model::verdict_of(
-          by.trees->logits(std::span(run.features).subspan(k * features::feature_count, features::feature_count)));
-    }));
-  }
-  if (all_have(&FittedBaselines::temporal, &BaselineSamples::steps)) {
-    scores.push_back(score("temporal_convolution", [](Fitted by, Samples run, std::size_t k) {
-      return model::verdict_of(
-          by.temporal->logits(std::span(run.steps).subspan(k * features::step_values, features::step_values)));
-    }));
+  std::vector<results::BaselineScore> scores;
+  for (std::size_t baseline = 0; baseline < baseline_names.size(); ++baseline) {
+    std::vector<results::RunConfusion> of_runs;
+    for (std::size_t i = 0; i < runs.size() && confusions[i][baseline]; ++i)
+      of_runs.push_back({runs[i], *confusions[i][baseline]});
+    if (of_runs.size() == runs.size()) scores.push_back({baseline_names[baseline], accuracy_of(of_runs, bootstrap)});
   }
   return scores;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,7 +10,10 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/evaluation/baselines.hpp"
 #include "tactile/evaluation/crossed_figure.hpp"
+#include "tactile/model/inference/boosted_trees.hpp"
 #include "tactile/model/inference/classifier.hpp"
+#include "tactile/model/inference/temporal_network.hpp"
+#include "tactile/results/confusion.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/windows/dataset.hpp"
 
@@ -44,12 +49,34 @@ void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, cons
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress = {});
 
-/// Fits every baseline on the samples of each training, and scores it on the samples of the runs that this training is judged on.
-/// @param trainings  the samples that each learned from
-/// @param tests      one entry for each of `runs`
-/// @return           empty where a training has no sample
-std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineSamples> trainings,
-                                                    std::span<const BaselineSamples> tests,
+inline constexpr std::array baseline_names{"majority",          "event_count",   "logistic_moments",
+                                           "logistic_position", "boosted_trees", "temporal_convolution"};
+
+/// The predictions of each baseline on the samples of one run; nothing of one that cannot read the samples.
+using BaselineConfusions = std::array<std::optional<results::Confusion>, baseline_names.size()>;
+
+/// Every baseline, fitted on the samples that a model learned from.
+class FittedBaselines {
+ public:
+  /// Without samples there are no baselines.
+  FittedBaselines(const BaselineSamples& training, std::uint64_t seed);
+
+  BaselineConfusions confusions_of(const BaselineSamples& run) const;
+
+ private:
+  struct Fitted {
+    MajorityBaseline majority;
+    EventCountBaseline event_count;
+    LogisticBaseline moments, fields;
+    std::optional<model::BoostedTrees> trees;
+    std::optional<model::TemporalNetwork> temporal;
+  };
+  std::optional<Fitted> fitted_;
+};
+
+/// The scores of the baselines that predicted every run.
+/// @param confusions  one entry for each of `runs`
+std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineConfusions> confusions,
                                                     std::span<const results::JudgedRun> runs,
                                                     const results::BootstrapOptions& bootstrap);
 

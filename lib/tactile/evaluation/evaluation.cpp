@@ -22,7 +22,7 @@ namespace {
 
 /// The results of trainings on their runs, as tables over runs take them.
 struct ScoredRuns {
-  std::vector<RunResult> runs;
+  std::vector<const RunResult*> runs;
   std::vector<results::JudgedRun> names;  ///< of each
   const results::BootstrapOptions& bootstrap;
 
@@ -30,7 +30,7 @@ struct ScoredRuns {
   template <class Entry, class Value>
   std::vector<Entry> each(Value value) const {
     std::vector<Entry> entries;
-    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::invoke(value, runs[i])});
+    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::invoke(value, *runs[i])});
     return entries;
   }
 
@@ -55,7 +55,7 @@ results::Confusion sum_of(std::span<const results::RunConfusion> runs) {
 std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const results::OverTimeOptions& options) {
   ScoredRuns with_truth{{}, {}, scored.bootstrap};
   for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    if (!scored.runs[i].has_truth) continue;
+    if (!scored.runs[i]->has_truth) continue;
     with_truth.runs.push_back(scored.runs[i]);
     with_truth.names.push_back(scored.names[i]);
   }
@@ -127,7 +127,7 @@ void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored
 
 /// Figures of every tick, of the network and of trivial detectors.
 void add_tick_scores(results::Evaluation& evaluation, const ScoredRuns& scored, const results::OverTimeOptions& options) {
-  for (const RunResult& run : scored.runs) evaluation.ticks += run.ticks, evaluation.close_ticks += run.close_ticks;
+  for (const RunResult* run : scored.runs) evaluation.ticks += run->ticks, evaluation.close_ticks += run->close_ticks;
   evaluation.detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.network.detections; });
   evaluation.network = scored.detector(&RunResult::network);
   for (std::size_t i = 0; i < trivial_count; ++i)
@@ -165,7 +165,7 @@ std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::
   const auto name_of_run = [](const results::JudgedRun& run) { return run.object + "/" + run.run; };
   std::set<std::string> counted, left_out_runs;  // several trainings may be judged on one run
   for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    if (counted.insert(name_of_run(scored.names[i])).second) with.intervals += scored.runs[i].with_flagged.flagged;
+    if (counted.insert(name_of_run(scored.names[i])).second) with.intervals += scored.runs[i]->with_flagged.flagged;
   }
   for (const ScoredFlaggedRun& one : left_out) {
     confusions.push_back({one.run, one.score.confusion});
@@ -181,12 +181,12 @@ std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::
 }
 
 /// How much of the figures depends on where labels are, and on which are in doubt.
-void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
+/// @param runs  of `scored`; their draws are taken
+void add_label_scores(results::Evaluation& evaluation, std::span<RunResult> runs, const ScoredRuns& scored,
+                      std::span<const ScoredFlaggedRun> left_out) {
   std::vector<RunByDrawnLabels> by_draws;
-  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    const RunResult& run = scored.runs[i];
-    by_draws.push_back({scored.names[i], {run.confusion, run.network.detections}, run.by_drawn_labels});
-  }
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    by_draws.push_back({scored.names[i], {runs[i].confusion, runs[i].network.detections}, std::move(runs[i].by_drawn_labels)});
   evaluation.label_uncertainty = label_uncertainty(by_draws, scored.bootstrap);
   evaluation.with_flagged = with_flagged(scored, left_out);
 }
@@ -198,7 +198,7 @@ results::GateOff gate_off(const ScoredRuns& scored, const model::GateRule& rule)
                        .accuracy = accuracy_of(open, scored.bootstrap),
                        .confusion = sum_of(open),
                        .network = scored.detector(&RunResult::open)};
-  for (const RunResult& run : scored.runs) off.ticks += run.ticks, off.gated += run.gated;
+  for (const RunResult* run : scored.runs) off.ticks += run->ticks, off.gated += run->gated;
   return off;
 }
 
@@ -228,8 +228,7 @@ ProgressCallback part_of(const ProgressCallback& progress, double from, double t
 
 void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
                                 const model::Classifier& classifier) {
-  std::erase_if(runs,
-                [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run].events_sha256); });
+  std::erase_if(runs, [&](std::uint32_t run) { return model::fitted_on(classifier.temperature(), dataset.runs()[run]); });
   if (model::samples_of_runs(dataset, runs).empty()) {
     throw Error(fmt::format("{}: no run with samples is left that {} neither learned from nor was calibrated on; expected one",
                             dataset.file().string(), classifier.bundle().string()));
@@ -243,42 +242,48 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
   const unsigned threads = threads_or_all(options.threads);
   results::Evaluation evaluation = description_of(dataset, trainings, options);
   const std::vector<microseconds> sampling_guards = guards_beside(evaluation.sampling_guard);
+  std::vector<RunResult> runs;
   ScoredRuns scored{{}, {}, options.bootstrap};
-  std::vector<BaselineSamples> learned;
   std::vector<ScoredFlaggedRun> left_out;
+  // A run folder that has changed is reported before other work begins.
+  std::vector<std::uint64_t> ticks;
+  for (const ModelOnRuns& training : trainings)
+    ticks.push_back(ticks_of_unchanged(dataset, *training.classifier, training.runs, threads));
   for (std::size_t k = 0; k < trainings.size(); ++k) {
-    constexpr double share_of_runs = 0.95;  // the rest is for the samples that it learned from
+    constexpr double share_of_baselines = 0.05;
     const double each = 1 / static_cast<double>(trainings.size()), before = each * static_cast<double>(k);
+    const double fitted = before + share_of_baselines * each;
     const model::Classifier& classifier = *trainings[k].classifier;
-    const std::size_t first = scored.runs.size();
-    scored.runs.resize(first + trainings[k].runs.size());
+    const std::size_t first = runs.size();
+    runs.resize(first + trainings[k].runs.size());
     for (const std::uint32_t run : trainings[k].runs)
       scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
-    // Full runs first: a run folder that has changed is reported before other work begins.
+    const FittedBaselines baselines(training_samples(dataset, classifier, threads, part_of(progress, before, fitted)),
+                                    options.bootstrap.seed);
     const RunScoring scoring{dataset,
                              classifier,
                              options,
                              evaluation.guard,
                              sampling_guards,
                              gate_of(classifier, options),
-                             decision_of(classifier, options)};
-    for_full_runs(dataset, classifier, trainings[k].runs, threads, part_of(progress, before, before + share_of_runs * each),
+                             decision_of(classifier, options),
+                             baselines};
+    for_full_runs(dataset, trainings[k].runs, ticks[k], threads, part_of(progress, fitted, before + each),
                   [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-                    scored.runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
+                    runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
                   });
     for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
-    learned.push_back(
-        training_samples(dataset, classifier, threads, part_of(progress, before + share_of_runs * each, before + each)));
   }
+  for (const RunResult& run : runs) scored.runs.push_back(&run);
   add_sample_scores(evaluation, scored, sampling_guards);
   add_tick_scores(evaluation, scored, options.over_time);
-  add_label_scores(evaluation, scored, left_out);
+  add_label_scores(evaluation, runs, scored, left_out);
   if (const auto gate = gate_of(*trainings.front().classifier, options)) evaluation.gate_off = gate_off(scored, *gate);
   evaluation.truth = truth_score(scored, options.over_time);
 
-  std::vector<BaselineSamples> tests;
-  for (RunResult& run : scored.runs) tests.push_back(std::move(run.samples));
-  evaluation.baselines = baseline_scores(learned, tests, scored.names, options.bootstrap);
+  std::vector<BaselineConfusions> confusions;
+  for (const RunResult& run : runs) confusions.push_back(run.baselines);
+  evaluation.baselines = baseline_scores(confusions, scored.names, options.bootstrap);
   return evaluation;
 }
 

@@ -5,7 +5,6 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/runs_below.hpp"
-#include "tactile/core/sha256.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/labels/labels.hpp"
 
@@ -38,7 +37,7 @@ std::vector<RunFolder> flagged_runs_beside(const windows::Dataset& dataset, std:
     for (const RunFolder& run : look_for_runs(folder).runs) {
       if (!objects.contains(run.object) || known.contains(fs::weakly_canonical(run.folder)) || !is_flagged(run)) continue;
       if (events::is_simulated(run) != dataset.simulated()) continue;
-      if (!model::learned_from(model, sha256_of_file(run.events()))) flagged.push_back(run);
+      if (!model::learned_from(model, run.events())) flagged.push_back(run);
     }
   }
   return flagged;

@@ -21,10 +21,6 @@ CameraTime drawn_time(const alignment::UncertainTime& time, Random& random) {
 
 using RunsByDraw = std::function<std::optional<double>(const RunsByObject&, std::size_t draw)>;
 
-const DrawnLabelsScore& score_of(const RunByDrawnLabels& run, std::size_t draw) {
-  return run.drawn.empty() ? run.as_labelled : run.drawn[draw];
-}
-
 /// @param labelled  by the labels as they are
 results::SpreadByLabels spread_of(const CrossedResults& objects, const Statistic& labelled, const RunsByDraw& by_draw,
                                   const Range& range, const results::BootstrapOptions& options) {
@@ -49,19 +45,52 @@ results::SpreadByLabels spread_of(const CrossedResults& objects, const Statistic
   return spread;
 }
 
-std::optional<double> accuracy_of_runs(std::span<const std::size_t> indexes,
-                                       const std::function<const DrawnLabelsScore&(std::size_t)>& score) {
-  results::Confusion sum;
-  for (const std::size_t i : indexes) sum += score(i).confusion;
-  return sum.accuracy();
+/// The correct ones of a run's balanced samples, by its labels as they are or by a draw.
+struct CountedSamples {
+  std::uint64_t samples = 0, correct = 0;
+};
+
+/// The accuracy over the samples of some runs. @param count  gives the samples of a run by its index
+template <class Count>
+Statistic accuracy_by(const Count& count) {
+  return mean_over_objects([count](std::span<const std::size_t> indexes) -> std::optional<double> {
+    CountedSamples sum;
+    for (const std::size_t i : indexes) {
+      const CountedSamples of_run = count(i);
+      sum.samples += of_run.samples;
+      sum.correct += of_run.correct;
+    }
+    if (sum.samples == 0) return std::nullopt;
+    return static_cast<double>(sum.correct) / static_cast<double>(sum.samples);
+  });
+}
+
+results::Detection detection_of(const DrawnDetection& drawn) {
+  return {.interval = {.touch = drawn.touch, .start = {}, .end = {}},
+          .outcome = drawn.outcome,
+          .delay = drawn.delay,
+          .limit = drawn.delay,
+          .ahead = drawn.ahead};
+}
+
+std::vector<results::RunDetections> detections_as_labelled(std::span<const RunByDrawnLabels> runs) {
+  std::vector<results::RunDetections> detections;
+  for (const RunByDrawnLabels& run : runs) detections.push_back({run, run.as_labelled.detections});
+  return detections;
 }
 
 /// All runs by one draw of labels.
-std::vector<results::RunDetections> detections_by(std::span<const RunByDrawnLabels> runs,
-                                                  const std::function<const DrawnLabelsScore&(std::size_t)>& score) {
+std::vector<results::RunDetections> detections_by_draw(std::span<const RunByDrawnLabels> runs, std::size_t draw) {
   std::vector<results::RunDetections> detections;
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    detections.push_back({{runs[i].object, runs[i].run, runs[i].training}, score(i).detections});
+  for (const RunByDrawnLabels& run : runs) {
+    results::RunDetections& of_run = detections.emplace_back(results::RunDetections{run, {}});
+    if (run.drawn.empty()) {
+      of_run.detections = run.as_labelled.detections;
+    } else {
+      std::transform(run.drawn[draw].detections.begin(), run.drawn[draw].detections.end(), std::back_inserter(of_run.detections),
+                     detection_of);
+    }
+  }
   return detections;
 }
 
@@ -112,9 +141,16 @@ std::vector<DrawnLabelsScore> scores_by_drawn_labels(const TickRange& ticks, std
   for (std::size_t draw = 0; draw < label_draws; ++draw) {
     const std::vector<TouchInterval> labels = drawn_labels(truth, random);
     DrawnLabelsScore& score = scores.emplace_back();
-    for (const std::size_t k : samples)
-      score.confusion.add(touch_at(ticks.at(static_cast<std::int64_t>(k)), labels), verdicts[k]);
-    score.detections = detections_of(ticks, verdicts, labels, options);
+    score.samples = static_cast<std::uint32_t>(samples.size());
+    score.correct = static_cast<std::uint32_t>(std::count_if(samples.begin(), samples.end(), [&](std::size_t k) {
+      return touch_at(ticks.at(static_cast<std::int64_t>(k)), labels) == verdicts[k];
+    }));
+    for (const results::Detection& detection : detections_of(ticks, verdicts, labels, options)) {
+      const bool is_missed = detection.outcome == results::DetectionOutcome::missed;
+      score.detections.push_back(
+          {is_missed ? detection.limit : detection.delay, detection.interval.touch, detection.outcome, detection.ahead});
+    }
+    score.detections.shrink_to_fit();
   }
   return scores;
 }
@@ -123,25 +159,26 @@ results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> ru
   results::LabelUncertainty uncertainty;
   if (std::all_of(runs.begin(), runs.end(), [](const RunByDrawnLabels& run) { return run.drawn.empty(); })) return uncertainty;
   uncertainty.draws = label_draws;
-  const auto labelled = [&](std::size_t i) -> const DrawnLabelsScore& { return runs[i].as_labelled; };
-  const auto by = [&](std::size_t draw) {
-    return [&runs, draw](std::size_t i) -> const DrawnLabelsScore& { return score_of(runs[i], draw); };
+  const auto labelled = [runs](std::size_t i) -> CountedSamples {
+    return {runs[i].as_labelled.confusion.samples(), runs[i].as_labelled.confusion.correct()};
+  };
+  const auto by_draw = [runs, labelled](std::size_t draw) {
+    return [runs, labelled, draw](std::size_t i) -> CountedSamples {
+      if (runs[i].drawn.empty()) return labelled(i);
+      return {runs[i].drawn[draw].samples, runs[i].drawn[draw].correct};
+    };
   };
   const CrossedResults with_samples =
       without_names(results_by_object(runs, [](const RunByDrawnLabels& run) { return run.as_labelled.confusion.samples() > 0; }));
-  const auto accuracy = [](const auto& score) {
-    return mean_over_objects([score](std::span<const std::size_t> indexes) { return accuracy_of_runs(indexes, score); });
-  };
   std::vector<results::RunConfusion> confusions;
   for (const RunByDrawnLabels& run : runs) confusions.push_back({run, run.as_labelled.confusion});
   const Range range = range_of_shares(confusions);
   uncertainty.accuracy = spread_of(
-      with_samples, accuracy(labelled), [&](const RunsByObject& chosen, std::size_t draw) { return accuracy(by(draw))(chosen); },
-      range, options);
+      with_samples, accuracy_by(labelled),
+      [&](const RunsByObject& chosen, std::size_t draw) { return accuracy_by(by_draw(draw))(chosen); }, range, options);
 
-  const std::vector<results::RunDetections> as_labelled = detections_by(runs, labelled);
-  std::vector<std::vector<results::RunDetections>> drawn;
-  for (std::size_t draw = 0; draw < label_draws; ++draw) drawn.push_back(detections_by(runs, by(draw)));
+  // Each draw is made when it is needed: all of them together would need far more memory than their results.
+  const std::vector<results::RunDetections> as_labelled = detections_as_labelled(runs);
   for (const auto& [touch, mean, median] : {std::tuple(Touch::press, &uncertainty.press_mean_ms, &uncertainty.press_median_ms),
                                             std::tuple(Touch::slip, &uncertainty.slip_mean_ms, &uncertainty.slip_median_ms)}) {
     const CrossedResults chosen =
@@ -151,15 +188,15 @@ results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> ru
         }));
     *mean = spread_of(
         chosen, [&, t = touch](const RunsByObject& of) { return mean_delay_ms(as_labelled, of, t); },
-        [&, t = touch](const RunsByObject& of, std::size_t draw) { return mean_delay_ms(drawn[draw], of, t); },
+        [&, t = touch](const RunsByObject& of, std::size_t draw) { return mean_delay_ms(detections_by_draw(runs, draw), of, t); },
         Range{.lowest = 0}, options);
     const DetectionTimes times(as_labelled, touch);
-    std::vector<DetectionTimes> drawn_times;
-    for (const auto& detections : drawn) drawn_times.emplace_back(detections, touch);
     *median = spread_of(
         chosen, [&](const RunsByObject& of) { return median_of_all_ms(times, of); },
-        [&](const RunsByObject& of, std::size_t draw) { return median_of_all_ms(drawn_times[draw], of); }, Range{.lowest = 0},
-        options);
+        [&, t = touch](const RunsByObject& of, std::size_t draw) {
+          return median_of_all_ms(DetectionTimes(detections_by_draw(runs, draw), t), of);
+        },
+        Range{.lowest = 0}, options);
   }
   return uncertainty;
 }

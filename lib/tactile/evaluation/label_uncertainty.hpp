@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,23 @@ inline constexpr std::size_t label_draws = 200;
 /// No interval begins before the one ahead of it ends, or ends before it begins.
 std::vector<TouchInterval> drawn_labels(const RunTruth& truth, Random& random);
 
+/// What the figures need of a detection. There are 200 draws of each run, so it is small.
+struct DrawnDetection {
+  microseconds delay{0};  ///< of a missed one: how long after its onset it could be detected
+  Touch touch = Touch::none;
+  results::DetectionOutcome outcome = results::DetectionOutcome::missed;
+  bool ahead = false;
+};
+
 /// A run scored by one draw of its labels.
 struct DrawnLabelsScore {
-  results::Confusion confusion;  ///< of the balanced samples: each has the class of its tick by the drawn labels
+  std::uint32_t samples = 0, correct = 0;  ///< balanced ones: each has the class of its tick by the drawn labels
+  std::vector<DrawnDetection> detections{};
+};
+
+/// A run scored by its labels as they are.
+struct LabelledScore {
+  results::Confusion confusion;
   std::vector<results::Detection> detections;
 };
 
@@ -41,8 +56,8 @@ std::vector<DrawnLabelsScore> scores_by_drawn_labels(const TickRange& ticks, std
 
 /// One run with its labels as they are, and drawn.
 struct RunByDrawnLabels : results::JudgedRun {
-  DrawnLabelsScore as_labelled{};
-  std::vector<DrawnLabelsScore> drawn{};
+  LabelledScore as_labelled{};
+  std::vector<DrawnLabelsScore> drawn{};  ///< none where no label has an interval
 };
 
 /// The spread of accuracy and delays. The spread of the draws is added to the interval of the figure: root of the sum of squares.

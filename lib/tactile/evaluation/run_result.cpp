@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 #include "tactile/core/error.hpp"
@@ -217,19 +218,21 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
   const RunFolder folder = folder_of(dataset, run_index);
   ClassifiedRun run{.index = run_index, .name = name_of(dataset.runs()[run_index]), .samples = samples_in(dataset, run_index)};
   RunResult result;
+  BaselineSamples samples;
   std::size_t next = 0;
   const auto see = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
     if (next == run.samples.size() || tick != run.samples[next].t) return;
-    result.samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
+    samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
     ++next;
   };
   run.full = classify_full_run(folder.events(), scoring.classifier,
                                {.threads = threads, .advance = advance, .see = see, .ratios = needs_ratios(scoring.gate)});
   if (reads_heatmaps(scoring.classifier.kind())) {
-    add_features(result.samples, dataset, scoring.classifier, run_index);
+    add_features(samples, dataset, scoring.classifier, run_index);
   } else {
-    add_samples(result.samples, dataset, scoring.classifier, run_index, threads);
+    add_samples(samples, dataset, scoring.classifier, run_index, threads);
   }
+  result.baselines = scoring.baselines.confusions_of(samples);
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];
@@ -262,16 +265,20 @@ WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& f
   return score_with_flagged(run, folder, scoring);
 }
 
-void for_full_runs(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> runs,
-                   unsigned threads, const ProgressCallback& progress,
-                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
+std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::Classifier& classifier,
+                                 std::span<const std::uint32_t> runs, unsigned threads) {
   std::vector<std::size_t> expected(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     windows::check_unchanged(dataset, runs[i]);
     expected[i] = expected_ticks(folder_of(dataset, runs[i]).events(), classifier.rendering());
   });
-  std::uint64_t total = 0, done = 0;
-  for (const std::size_t ticks : expected) total += ticks;
+  return std::accumulate(expected.begin(), expected.end(), std::uint64_t{0});
+}
+
+void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
+                   const ProgressCallback& progress,
+                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
+  std::uint64_t done = 0;
   std::mutex guard_progress;
   const auto threads_each = std::max(1U, threads / std::max(1U, static_cast<unsigned>(runs.size())));
   parallel_for(runs.size(), threads, [&](std::size_t i) {

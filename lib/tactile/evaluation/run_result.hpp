@@ -46,7 +46,7 @@ struct RunResult {
   std::vector<DrawnLabelsScore> by_drawn_labels;
   WithFlaggedScore with_flagged;
   std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
-  BaselineSamples samples;
+  BaselineConfusions baselines;
   RunScore network;
   std::array<RunScore, trivial_count> trivial;
   std::vector<RunScore> by_threshold;  ///< one for each of `default_thresholds`
@@ -72,6 +72,7 @@ struct RunScoring {
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
   std::optional<model::GateRule> gate;
   model::Decision decision;
+  const FittedBaselines& baselines;
 };
 
 /// Renders and classifies every tick of a run, and scores it.
@@ -108,9 +109,15 @@ std::vector<windows::Sample> samples_by(const windows::SamplingOptions& options,
 /// The index of a sample's tick in a full run. @throws Error  if it is at none
 std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, const std::string& run);
 
+/// The number of ticks of all runs together, by the lists of their packets.
+/// @throws Error  if a run folder has changed since the dataset was made
+std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::Classifier& classifier,
+                                 std::span<const std::uint32_t> runs, unsigned threads);
+
 /// Calls `work` for each run with the number of threads it may use, and reports how many ticks are done.
-void for_full_runs(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> runs,
-                   unsigned threads, const ProgressCallback& progress,
+/// @param total  ticks of all runs, as `ticks_of_unchanged`
+void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
+                   const ProgressCallback& progress,
                    const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work);
 
 }  // namespace tactile::evaluation

@@ -52,7 +52,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     });
     return confusions;
   }
-  for_full_runs(dataset, classifier, runs, threads, progress,
+  for_full_runs(dataset, runs, ticks_of_unchanged(dataset, classifier, runs, threads), threads, progress,
                 [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
                   results::FullRun run =
                       classify_full_run(folder_of(dataset, runs[i]).events(), classifier,
@@ -91,7 +91,7 @@ results::UnseenComparison compare_unseen(const windows::Dataset& dataset, std::s
 std::vector<std::uint32_t> runs_neither_saw(const windows::Dataset& dataset, const model::ModelDescription& seen,
                                             const model::ModelDescription& held_out) {
   std::vector<std::uint32_t> runs = model::test_runs_of(dataset, held_out);
-  std::erase_if(runs, [&](std::uint32_t run) { return model::learned_from(seen, dataset.runs()[run].events_sha256); });
+  std::erase_if(runs, [&](std::uint32_t run) { return model::learned_from(seen, dataset.runs()[run]); });
   if (model::samples_of_runs(dataset, runs).empty()) {
     throw Error(
         fmt::format("{}: every run of the held-out objects with samples was used to train one of the models; expected "

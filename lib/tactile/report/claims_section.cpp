@@ -18,8 +18,7 @@ std::string with_unit(const results::Figure& measured, const std::string& unit) 
   const auto bound = [&](std::optional<double> value) {
     return value ? fmt::format("{:.{}f}", *value, digits(*value)) : std::string("unknown");
   };
-  text += measured.low || measured.high ? fmt::format(" ({} to {})", bound(measured.low), bound(measured.high))
-                                        : std::string(" (no interval)");
+  if (measured.low || measured.high) text += fmt::format(" ({} to {})", bound(measured.low), bound(measured.high));
   return text;
 }
 

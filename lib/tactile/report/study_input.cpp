@@ -205,6 +205,7 @@ void read_unseen(ReportInput& input, const results::JsonView& study) {
         "Over {} random splits, the accuracy on a held-out object differs by {} (mean over {} objects) from that of the "
         "same training with it.",
         rows.size(), results::text_of(results::scaled(mean, 100), " points", "+.2f"), mean.n));
+    if (std::string note = results::note_on_intervals({mean}); !note.empty()) input.remarks.push_back(std::move(note));
   }
   add_table(input.splits, "Other random splits with five held-out objects: accuracy on them, on the reported runs",
             {"split", "held out", "seen", "held out", "difference"}, std::move(rows));

@@ -106,7 +106,7 @@ struct Evaluation {
   std::optional<bool> above_baselines() const;
 };
 
-/// As eval.json has it; docs/cli/ lists its keys.
+/// As eval.json has it; docs/format/evaluation.md lists its keys.
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 void from_json(const JsonView& json, Evaluation& evaluation);
 

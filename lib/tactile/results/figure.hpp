@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -25,9 +26,13 @@ struct Figure {
 /// The value and its interval times `factor`.
 Figure scaled(Figure figure, double factor);
 
-/// "88.3 % [81.3, 94.5]"; "unknown" where nothing was there to measure.
+/// "88.3 % [81.3, 94.5]"; "88.3 %" without an interval, which `note_on_intervals` explains; "unknown" where nothing was there to
+/// measure.
 /// @param format  of a number, as fmt takes it: "+.2f"
 std::string text_of(const Figure& figure, std::string_view unit, std::string_view format = ".1f");
+
+/// The sentence that a text with these figures says once, if one of them has a value and no interval; else nothing.
+std::string note_on_intervals(std::initializer_list<Figure> figures);
 
 /// {"value", "low", "high", "n", "trainings"}; what is not known is null.
 void to_json(nlohmann::json& json, const Figure& figure);

@@ -56,17 +56,25 @@ std::vector<std::string> found_in(const Evaluation& reported, const std::vector<
                                   const UnseenComparison& unseen, const std::string& claims) {
   const FalseAlarmTable& alarms = reported.network.false_alarms;
   const Figure& change = unseen.mean.difference;
-  return {
+  std::vector<std::string> sentences{
       accuracy_sentence(reported, histories), delay_sentence(reported.network),
       fmt::format("False alarms: {} per minute outside labelled touches, which is {} of that time; {} without unlabelled motion, "
                   "{} of the time. The wrong class: {} per minute of touch, {} of that time.",
                   text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share),
                   text_of(alarms.outside_motion_per_min, ""), percent_of(alarms.outside_motion_share, " %", ".2f"),
                   text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share)),
-      unseen.objects.empty() ? std::string("No object was held out of training.")
-                             : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} objects).",
-                                           percent_of(change, " points"), change.n),
+      unseen.objects.empty()
+          ? std::string("No object was held out of training.")
+          : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} object{}).",
+                        percent_of(change, " points"), change.n, change.n == 1 ? "" : "s"),
       claims};
+  const DetectorScore& network = reported.network;
+  std::string note = note_on_intervals(
+      {reported.accuracy.mean, network.press.all.median_of_all_ms.ms, network.press.all.missed,
+       network.slip.all.median_of_all_ms.ms, network.slip.all.missed, alarms.outside_labels_per_min, alarms.outside_labels_share,
+       alarms.outside_motion_per_min, alarms.outside_motion_share, alarms.wrong_class_per_min, alarms.wrong_class_share, change});
+  if (!note.empty()) sentences.push_back(std::move(note));
+  return sentences;
 }
 
 }  // namespace tactile::results

@@ -10,7 +10,7 @@
 namespace tactile::results {
 
 /// What a study or an evaluation found, in five sentences: accuracy and the best baseline; delays and misses; false alarms;
-/// objects never seen; and the claims.
+/// objects never seen; and the claims. A sixth explains values without an interval, if there are any.
 /// @param reported  of the reported runs
 /// @param histories  of each training
 /// @param unseen    of the reported runs; without objects if none was held out

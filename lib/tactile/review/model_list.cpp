@@ -36,10 +36,10 @@ json eval_json(const fs::path& file) {
   const auto evaluation = results::JsonView(document, file.string()).get<results::Evaluation>();
   const results::DetectorScore& score = evaluation.network;
   return {{"accuracy", json_of(evaluation.accuracy.mean)},
-          {"press_delay_ms", json_of(score.press.all.median_ms)},
-          {"slip_delay_ms", json_of(score.slip.all.median_ms)},
+          {"press_delay_ms", json_of(score.press.all.median_of_all_ms.ms)},
+          {"slip_delay_ms", json_of(score.slip.all.median_of_all_ms.ms)},
           {"missed", {{"press", json_of(score.press.all.missed)}, {"slip", json_of(score.slip.all.missed)}}},
-          {"false_alarms_per_min", json_of(score.false_alarms.per_min)}};
+          {"false_alarms_per_min", json_of(score.false_alarms.outside_labels_per_min)}};
 }
 
 json history_json(const fs::path& file) {

@@ -179,11 +179,13 @@ void Dataset::State::read_runs(const std::string& where) {
     if (first[i] != next || __builtin_add_overflow(next, events[i], &next))
       throw_inconsistent(where, "the events of the runs are not contiguous");
   }
-  if (const h5::Id group = h5::open_group(id, "runs", where); !h5::has_member(group, "first_us")) return;  // an earlier version
+  if (const h5::Id group = h5::open_group(id, "runs", where); !h5::has_member(group, "event_digest"))
+    return;  // an earlier version
   const auto begin = h5::read_table<std::int64_t>(id, "runs/first_us", where);
   const auto end = h5::read_table<std::int64_t>(id, "runs/last_us", where);
-  for (std::size_t i = 0; i < common_length(where + ": /runs", runs, begin, end); ++i)
-    runs[i].ends = {camera_time(begin[i]), camera_time(end[i])};
+  const auto digest = h5::read_texts(id, "runs/event_digest", where);
+  for (std::size_t i = 0; i < common_length(where + ": /runs", runs, begin, end, digest); ++i)
+    runs[i].recording = {camera_time(begin[i]), camera_time(end[i]), digest[i]};
 }
 
 h5::Id Dataset::State::checked_events(const std::string& where) const {

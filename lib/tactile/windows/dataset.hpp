@@ -14,9 +14,10 @@
 
 namespace tactile::windows {
 
-/// The times of a recording's first and last event.
-struct RecordedEnds {
-  CameraTime first{}, last{};
+/// What one pass over a recording's events finds.
+struct RecordingFacts {
+  CameraTime first{}, last{};  ///< events
+  std::string digest;          ///< `events::EventDigest`
 };
 
 /// One run of a dataset: its events, and the files it was made from.
@@ -28,7 +29,7 @@ struct DatasetRun {
   std::uint64_t events = 0;
   std::string events_sha256;
   std::string labels_sha256;
-  std::optional<RecordedEnds> ends;  ///< datasets of earlier versions have none
+  std::optional<RecordingFacts> recording;  ///< datasets of earlier versions have none
 };
 
 struct DatasetInterval {

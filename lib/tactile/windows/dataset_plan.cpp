@@ -17,6 +17,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/ticks.hpp"
+#include "tactile/events/event_digest.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
@@ -39,23 +40,25 @@ events::SensorSize sensor_of(const OpenRun& open, const PlannedRun& run) {
   return sensor;
 }
 
-/// Takes the ends from the older dataset, which has read the same recording. @return  false if it has not
-bool take_ends(PlannedRun& run, const OlderDataset* older) {
-  const auto ends = older == nullptr ? std::nullopt : older->ends_of(run.events_sha256);
-  if (!ends) return false;
-  run.first_event = ends->first;
-  run.last_event = ends->last;
+/// Takes what the older dataset knows of the same recording. @return  false if it has not read it
+bool take_facts(PlannedRun& run, const OlderDataset* older) {
+  const auto facts = older == nullptr ? std::nullopt : older->facts_of(run.events_sha256);
+  if (!facts) return false;
+  run.first_event = facts->first;
+  run.last_event = facts->last;
+  run.event_digest = facts->digest;
   run.sensor = events::SensorSize{run.info.width, run.info.height};
   if (run.sensor != older->sensor()) run.sensor = sensor_of(OpenRun(run.folder), run);
   return true;
 }
 
-void find_ends(PlannedRun& run) {
+void find_facts(PlannedRun& run) {
   run.was_read = true;
   OpenRun open(run.folder);
   const std::string where = run.folder.events().string();
   run.sensor = sensor_of(open, run);
   std::optional<CameraTime> last;
+  events::EventDigest digest;
   events::for_all_events(open.recording, open.stream_id, [&](std::span<const events::Event> events) {
     for (const events::Event& event : events) {
       if (!last) run.first_event = event.t;
@@ -66,9 +69,11 @@ void find_ends(PlannedRun& run) {
       last = event.t;
     }
     run.recorded_events += events.size();
+    digest.add(events);
   });
   if (!last) throw Error(where + ": has no event; expected a recording of the run");
   run.last_event = *last;
+  run.event_digest = digest.text();
 }
 
 std::string list_of(const std::vector<std::string>& names, std::string_view between_them = ", ") {
@@ -131,6 +136,7 @@ RunInfo info_of(const RunFolder& folder) {
   RunInfo info;
   if (is_there(folder.info())) {
     info = read_run_info(folder);
+    info.extra.clear();  // which is large, and the plan holds all runs
   } else {
     info.object = folder.object;
     info.run = folder.run;
@@ -179,6 +185,7 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
                    .events_sha256 = {},
                    .labels_sha256 = {},
                    .sensor = {},
+                   .event_digest = {},
                    .intervals = {},
                    .samples = {}};
     run.outcome.object = run.folder.object;
@@ -303,7 +310,7 @@ RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options, const OlderD
             .why_no_samples = has_no("labels of its present events")};
   }
   run.labels_sha256 = sha256_of_file(run.folder.labels());
-  if (!take_ends(run, older)) find_ends(run);
+  if (!take_facts(run, older)) find_facts(run);
   std::string why = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
   if (run.sensor.width <= 0) why = "neither its recording nor run.json has the sensor's size";
   if (!why.empty()) return {.why_left_out = why, .error = {}, .why_no_samples = has_no("recording that can be used")};
@@ -344,7 +351,7 @@ void add_rows(DatasetPlan& plan, const fs::path& file) {
                          .folder = folder_name(run.folder, file),
                          .events_sha256 = run.events_sha256,
                          .labels_sha256 = run.labels_sha256,
-                         .ends = RecordedEnds{run.first_event, run.last_event}});
+                         .recording = RecordingFacts{run.first_event, run.last_event, run.event_digest}});
   }
 }
 

@@ -31,7 +31,8 @@ struct PlannedRun {
   std::string events_sha256, labels_sha256;
   events::SensorSize sensor;
   CameraTime first_event{}, last_event{};
-  bool was_read = false;                 ///< its events were read; else an older dataset knows their ends
+  std::string event_digest;
+  bool was_read = false;                 ///< its events were read; else an older dataset knows of them
   std::uint64_t recorded_events = 0;     ///< in the recording, if it was read; the dataset stores some of them
   std::vector<TouchInterval> intervals;  ///< those with used labels
   std::vector<Sample> samples;           ///< `run_index` counts planned runs
@@ -61,7 +62,7 @@ struct OpenRun {
   std::int32_t stream_id;
 };
 
-/// Reads every run below `data` once, except for recordings whose ends the older dataset knows. The plan lists runs that cannot
+/// Reads every run below `data` once, except for recordings that the older dataset knows. The plan lists runs that cannot
 /// be read. @param older  null: there is none  @throws Error  as `write_dataset`
 DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesystem::path& file, const WindowsOptions& options,
                          unsigned threads, const ProgressCallback& progress, const OlderDataset* older = nullptr);

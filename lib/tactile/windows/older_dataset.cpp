@@ -16,9 +16,9 @@ OlderDataset::OlderDataset(const Dataset& dataset) : dataset_(&dataset), samples
   for (const RunSamples& run : samples_by_run(dataset)) samples_[run.run_index] = dataset.samples().subspan(run.first, run.count);
 }
 
-std::optional<RecordedEnds> OlderDataset::ends_of(const std::string& events_sha256) const {
+std::optional<RecordingFacts> OlderDataset::facts_of(const std::string& events_sha256) const {
   const auto found = runs_of_recording_.find(events_sha256);
-  return found == runs_of_recording_.end() ? std::nullopt : dataset_->runs()[found->second].ends;
+  return found == runs_of_recording_.end() ? std::nullopt : dataset_->runs()[found->second].recording;
 }
 
 std::optional<std::uint32_t> OlderDataset::with_same_events(const std::string& events_sha256, std::span<const Sample> samples,

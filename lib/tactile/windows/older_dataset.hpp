@@ -32,8 +32,8 @@ class OlderDataset {
 
   events::SensorSize sensor() const { return dataset_->sensor(); }
 
-  /// The times of the recording's first and last event; nothing if the dataset has not read it.
-  std::optional<RecordedEnds> ends_of(const std::string& events_sha256) const;
+  /// What is known of a recording; nothing if the dataset has not read it.
+  std::optional<RecordingFacts> facts_of(const std::string& events_sha256) const;
 
   /// The run with the same recording, history and times of samples, so also with the same events.
   std::optional<std::uint32_t> with_same_events(const std::string& events_sha256, std::span<const Sample> samples,

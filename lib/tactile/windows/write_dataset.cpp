@@ -122,15 +122,24 @@ void write_tables(const DatasetPlan& plan, const fs::path& file, const std::stri
   write_column<std::string>(out, "runs/events_sha256", plan.rows, where, [](const DatasetRun& run) { return run.events_sha256; });
   write_column<std::string>(out, "runs/labels_sha256", plan.rows, where, [](const DatasetRun& run) { return run.labels_sha256; });
   write_column<std::int64_t>(out, "runs/first_us", plan.rows, where,
-                             [](const DatasetRun& run) { return us_of(run.ends->first); });
-  write_column<std::int64_t>(out, "runs/last_us", plan.rows, where, [](const DatasetRun& run) { return us_of(run.ends->last); });
+                             [](const DatasetRun& run) { return us_of(run.recording->first); });
+  write_column<std::int64_t>(out, "runs/last_us", plan.rows, where,
+                             [](const DatasetRun& run) { return us_of(run.recording->last); });
+  write_column<std::string>(out, "runs/event_digest", plan.rows, where,
+                            [](const DatasetRun& run) { return run.recording->digest; });
 
   std::vector<DatasetInterval> intervals;
-  std::vector<Sample> samples;
   for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
     for (const TouchInterval& interval : plan.runs[index].intervals) intervals.push_back({index, interval});
-    samples.insert(samples.end(), plan.runs[index].samples.begin(), plan.runs[index].samples.end());
   }
+  // There are many samples, so no second list of them is made.
+  const auto write_samples = [&]<class T>(const std::string& name, T, const auto& get) {
+    std::vector<T> values;
+    for (const PlannedRun& run : plan.runs) {
+      for (const Sample& sample : run.samples) values.push_back(get(sample));
+    }
+    h5::write_table(out, name, values, where);
+  };
   const auto value_of = [](Touch touch) { return static_cast<std::uint8_t>(touch); };
   write_column<std::uint32_t>(out, "intervals/run", intervals, where, [](const DatasetInterval& i) { return i.run_index; });
   write_column<std::uint8_t>(out, "intervals/class", intervals, where,
@@ -139,9 +148,9 @@ void write_tables(const DatasetPlan& plan, const fs::path& file, const std::stri
                              [](const DatasetInterval& i) { return us_of(i.interval.start); });
   write_column<std::int64_t>(out, "intervals/end_us", intervals, where,
                              [](const DatasetInterval& i) { return us_of(i.interval.end); });
-  write_column<std::uint32_t>(out, "samples/run", samples, where, [](const Sample& sample) { return sample.run_index; });
-  write_column<std::int64_t>(out, "samples/t_us", samples, where, [](const Sample& sample) { return us_of(sample.t); });
-  write_column<std::uint8_t>(out, "samples/label", samples, where, [&](const Sample& sample) { return value_of(sample.touch); });
+  write_samples("samples/run", std::uint32_t{}, [](const Sample& sample) { return sample.run_index; });
+  write_samples("samples/t_us", std::int64_t{}, [](const Sample& sample) { return us_of(sample.t); });
+  write_samples("samples/label", std::uint8_t{}, [&](const Sample& sample) { return value_of(sample.touch); });
   out.close(where);
 }
 
@@ -236,6 +245,11 @@ bool same_folders(std::span<const DatasetRun> a, std::span<const DatasetRun> b) 
                     [](const DatasetRun& x, const DatasetRun& y) { return x.folder == y.folder; });
 }
 
+/// A dataset of an earlier version does not; it is made again.
+bool knows_recordings(const Dataset& dataset) {
+  return std::all_of(dataset.runs().begin(), dataset.runs().end(), [](const DatasetRun& run) { return run.recording; });
+}
+
 DatasetSummary summary_of(const DatasetPlan& plan) {
   DatasetSummary summary;
   summary.runs = plan.left_out;
@@ -278,7 +292,8 @@ DatasetSummary make_dataset(const Making& making, Existing existing, std::option
   const fs::path events_file = dataset_layout::file_beside(file, "events");
   remove_leftovers(file);
   remove_leftovers(events_file);
-  if (old && old->manifest_hash() == summary.manifest_hash && events_file_of(file) == events_file.filename()) {
+  if (old && old->manifest_hash() == summary.manifest_hash && events_file_of(file) == events_file.filename() &&
+      knows_recordings(*old)) {
     for (const DatasetRun& run : old->runs()) summary.events += run.events;
     summary.read_runs = in_order(plan.read_runs);
     const bool moved = !same_folders(old->runs(), plan.rows);

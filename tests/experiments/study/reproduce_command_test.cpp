@@ -137,6 +137,9 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   test::expect_settings_of("study/settings.json",
                            "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
 
+  test::expect_settings_of("study/report/settings.json", "report study", folder.path());
+  EXPECT_EQ(read_json(folder / "study/report/settings.json").at("what"), "study");
+
   // The text ends with commands to run next.
   const std::string without_json = "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size());
   const auto brief = test::run_tactile(without_json, folder.path());

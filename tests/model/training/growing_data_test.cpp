@@ -74,7 +74,13 @@ TEST(GrowingData, IsJudgedByAnOlderModelExceptForTheRunsThatItLearnedFrom) {
   make_runs(data, {"cup"}, 1);
   test::make_run(data / "usb-hub/03", 7);
   fs::copy(data / "fan/01", data / "fan/03",
-           fs::copy_options::recursive);  // a recording that it learned from, under another name
+           fs::copy_options::recursive);  // a recording that it learned from, under another name and compressed otherwise
+  const std::string copied = (data / "fan/03/events.aedat4").string();
+  ASSERT_EQ(run_tactile("convert '" + (data / "fan/01/events.aedat4").string() + "' '" + copied + "' --compression zstd --force",
+                        folder.path())
+                .exit_code,
+            0);
+  ASSERT_NE(sha256_of_file(copied), sha256_of_file(data / "fan/01/events.aedat4"));
   ASSERT_EQ(run_tactile("windows", folder.path()).exit_code, 0);
   const auto judged = run_tactile("eval", folder.path());
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
@@ -116,12 +122,12 @@ TEST(GrowingData, OfObjectsThatAModelDidNotLearnFromIsItsTest) {
   ModelDescription model;  // trained before there was a cup
   model.manifest_hash = std::string(64, '0');
   model.settings.split = {.kind = windows::SplitKind::unseen, .train_run = "01", .held_out = {"usb-hub"}};
-  model.learned_from = {{"fan/01", dataset.runs()[2].events_sha256}};
+  model.learned_from = {learned_run_of(dataset.runs()[2])};
   EXPECT_EQ(names_of(dataset, learned_runs_of(dataset, model)), Names{"fan/01"});
   EXPECT_EQ(names_of(dataset, test_runs_of(dataset, model)), (Names{"cup/01", "cup/02", "usb-hub/01", "usb-hub/02"}));
   model.settings.split.kind = windows::SplitKind::single_run;
   EXPECT_EQ(names_of(dataset, test_runs_of(dataset, model)), (Names{"cup/01", "cup/02", "fan/02", "usb-hub/01", "usb-hub/02"}));
-  for (const windows::DatasetRun& run : dataset.runs()) model.learned_from.push_back({name_of(run), run.events_sha256});
+  for (const windows::DatasetRun& run : dataset.runs()) model.learned_from.push_back(learned_run_of(run));
   EXPECT_THROW(test_runs_of(dataset, model), Error) << "it has seen all of them";
 }
 

@@ -57,16 +57,18 @@ std::string delay_text(const results::Figure& delay, bool is_bound) {
 }
 
 std::string measured_text(const results::TradeFigures& figures) {
+  const std::string note =
+      results::note_on_intervals({figures.accuracy, figures.us_p50, figures.us_p99, figures.us_p999, figures.delay_median_us,
+                                  figures.delay_p90_us, figures.missed, figures.episodes_per_min});
   return fmt::format(
       "an accuracy of {}. A tick takes {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000. The delay is {} in half "
-      "of "
-      "the presses and slips and {} in 90 % of them; {} are missed or early. There are {} false alarms per minute outside "
-      "labels, "
-      "with those in releases and in motion without labels",
+      "of the presses and slips and {} in 90 % of them; {} are missed or early. There are {} false alarms per minute outside "
+      "labels, with those in releases and in motion without labels.{}",
       text_of(scaled(figures.accuracy, 100), " %", ".2f"), text_of(figures.us_p50, " us", ".0f"),
       text_of(figures.us_p99, " us", ".0f"), text_of(figures.us_p999, " us", ".0f"),
       delay_text(figures.delay_median_us, figures.median_is_bound), delay_text(figures.delay_p90_us, figures.p90_is_bound),
-      text_of(scaled(figures.missed, 100), " %", ".1f"), text_of(figures.episodes_per_min, "", ".2f"));
+      text_of(scaled(figures.missed, 100), " %", ".1f"), text_of(figures.episodes_per_min, "", ".2f"),
+      note.empty() ? "" : " " + note);
 }
 
 /// Whether the trial meets the limit of time; without a limit, the tick is the limit.
@@ -156,7 +158,7 @@ Recommendation recommend(const TradeConstraints& constraints, const std::optiona
   Recommendation recommendation{.setting = setting, .met = false, .sentence = {}};
   const std::string of_runs = simulated ? " On simulated runs, which say nothing about real ones." : "";
   const std::string measured =
-      fmt::format("Measured again, by each training on runs that it neither learned from nor was chosen on, it has {}.{}",
+      fmt::format("Measured again, by each training on runs that it neither learned from nor was chosen on, it has {}{}",
                   measured_text(again), trial_text(trial));
   if (!constraints.any()) {
     recommendation.sentence =

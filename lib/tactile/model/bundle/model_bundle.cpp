@@ -10,6 +10,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/event_digest.hpp"
 #include "tactile/model/definition/model_network.hpp"
 
 namespace tactile::model {
@@ -27,11 +28,20 @@ nlohmann::json class_names() {
 
 nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
   nlohmann::json json = nlohmann::json::array();
-  for (const LearnedRun& run : runs) json.push_back({{"run", run.run}, {"events_sha256", run.events_sha256}});
+  for (const LearnedRun& run : runs) json.push_back(run);
   return json;
 }
 
 }  // namespace
+
+void to_json(nlohmann::json& json, const LearnedRun& run) {
+  json = {{"run", run.run}, {"events_sha256", run.events_sha256}, {"event_digest", run.event_digest}};
+}
+
+LearnedRun learned_run_in(const nlohmann::json& json, const std::string& where) {
+  return {member<std::string>(json, "run", where), member<std::string>(json, "events_sha256", where),
+          json.value("event_digest", "")};
+}
 
 void to_json(nlohmann::json& json, const ModelDescription& description) {
   json = description.settings;
@@ -84,8 +94,7 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.train_runs = member<std::vector<std::string>>(json, "train_runs", where);
   description.test_runs = member<std::vector<std::string>>(json, "test_runs", where);
   for (const auto& run : member<std::vector<nlohmann::json>>(json, "learned_from", where))
-    description.learned_from.push_back(
-        {member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
+    description.learned_from.push_back(learned_run_in(run, where));
   description.samples = member<std::uint64_t>(json, "samples", where);
   if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
   if (json.contains("transitions") && !json.at("transitions").is_null())
@@ -163,9 +172,28 @@ std::vector<std::string> names_of(const std::vector<LearnedRun>& runs) {
   return names;
 }
 
-bool learned_from(const ModelDescription& model, const std::string& events_sha256) {
-  return std::any_of(model.learned_from.begin(), model.learned_from.end(),
-                     [&](const LearnedRun& learned) { return learned.events_sha256 == events_sha256; });
+LearnedRun learned_run_of(const windows::DatasetRun& run) {
+  return {name_of(run), run.events_sha256, run.recording ? run.recording->digest : ""};
+}
+
+bool contains_recording(std::span<const LearnedRun> runs, const LearnedRun& run) {
+  return std::any_of(runs.begin(), runs.end(), [&](const LearnedRun& one) {
+    return one.events_sha256 == run.events_sha256 || (!one.event_digest.empty() && one.event_digest == run.event_digest);
+  });
+}
+
+bool learned_from(const ModelDescription& model, const windows::DatasetRun& run) {
+  return contains_recording(model.learned_from, learned_run_of(run));
+}
+
+bool learned_from(const ModelDescription& model, const std::filesystem::path& recording) {
+  const auto& runs = model.learned_from;
+  LearnedRun run{.run = {}, .events_sha256 = sha256_of_file(recording), .event_digest = {}};
+  if (contains_recording(runs, run)) return true;
+  const auto has_digest = [](const LearnedRun& learned) { return !learned.event_digest.empty(); };
+  if (std::none_of(runs.begin(), runs.end(), has_digest)) return false;
+  run.event_digest = events::event_digest_of(recording);
+  return contains_recording(runs, run);
 }
 
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description) {

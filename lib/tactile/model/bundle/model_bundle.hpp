@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,16 +17,25 @@
 #include "tactile/model/bundle/transitions.hpp"
 #include "tactile/model/bundle/weights.hpp"
 #include "tactile/model/definition/model_settings.hpp"
+#include "tactile/windows/dataset.hpp"
 
 namespace tactile::model {
 
 /// A training run, identified by its recording: in another dataset, another run may have its name.
 struct LearnedRun {
-  std::string run;  ///< "fan/01"
-  std::string events_sha256;
-
-  friend bool operator==(const LearnedRun&, const LearnedRun&) = default;
+  std::string run;            ///< "fan/01"
+  std::string events_sha256;  ///< of the recording's file
+  std::string event_digest;   ///< `events::EventDigest`, which a compressed or converted copy shares; empty in older bundles
 };
+
+LearnedRun learned_run_of(const windows::DatasetRun& run);
+
+/// Whether one of `runs` has the same file as `run`, or the same events in another file.
+bool contains_recording(std::span<const LearnedRun> runs, const LearnedRun& run);
+
+void to_json(nlohmann::json& json, const LearnedRun& run);  ///< {"run", "events_sha256", "event_digest"}
+/// @param where  the file, for errors. @throws Error
+LearnedRun learned_run_in(const nlohmann::json& json, const std::string& where);
 
 /// The contents of `model.json`.
 struct ModelDescription {
@@ -88,8 +98,11 @@ void write_bundle(const ModelBundle& bundle, ModelDescription description, const
 
 std::vector<std::string> names_of(const std::vector<LearnedRun>& runs);  ///< "fan/01"
 
-/// Whether the model, or one of its starting models, learned from this recording.
-bool learned_from(const ModelDescription& model, const std::string& events_sha256);
+/// Whether the model, or one of its starting models, learned from the recording of this run.
+bool learned_from(const ModelDescription& model, const windows::DatasetRun& run);
+
+/// The same of a recording outside a dataset. @throws Error  if it cannot be read
+bool learned_from(const ModelDescription& model, const std::filesystem::path& recording);
 
 /// The metadata of a weights file: classes, input shape and scale, layers, rendering, software, as JSON texts.
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description);

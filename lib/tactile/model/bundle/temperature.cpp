@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "tactile/core/error.hpp"
@@ -16,8 +15,7 @@ void to_json(nlohmann::json& json, const Temperature& temperature) {
   json = {{"value", temperature.value},           {"fitted_on", nlohmann::json::array()},
           {"samples", temperature.samples},       {"loss_before", temperature.loss_before},
           {"loss_after", temperature.loss_after}, {"weights_sha256", temperature.weights_sha256}};
-  for (const LearnedRun& run : temperature.fitted_on)
-    json["fitted_on"].push_back({{"run", run.run}, {"events_sha256", run.events_sha256}});
+  for (const LearnedRun& run : temperature.fitted_on) json["fitted_on"].push_back(run);
 }
 
 void from_json(const nlohmann::json& json, Temperature& temperature) {
@@ -29,7 +27,7 @@ void from_json(const nlohmann::json& json, Temperature& temperature) {
                  .loss_after = member<double>(json, "loss_after", where),
                  .weights_sha256 = member<std::string>(json, "weights_sha256", where)};
   for (const auto& run : member<std::vector<nlohmann::json>>(json, "fitted_on", where))
-    temperature.fitted_on.push_back({member<std::string>(run, "run", where), member<std::string>(run, "events_sha256", where)});
+    temperature.fitted_on.push_back(learned_run_in(run, where));
 }
 
 Temperature read_temperature(const ModelBundle& bundle, const ModelDescription& description) {
@@ -54,9 +52,8 @@ void write_temperature(const ModelBundle& bundle, const Temperature& temperature
   write_json(temperature_file(bundle), temperature);
 }
 
-bool fitted_on(const Temperature& temperature, const std::string& events_sha256) {
-  return std::any_of(temperature.fitted_on.begin(), temperature.fitted_on.end(),
-                     [&](const LearnedRun& run) { return run.events_sha256 == events_sha256; });
+bool fitted_on(const Temperature& temperature, const windows::DatasetRun& run) {
+  return contains_recording(temperature.fitted_on, learned_run_of(run));
 }
 
 }  // namespace tactile::model

@@ -22,7 +22,7 @@ struct Temperature {
   std::string weights_sha256{};         ///< of the weights that it was fitted to
 };
 
-/// {"value", "fitted_on": [{"run", "events_sha256"}], "samples", "loss_before", "loss_after", "weights_sha256"}
+/// {"value", "fitted_on": [{"run", "events_sha256", "event_digest"}], "samples", "loss_before", "loss_after", "weights_sha256"}
 void to_json(nlohmann::json& json, const Temperature& temperature);
 void from_json(const nlohmann::json& json, Temperature& temperature);  ///< @throws Error
 
@@ -34,7 +34,7 @@ Temperature read_temperature(const ModelBundle& bundle, const ModelDescription& 
 
 void write_temperature(const ModelBundle& bundle, const Temperature& temperature);
 
-/// Whether the temperature was fitted on this recording.
-bool fitted_on(const Temperature& temperature, const std::string& events_sha256);
+/// Whether the temperature was fitted on the recording of this run.
+bool fitted_on(const Temperature& temperature, const windows::DatasetRun& run);
 
 }  // namespace tactile::model

@@ -21,7 +21,7 @@ std::vector<std::uint32_t> runs_to_fit_on(const windows::Dataset& dataset, const
   std::vector<std::uint32_t> runs;
   for (std::uint32_t i = 0; i < dataset.runs().size(); ++i) {
     const windows::DatasetRun& run = dataset.runs()[i];
-    if (std::find(ids.begin(), ids.end(), run.run) == ids.end() || learned_from(model, run.events_sha256)) continue;
+    if (std::find(ids.begin(), ids.end(), run.run) == ids.end() || learned_from(model, run)) continue;
     if (holds_out && std::find(held_out.begin(), held_out.end(), run.object) != held_out.end()) continue;
     runs.push_back(i);
   }
@@ -85,8 +85,7 @@ Temperature calibrate_model(const windows::Dataset& dataset, const ModelBundle& 
                           .loss_after = 0,
                           .weights_sha256 = model.weights_sha256};
   temperature.loss_after = loss_at(logits, truth, temperature.value);
-  for (const std::uint32_t run : chosen)
-    temperature.fitted_on.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
+  for (const std::uint32_t run : chosen) temperature.fitted_on.push_back(learned_run_of(dataset.runs()[run]));
   write_temperature(bundle, temperature);
   return temperature;
 }

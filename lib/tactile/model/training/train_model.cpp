@@ -147,7 +147,7 @@ windows::Split split_of(const windows::Dataset& dataset, const windows::SplitOpt
 std::vector<std::uint32_t> learned_runs_of(const windows::Dataset& dataset, const ModelDescription& model) {
   std::vector<std::uint32_t> runs;
   for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
-    if (learned_from(model, dataset.runs()[run].events_sha256)) runs.push_back(run);
+    if (learned_from(model, dataset.runs()[run])) runs.push_back(run);
   }
   return runs;
 }
@@ -165,7 +165,7 @@ std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const M
       if (!known_objects.contains(dataset.runs()[run].object)) runs.push_back(run);
     }
   }
-  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run].events_sha256); });
+  std::erase_if(runs, [&](std::uint32_t run) { return learned_from(model, dataset.runs()[run]); });
   if (samples_of_runs(dataset, runs).empty()) {
     throw Error(fmt::format("{}: no run with samples remains for testing, the model learned from all others; expected one",
                             dataset.file().string()));
@@ -174,10 +174,16 @@ std::vector<std::uint32_t> test_runs_of(const windows::Dataset& dataset, const M
 }
 
 std::vector<std::uint32_t> samples_of_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> run_indexes) {
-  std::vector<std::uint32_t> samples;
-  for (std::uint32_t i = 0; i < dataset.samples().size(); ++i) {
-    if (std::find(run_indexes.begin(), run_indexes.end(), dataset.samples()[i].run_index) != run_indexes.end())
-      samples.push_back(i);
+  // Samples are sorted by run, and there may be many of both.
+  std::vector<std::uint32_t> runs(run_indexes.begin(), run_indexes.end()), samples;
+  std::sort(runs.begin(), runs.end());
+  runs.erase(std::unique(runs.begin(), runs.end()), runs.end());
+  const std::span<const windows::Sample> all = dataset.samples();
+  for (const std::uint32_t run : runs) {
+    const auto first = std::lower_bound(
+        all.begin(), all.end(), run, [](const windows::Sample& sample, std::uint32_t index) { return sample.run_index < index; });
+    for (auto sample = first; sample != all.end() && sample->run_index == run; ++sample)
+      samples.push_back(static_cast<std::uint32_t>(sample - all.begin()));
   }
   return samples;
 }
@@ -232,8 +238,7 @@ std::optional<Weights> starting_weights(const ModelSettings& settings, const std
   const ModelDescription begun = read_description(start);
   std::optional<Weights> weights = read_bundle_weights(start, begun);
   for (const LearnedRun& learned : begun.learned_from) {
-    if (std::find(description.learned_from.begin(), description.learned_from.end(), learned) == description.learned_from.end())
-      description.learned_from.push_back(learned);
+    if (!contains_recording(description.learned_from, learned)) description.learned_from.push_back(learned);
   }
   return weights;
 }
@@ -399,8 +404,7 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   parameters_of(settings, description.input);  // throws for a heatmap that is too small before any is rendered
   check_history(settings);
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
-  for (const std::uint32_t run : split.train_runs)
-    description.learned_from.push_back({name_of(dataset.runs()[run]), dataset.runs()[run].events_sha256});
+  for (const std::uint32_t run : split.train_runs) description.learned_from.push_back(learned_run_of(dataset.runs()[run]));
   const std::optional<Weights> from = starting_weights(settings, options.from, description);
   description.manifest_hash = dataset.manifest_hash();
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
