@@ -59,7 +59,7 @@ std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSe
       "No setting is better by the whole 95 % intervals: faster, and at most 1 point less accurate, 1 ms later, with 1 point "
       "more misses and 1 more false alarm a minute. This is no evidence for another default.";
   if (nearest == nullptr) return none;
-  const TradeDifference& difference = *nearest->difference;
+  const results::TradeDifference& difference = *nearest->difference;
   const std::string note = results::note_on_intervals(
       {difference.us_p50, difference.accuracy, difference.delay_us, difference.missed, difference.episodes_per_min});
   return fmt::format("{} The most accurate of those that are faster for sure: {}.{}", none, text_of(*nearest, usual),
