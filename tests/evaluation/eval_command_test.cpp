@@ -314,11 +314,12 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
   EXPECT_TRUE(runs[0].at("learned_from").get<bool>()) << "its start did";
   EXPECT_TRUE(runs[1].at("learned_from").get<bool>());
   EXPECT_FALSE(runs[2].at("learned_from").get<bool>());
-  fs::copy(trained.folder / "data/fan/01", trained.folder / "elsewhere", fs::copy_options::recursive);
-  ASSERT_EQ(
-      run_tactile("convert data/fan/01/events.aedat4 elsewhere/events.aedat4 --compression zstd --force", trained.folder.path())
-          .exit_code,
-      0);
+  fs::create_directories(trained.folder / "elsewhere/mug");
+  fs::copy(trained.folder / "data/fan/01", trained.folder / "elsewhere/mug/01", fs::copy_options::recursive);
+  ASSERT_EQ(run_tactile("convert data/fan/01/events.aedat4 elsewhere/mug/01/events.aedat4 --compression zstd --force",
+                        trained.folder.path())
+                .exit_code,
+            0);
   const auto copy = run_tactile("eval --json --model next --run elsewhere/mug/01 --out shown", trained.folder.path());
   ASSERT_EQ(copy.exit_code, 0) << copy.err;
   EXPECT_TRUE(nlohmann::json::parse(copy.out).at("runs")[0].at("learned_from").get<bool>()) << "the same events";
