@@ -137,8 +137,10 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   test::expect_settings_of("study/settings.json",
                            "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size()), folder.path());
 
-  test::expect_settings_of("study/report/settings.json", "report study", folder.path());
-  EXPECT_EQ(read_json(folder / "study/report/settings.json").at("what"), "study");
+  const auto report = test::run_tactile("report --config study/report/settings.json --print-config", folder.path());
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  EXPECT_EQ(nlohmann::json::parse(report.out).at("what"), "study");
+  EXPECT_EQ(nlohmann::json::parse(report.out).at("out"), "study/report");
 
   // The text ends with commands to run next.
   const std::string without_json = "reproduce" + (small + "--splits 1").substr(std::string("reproduce --json").size());
