@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -148,6 +151,63 @@ TEST(Labels, OfTimesBeforeTheCamerasFirstAreRefusedByMember) {
   json["intervals"][0]["start_low_us"] = -5;  // an interval of confidence may reach below
   write_json(folder / "labels.json", json);
   EXPECT_EQ(read_labels(folder / "labels.json").intervals.front().start.low, camera_time(-5));
+}
+
+TEST(Labels, OfImpossibleTimesAndClocksAreRefusedByMember) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder / "labels.json").string();
+  Labels labels;
+  labels.intervals = {interval(Touch::press, 1'000, 3'500)};
+  labels.intervals[0].evidence.robot = camera_time(900);
+  labels.robot_clocks = {clock_of(5)};
+  labels.video_clock = clock_of(50);
+  labels.releases = {{Touch::none, camera_time(4'000), camera_time(4'500)}};
+  labels.rejected = {{Touch::slip, camera_time(5'000), camera_time(6'000)}};
+  labels.history.entries = {{.who = "a", .when = "b", .what = "c", .why = "", .change = LabelChange{}}};
+  labels.history.entries[0].change->intervals.removed = {interval(Touch::slip, 7'000, 8'000)};
+  write_labels(file, labels);
+  const auto whole = read_json(file);
+  EXPECT_NO_THROW(read_labels(file));
+
+  constexpr auto most = std::numeric_limits<std::int64_t>::max(), least = std::numeric_limits<std::int64_t>::min();
+  struct Case {
+    const char* member;
+    nlohmann::json value;
+    std::string expected;
+  };
+  const std::string day = "a value within a day (86400000000) of ";
+  const std::vector<Case> cases{
+      {"/intervals/0/start_low_us", most,
+       "intervals[0].start_low_us is 9223372036854775807; expected at most intervals[0].start_us, 1000"},
+      {"/intervals/0/start_low_us", least,
+       "intervals[0].start_low_us is -9223372036854775808; expected " + day + "intervals[0].start_us, 1000"},
+      {"/intervals/0/start_high_us", 999, "intervals[0].start_high_us is 999; expected at least intervals[0].start_us, 1000"},
+      {"/intervals/0/end_high_us", least,
+       "intervals[0].end_high_us is -9223372036854775808; expected at least intervals[0].end_us, 3500"},
+      {"/intervals/0/end_us", most,
+       "intervals[0].end_us is 9223372036854775807; expected at most 10000000000000000, as its recording has"},
+      {"/intervals/0/evidence/robot_us", most,
+       "intervals[0].evidence.robot_us is 9223372036854775807; expected " + day + "intervals[0].start_us, 1000"},
+      {"/releases/0/end_us", 3'999, "releases[0].end_us is 3999; expected at least releases[0].start_us, 4000"},
+      {"/rejected/0/end_us", most,
+       "rejected[0].end_us is 9223372036854775807; expected at most 10000000000000000, as its recording has"},
+      {"/clocks/robot/offset_us", std::int64_t{1} << 62,
+       "clocks.robot.offset_us is 4611686018427387904; expected -10000000000000000 to 10000000000000000"},
+      {"/clocks/robot/offset_low_us", 6, "clocks.robot.offset_low_us is 6; expected at most clocks.robot.offset_us, 5"},
+      {"/clocks/video/offset_high_us", most,
+       "clocks.video.offset_high_us is 9223372036854775807; expected " + day + "clocks.video.offset_us, 50"},
+      {"/clocks/video/drift_ppm", 1e300, "clocks.video.drift_ppm is 1e+300; expected -100000 to 100000"},
+      {"/history/entries/0/replaced/intervals/removed/0/start_high_us", least,
+       "history.entries[0].replaced.intervals.removed[0].start_high_us is -9223372036854775808; expected at least "
+       "history.entries[0].replaced.intervals.removed[0].start_us, 7000"}};
+  for (const Case& one : cases) {
+    nlohmann::json json = whole;
+    const nlohmann::json::json_pointer place(one.member);
+    ASSERT_TRUE(json.contains(place)) << one.member;
+    json[place] = one.value;
+    write_json(file, json);
+    EXPECT_EQ(test::error_of([&] { read_labels(file); }), file + ": " + one.expected) << one.member;
+  }
 }
 
 TEST(Labels, FileOfAnotherKindIsRefusedByName) {

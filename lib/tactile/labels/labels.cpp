@@ -1,7 +1,11 @@
 #include "tactile/labels/labels.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
@@ -14,27 +18,119 @@ namespace {
 
 using nlohmann::json;
 
-/// Whether the recording of the labels has times below 0, which no camera gives.
-bool has_times_below_zero(const std::filesystem::path& recording) {
+constexpr std::int64_t latest_us = 10'000'000'000'000'000;  // in the year 2286, of a camera that counts from 1970
+constexpr std::int64_t longest_us = 86'400'000'000;         // a day
+constexpr double most_drift_ppm = 100'000;                  // as in labels of other tools
+
+/// Whether the recording of the labels has times that no camera gives: below 0, or beyond `latest_us`.
+bool has_odd_times(const std::filesystem::path& recording) {
   try {
     const events::RecordingReader reader(recording);
-    const auto is_below = [](const events::PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
-    return std::any_of(reader.packets().begin(), reader.packets().end(), is_below);
+    return std::any_of(reader.packets().begin(), reader.packets().end(), [](const events::PacketRecord& packet) {
+      return packet.elements > 0 && (us_of(packet.first) < 0 || us_of(packet.last) > latest_us);
+    });
   } catch (const Error&) {
     return false;  // the error appears when its events are read
   }
 }
 
-/// Labels lie within their recording. A real one begins at 0 or later; the 95 % interval of an onset may reach below.
-void check_begins(const Labels& labels, const std::filesystem::path& file) {
-  const auto check = [&](const char* list, std::size_t index, CameraTime start) {
-    if (us_of(start) >= 0 || has_times_below_zero(file.parent_path() / "events.aedat4")) return;
-    throw Error(file.string() + ": " + list + "[" + std::to_string(index) + "].start_us is " + std::to_string(us_of(start)) +
-                "; expected a time from 0, as its recording has");
-  };
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) check("intervals", i, labels.intervals[i].start.at);
-  for (std::size_t i = 0; i < labels.rejected.size(); ++i) check("rejected", i, labels.rejected[i].start);
-}
+/// Checks that times can be those of a run. Labels lie within their recording. A real one begins at 0 or later; the 95 % interval
+/// of an onset may reach below.
+class TimeCheck {
+ public:
+  explicit TimeCheck(std::filesystem::path file) : file_(std::move(file)) {}
+
+  void check(const Labels& labels) const {
+    for_each("intervals", labels.intervals, [&](const std::string& where, const auto& one) { check_interval(where, one); });
+    for_each("releases", labels.releases, [&](const std::string& where, const auto& one) { check_stretch(where, one); });
+    for_each("rejected", labels.rejected, [&](const std::string& where, const auto& one) { check_stretch(where, one); });
+    for (std::size_t i = 0; i < labels.robot_clocks.size(); ++i)
+      check_clock(labels.robot_clocks.size() == 1 ? "clocks.robot" : element("clocks.robot", i), labels.robot_clocks[i]);
+    if (labels.video_clock) check_clock("clocks.video", *labels.video_clock);
+    for_each("history.entries", labels.history.entries, [&](const std::string& where, const HistoryEntry& entry) {
+      if (!entry.change) return;
+      const auto check_change = [&](const std::string& list, const auto& change, const auto& check_one) {
+        for_each(where + ".replaced." + list + ".removed", change.removed, check_one);
+        for_each(where + ".replaced." + list + ".added", change.added, check_one);
+      };
+      check_change("intervals", entry.change->intervals,
+                   [&](const std::string& place, const auto& one) { check_interval(place, one); });
+      check_change("rejected", entry.change->rejected,
+                   [&](const std::string& place, const auto& one) { check_stretch(place, one); });
+    });
+  }
+
+ private:
+  static std::string element(const std::string& list, std::size_t index) { return list + "[" + std::to_string(index) + "]"; }
+
+  template <class T, class Use>
+  static void for_each(const std::string& list, const std::vector<T>& elements, const Use& use) {
+    for (std::size_t i = 0; i < elements.size(); ++i) use(element(list, i), elements[i]);
+  }
+
+  template <class T>
+  [[noreturn]] void refuse(const std::string& member, T value, const std::string& expected) const {
+    throw Error(fmt::format("{}: {} is {}; expected {}", file_.string(), member, value, expected));
+  }
+
+  bool is_odd_recording() const {
+    if (!has_odd_times_) has_odd_times_ = has_odd_times(file_.parent_path() / "events.aedat4");
+    return *has_odd_times_;
+  }
+
+  void check_time(const std::string& member, CameraTime t) const {
+    const std::int64_t us = us_of(t);
+    if ((us >= 0 && us <= latest_us) || is_odd_recording()) return;
+    refuse(member, us,
+           us < 0 ? "a time from 0, as its recording has" : fmt::format("at most {}, as its recording has", latest_us));
+  }
+
+  /// @param what  the member that `at` is of
+  void check_near(const std::string& member, std::int64_t us, const std::string& what, std::int64_t at) const {
+    if (us < saturating_subtract(at, longest_us) || us > saturating_add(at, longest_us))
+      refuse(member, us, fmt::format("a value within a day ({}) of {}, {}", longest_us, what, at));
+  }
+
+  /// @param member  the name of `at`, without unit
+  void check_bounds(const std::string& member, std::int64_t at, std::int64_t low, std::int64_t high) const {
+    if (low > at) refuse(member + "_low_us", low, fmt::format("at most {}_us, {}", member, at));
+    if (high < at) refuse(member + "_high_us", high, fmt::format("at least {}_us, {}", member, at));
+    check_near(member + "_low_us", low, member + "_us", at);
+    check_near(member + "_high_us", high, member + "_us", at);
+  }
+
+  void check_interval(const std::string& where, const LabelledInterval& interval) const {
+    for (const auto& [name, time] : {std::pair(".start", &interval.start), std::pair(".end", &interval.end)}) {
+      check_time(where + name + "_us", time->at);
+      check_bounds(where + name, us_of(time->at), us_of(time->low), us_of(time->high));
+    }
+    const Evidence& evidence = interval.evidence;
+    for (const auto& [name, time] : {std::pair("events", &evidence.events), std::pair("robot", &evidence.robot),
+                                     std::pair("video", &evidence.video), std::pair("imu", &evidence.imu)}) {
+      if (*time)
+        check_near(fmt::format("{}.evidence.{}_us", where, name), us_of(**time), where + ".start_us", us_of(interval.start.at));
+    }
+  }
+
+  void check_stretch(const std::string& where, const TouchInterval& stretch) const {
+    check_time(where + ".start_us", stretch.start);
+    check_time(where + ".end_us", stretch.end);
+    if (stretch.end < stretch.start)
+      refuse(where + ".end_us", us_of(stretch.end), fmt::format("at least {}.start_us, {}", where, us_of(stretch.start)));
+  }
+
+  void check_clock(const std::string& where, const alignment::FittedClock& clock) const {
+    const std::int64_t offset = clock.relation.offset_us;
+    if ((offset < -latest_us || offset > latest_us) && !is_odd_recording())
+      refuse(where + ".offset_us", offset, fmt::format("{} to {}", -latest_us, latest_us));
+    check_bounds(where + ".offset", offset, clock.offset_low_us, clock.offset_high_us);
+    if (!(std::abs(clock.relation.drift_ppm) <= most_drift_ppm))
+      refuse(where + ".drift_ppm", clock.relation.drift_ppm, fmt::format("{} to {}", -most_drift_ppm, most_drift_ppm));
+  }
+
+  std::filesystem::path file_;
+  mutable std::optional<bool> has_odd_times_;  ///< read once, where a time asks for it
+};
 
 json json_of(const alignment::FittedClock& clock) {
   json object = clock.relation;
@@ -179,7 +275,7 @@ Labels read_labels(const std::filesystem::path& file) {
   }
   name_intervals(labels.intervals);
   check_intervals(labels.intervals, where);
-  check_begins(labels, file);
+  TimeCheck(file).check(labels);
   for (const LabelFlag& flag : labels.flags) {
     if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) {
       throw Error(where + ": a flag names interval " + std::to_string(*flag.interval_index) + " of " +
