@@ -325,16 +325,21 @@ void add_to_plan(DatasetPlan& plan, PlannedRun run, const RunOutcome& outcome) {
   leave_out(plan, run, outcome.why_left_out);
 }
 
-/// Numbers the runs, adds their rows, and warns of recordings that occur twice.
+/// Numbers the runs, adds their rows, and warns of intervals that are left out and of recordings that occur twice.
 void add_rows(DatasetPlan& plan, const fs::path& file) {
   std::map<std::string, std::string> run_with;
+  bool says_how_to_lift = std::any_of(plan.without_samples.begin(), plan.without_samples.end(),
+                                      [](const RunWithoutSamples& run) { return run.reason.flagged; });
   for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
     PlannedRun& run = plan.runs[index];
     for (Sample& sample : run.samples) sample.run_index = index;
     run.outcome.in_dataset = true;
     plan.simulated = plan.simulated || run.info.simulated;
-    if (!run.samples.empty() && !run.outcome.remark.empty())
-      plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark);
+    if (!run.samples.empty() && !run.outcome.remark.empty()) {
+      plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark +
+                              (says_how_to_lift ? "" : ". " + how_to_lift_flags(run.folder, "tactile windows")));
+      says_how_to_lift = true;
+    }
     const auto [other, is_new] = run_with.emplace(run.events_sha256, run.folder.name());
     if (!is_new)
       plan.warnings.push_back(run.folder.name() + ": has the same recording as " + other->second +
