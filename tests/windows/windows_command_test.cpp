@@ -103,6 +103,13 @@ TEST_F(WindowsCommand, NamesMisnamedRunsAndEndsWithOneWhereARunCannotBeRead) {
   EXPECT_EQ(Dataset(folder / "data/dataset.h5").runs().size(), 1U);
 }
 
+TEST_F(WindowsCommand, NamesRunsWithoutARecording) {
+  std::filesystem::create_directories(folder / "data/fan/07");
+  const auto result = run_tactile("windows", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("left out, because events.aedat4 is missing: data/fan/07\n"), std::string::npos) << result.err;
+}
+
 TEST_F(WindowsCommand, SaysOnceHowToLiftTheFlagsOfRunsThatAreUsedInPart) {
   const test::LabelledRun flagged{.run = "03",
                                   .intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)},

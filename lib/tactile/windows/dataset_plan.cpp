@@ -171,6 +171,8 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   RunsBelow below = look_for_runs(data);
   plan.misnamed = std::move(below.misnamed);
   plan.warnings = plan.misnamed;
+  if (std::string missing = sentence_on_missing_recordings(below.without_recording); !missing.empty())
+    plan.warnings.push_back(std::move(missing));
   plan.errors = std::move(below.unreadable);
   for (RunFolder& folder : below.runs) {
     PlannedRun run{.folder = std::move(folder),
