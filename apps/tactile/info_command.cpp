@@ -30,6 +30,7 @@ struct InfoArguments {
 struct Places {
   std::vector<RecordingPlace> found;
   std::vector<std::string> bags, misnamed, unreadable;
+  std::vector<fs::path> without_recording;
 };
 
 void add_place(const std::string& place, Places& places) {
@@ -47,7 +48,8 @@ void add_place(const std::string& place, Places& places) {
   for (const RunFolder& found : below.runs) places.found.push_back({found.folder.string(), found.events(), found});
   places.misnamed.insert(places.misnamed.end(), below.misnamed.begin(), below.misnamed.end());
   places.unreadable.insert(places.unreadable.end(), below.unreadable.begin(), below.unreadable.end());
-  if (below.runs.empty() && below.misnamed.empty() && below.unreadable.empty())
+  places.without_recording.insert(places.without_recording.end(), below.without_recording.begin(), below.without_recording.end());
+  if (below.runs.empty() && below.misnamed.empty() && below.without_recording.empty() && below.unreadable.empty())
     throw Error(place + ": no events.aedat4 in it, nor runs below it; expected a recording, a run or a folder of runs");
 }
 
@@ -72,6 +74,8 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   for (const std::string& unreadable : places.unreadable)
     attempt(unreadable.substr(0, unreadable.find(": ")), [&] { throw Error(unreadable); });
   for (const std::string& misnamed : places.misnamed) spdlog::warn("{}", misnamed);
+  const std::string missing = sentence_on_missing_recordings(places.without_recording);
+  if (!missing.empty()) spdlog::warn("{}", missing);
   for (const RecordingPlace& place : places.found) {
     attempt(place.name, [&] {
       const RecordingReport& report = reports.emplace_back(examine(place, args.report, common.threads, progress));
@@ -99,11 +103,18 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
     });
   }
   if (!recordings.empty() || !bag_reports.empty() || common.json) {
-    print_result(common, {{"recordings", recordings}, {"bags", bag_reports}, {"failed", failed}, {"misnamed", places.misnamed}},
+    nlohmann::json without_recording = nlohmann::json::array();
+    for (const fs::path& run : places.without_recording) without_recording.push_back(run.string());
+    print_result(common,
+                 {{"recordings", recordings},
+                  {"bags", bag_reports},
+                  {"failed", failed},
+                  {"misnamed", places.misnamed},
+                  {"without_recording", without_recording}},
                  text);
   }
   end_with(errors);
-  if (sick || (args.report.check && !places.misnamed.empty())) throw CheckFailed{};
+  if (sick || (args.report.check && !(places.misnamed.empty() && missing.empty()))) throw CheckFailed{};
 }
 
 }  // namespace
@@ -124,7 +135,7 @@ void add_info_command(CLI::App& app) {
   add_camera_time_option(command, args->report.camera_time);
   command.add_flag("--check", args->report.check,
                    "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "
-                   "damaged or misnamed");
+                   "damaged, misnamed or without recording");
 }
 
 }  // namespace tactile::cli

@@ -1,9 +1,7 @@
 #include "run_places.hpp"
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -16,26 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_named_as_run(const fs::path& folder) { return is_run_id(folder.filename().string()); }
-
-/// Folders that are named as runs and have no recording: of an object, or of all objects of a data folder.
-/// @param misnamed  sentences of `look_for_runs`: their folders are not named again
-std::vector<std::string> without_recording(const fs::path& place, const std::vector<std::string>& misnamed) {
-  std::vector<std::string> names;
-  const auto is_named = [&](const fs::path& folder) {
-    return std::any_of(misnamed.begin(), misnamed.end(),
-                       [&](const std::string& sentence) { return sentence.starts_with(folder.string() + ": "); });
-  };
-  const auto look = [&](const fs::path& folder) {
-    if (is_named_as_run(folder) && !is_there(folder / "events.aedat4") && !is_named(folder)) names.push_back(folder.string());
-  };
-  for (const fs::path& folder : folders_in(place)) {
-    look(folder);
-    if (!is_object_name(folder.filename().string())) continue;
-    for (const fs::path& run : folders_in(folder)) look(run);
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 }  // namespace
 
@@ -62,8 +40,8 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
     RunsBelow found = look_for_runs(place);
     for (const std::string& misnamed : found.misnamed)
       if (warns) spdlog::warn("{}", misnamed);
-    if (const auto names = without_recording(place, found.misnamed); warns && !names.empty())
-      spdlog::warn("left out, because events.aedat4 is missing: {}", fmt::join(names, ", "));
+    if (const std::string missing = sentence_on_missing_recordings(found.without_recording); warns && !missing.empty())
+      spdlog::warn("{}", missing);
     if (found.runs.empty()) found.runs = runs_of_object(place);
     if (found.runs.empty()) {
       for (const std::string& unreadable : found.unreadable)
@@ -76,6 +54,7 @@ RunsBelow runs_in(const std::vector<std::string>& places, LeftOutFolders left_ou
     }
     append(all.runs, found.runs);
     append(all.misnamed, found.misnamed);
+    append(all.without_recording, found.without_recording);
     append(all.unreadable, found.unreadable);
   }
   std::set<fs::path> seen;

@@ -325,6 +325,19 @@ TEST_F(InfoOfARun, FailsTheCheckWhereARecordingIsMisnamed) {
       << checked.err;
 }
 
+TEST_F(InfoOfARun, FailsTheCheckWhereARunHasNoRecording) {
+  describe(true, 160, 120);
+  fs::create_directories(folder / "data/fan/04");
+  const auto checked = run_tactile("info --check --json data", folder.path());
+  EXPECT_EQ(checked.exit_code, 2);
+  EXPECT_NE(checked.err.find("left out, because events.aedat4 is missing: data/fan/04\n"), std::string::npos) << checked.err;
+  const auto json = nlohmann::json::parse(checked.out);
+  EXPECT_EQ(json.at("without_recording"), nlohmann::json::array({"data/fan/04"}));
+  EXPECT_EQ(json.at("recordings").size(), 1U);
+  EXPECT_EQ(run_tactile("info data", folder.path()).exit_code, 0) << "it only warns";
+  EXPECT_EQ(run_tactile("info --check data/fan", folder.path()).exit_code, 2);
+}
+
 TEST_F(InfoOfARun, TakesTheFolderOfAnObjectForItsRuns) {
   describe(true, 160, 120);
   const auto result = run_tactile("info --check --json data/fan", folder.path());

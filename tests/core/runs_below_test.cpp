@@ -72,7 +72,7 @@ TEST_F(LookForRuns, PassesOverHiddenFoldersDiscardedRunsAndThoseWithoutARecordin
   fs::create_directories(data / "Notes/01");
   fs::create_directories(data / "fan/old");
   EXPECT_EQ(names(), (std::vector<std::string>{"fan/01"}));
-  EXPECT_TRUE(found().misnamed.empty() && found().unreadable.empty());
+  EXPECT_TRUE(found().misnamed.empty() && found().unreadable.empty() && found().without_recording.empty());
   make({"fan/01.discarded"});
   EXPECT_EQ(found().misnamed.size(), 1U) << "this is none of record's names";
 }
@@ -94,6 +94,19 @@ TEST_F(LookForRuns, NamesARecordingWhoseNameIsNotThatOfARunsRecording) {
   EXPECT_EQ(found().misnamed,
             (std::vector<std::string>{sentence("fan/02", rule + "Events.aedat4 to it"),
                                       sentence("fan/03", rule + "the right one of old.aedat4, take.AEDAT4 to it")}));
+}
+
+TEST_F(LookForRuns, NamesRunsWithoutARecording) {
+  make({"fan/01", "fan/02", "07/01"});
+  fs::create_directories(data / "fan/08");
+  fs::create_symlink("nowhere", data / "fan/08/events.aedat4");  // unreadable
+  for (const char* run : {"mug/02", "fan/03", "fan/04.discarded-1", "Fan/05", "06"}) fs::create_directories(data / run);
+  EXPECT_EQ(names(), (std::vector<std::string>{"07/01", "fan/01", "fan/02"}));
+  EXPECT_EQ(found().without_recording, (std::vector<fs::path>{data / "fan/03", data / "mug/02"}));
+  EXPECT_EQ(sentence_on_missing_recordings(found().without_recording),
+            "left out, because events.aedat4 is missing: " + (data / "fan/03").string() + ", " + (data / "mug/02").string());
+  EXPECT_EQ(look_for_runs(data / "fan").without_recording, std::vector<fs::path>{data / "fan/03"}) << "of an object's folder";
+  EXPECT_EQ(sentence_on_missing_recordings({}), "");
 }
 
 TEST_F(LookForRuns, TakesTheFolderOfAnObjectForNoDataFolder) {

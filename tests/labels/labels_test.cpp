@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -141,13 +144,52 @@ TEST(Labels, OfTimesBeforeTheCamerasFirstAreRefusedByMember) {
     } catch (const Error& e) {
       const std::string list = std::string(member).find("intervals") == std::string::npos ? "rejected" : "intervals";
       EXPECT_EQ(e.what(), (folder / "labels.json").string() + ": " + list +
-                              "[0].start_us is -5; expected a time from 0, as its recording has");
+                              "[0].start_us is -5; expected 0 to 10000000000000000, as its recording has");
     }
   }
   nlohmann::json json = whole;
   json["intervals"][0]["start_low_us"] = -5;  // an interval of confidence may reach below
   write_json(folder / "labels.json", json);
   EXPECT_EQ(read_labels(folder / "labels.json").intervals.front().start.low, camera_time(-5));
+}
+
+TEST(Labels, OfImpossibleTimesAndClocksAreRefusedByMember) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder / "labels.json").string();
+  Labels labels;
+  labels.intervals = {interval(Touch::press, 1'000, 3'500)};
+  labels.robot_clocks = {clock_of(5)};
+  labels.video_clock = clock_of(50);
+  labels.releases = {{Touch::none, camera_time(4'000), camera_time(4'500)}};
+  labels.rejected = {{Touch::slip, camera_time(5'000), camera_time(6'000)}};
+  write_labels(file, labels);
+  const auto whole = read_json(file);
+  EXPECT_NO_THROW(read_labels(file));
+
+  constexpr auto most = std::numeric_limits<std::int64_t>::max(), least = std::numeric_limits<std::int64_t>::min();
+  struct Case {
+    const char* member;
+    nlohmann::json value;
+    std::string error;
+  };
+  const std::string range = "expected -10000000000000000 to 10000000000000000, as its recording has",
+                    range_from_0 = "expected 0 to 10000000000000000, as its recording has";
+  const std::vector<Case> cases{
+      {"/intervals/0/start_low_us", most, "intervals[0].start_low_us is 9223372036854775807; " + range},
+      {"/intervals/0/start_high_us", least, "intervals[0].start_high_us is -9223372036854775808; " + range},
+      {"/intervals/0/end_us", most, "intervals[0].end_us is 9223372036854775807; " + range_from_0},
+      {"/releases/0/start_us", -1, "releases[0].start_us is -1; " + range_from_0},
+      {"/rejected/0/end_us", most, "rejected[0].end_us is 9223372036854775807; " + range_from_0},
+      {"/clocks/robot/offset_us", std::int64_t{1} << 62, "clocks.robot.offset_us is 4611686018427387904; " + range},
+      {"/clocks/video/drift_ppm", 1e300, "clocks.video.drift_ppm is 1e+300; expected -100000 to 100000"}};
+  for (const Case& one : cases) {
+    nlohmann::json json = whole;
+    const nlohmann::json::json_pointer place(one.member);
+    ASSERT_TRUE(json.contains(place)) << one.member;
+    json[place] = one.value;
+    write_json(file, json);
+    EXPECT_EQ(test::error_of([&] { read_labels(file); }), file + ": " + one.error) << one.member;
+  }
 }
 
 TEST(Labels, FileOfAnotherKindIsRefusedByName) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_command.hpp"
+#include "tactile/core/command_lock.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -31,6 +32,24 @@ TEST(SimulateCommand, MakesARunAndPrintsIt) {
   const auto forced = test::run_tactile("simulate runs --preset tiny --objects usb-hub --runs 1 --seed 2 --force", folder.path());
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
   EXPECT_NE(forced.out.find("0 made, 0 kept, 1 replaced, 0 removed"), std::string::npos) << forced.out;
+}
+
+TEST(SimulateCommand, EndsAtOnceWhereAnotherWritesTheSameFolder) {
+  const test::TemporaryFolder folder;
+  const std::string command = "simulate runs --preset tiny --objects usb-hub --runs 1";
+  {
+    const CommandLock another(folder / "runs", "tactile simulate", ".simulate.lock");
+    for (const std::string options : {"", " --seed 2 --force"}) {
+      const auto refused = test::run_tactile(command + options, folder.path());
+      EXPECT_EQ(refused.exit_code, 1);
+      EXPECT_EQ(refused.err,
+                "tactile: runs: another 'tactile simulate' is writing to this folder; wait until it has ended, or use another "
+                "folder\n");
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "runs/usb-hub"));
+  }
+  EXPECT_EQ(test::run_tactile(command, folder.path()).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "runs/.simulate.lock"));
 }
 
 TEST(SimulateCommand, TakesOtherPhysicsAndPrintsItsSpeed) {

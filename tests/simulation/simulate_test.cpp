@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <functional>
 #include <map>
 #include <opencv2/core.hpp>
@@ -361,55 +362,62 @@ ProgressCallback half_way(const std::function<void()>& action) {
   };
 }
 
-TEST(Simulate, KeepsTheSameRunOfAnotherProcessThatWasFaster) {
+TEST(Simulate, TouchesNothingWhereAnotherWritesTheSameFolder) {
   const test::TemporaryFolder folder;
-  std::map<std::string, std::string> first;
-  const auto outcomes = simulate(small(folder.path()), half_way([&] {
-                                   EXPECT_EQ(kinds(simulate(small(folder.path()))), std::vector{Kind::made});
-                                   first = contents(folder.path());
-                                 }));
-  EXPECT_EQ(kinds(outcomes), std::vector{Kind::kept});
-  EXPECT_GT(outcomes.at(0).bytes, 0U);
-  EXPECT_EQ(contents(folder.path()).size(), 6U);
-  for (const auto& [name, text] : contents(folder.path())) EXPECT_EQ(first.at(name), text) << name;
+  SimulateOptions options = small(folder.path());
+  options.runs = 2;
+  const auto first = half_way([&] {
+    SimulateOptions other = options;
+    for (const bool force : {false, true}) {
+      for (const std::uint64_t seed : {1U, 2U}) {
+        other.force = force;
+        other.seed = seed;
+        const auto before = contents(folder.path());
+        EXPECT_EQ(test::error_of([&] { simulate(other); }),
+                  folder.path().string() +
+                      ": another 'tactile simulate' is writing to this folder; wait until it has ended, or use another folder");
+        EXPECT_EQ(contents(folder.path()), before) << force << seed;
+      }
+    }
+    EXPECT_EQ(kinds(simulate(small(folder / "other"))), std::vector{Kind::made}) << "another folder is free";
+  });
+  EXPECT_EQ(kinds(simulate(options, first)), (std::vector{Kind::made, Kind::made}));
+  EXPECT_EQ(kinds(simulate(options)), (std::vector{Kind::kept, Kind::kept})) << "both are of the first";
 }
 
-TEST(Simulate, RefusesARunThatAppearsMeanwhileAndIsNotTheSame) {
+TEST(Simulate, KeepsARunThatAppearsMeanwhile) {
   const test::TemporaryFolder folder;
-  SimulateOptions other = small(folder / "data");
-  other.seed = 2;
-  std::map<std::string, std::string> first;
-  const std::string error = test::error_of([&] {
-    simulate(small(folder / "data"), half_way([&] {
-               simulate(other);
-               first = contents(folder / "data/uhu-glue-stick/01");
-             }));
-  });
-  EXPECT_NE(error.find("uhu-glue-stick/01: was simulated with preset tiny, seed 2; expected preset tiny, seed 1"),
-            std::string::npos)
-      << error;
-  EXPECT_EQ(contents(folder / "data/uhu-glue-stick/01"), first);
-
-  SimulateOptions forced = small(folder / "real");
+  SimulateOptions forced = small(folder.path());
   forced.force = true;
-  const fs::path run = folder / "real/uhu-glue-stick/01";
+  const fs::path run = folder / "uhu-glue-stick/01";
   EXPECT_THROW(simulate(forced, half_way([&] { write_whole(run / "events.aedat4", "a real recording"); })), Error);
   EXPECT_EQ(read_text(run / "events.aedat4"), "a real recording");
 }
 
-TEST(Simulate, RemovesWhatAKilledOneLeftOfAnyRun) {
+TEST(Simulate, ResumesWhatAKilledOneLeftAndRemovesItsParts) {
   const test::TemporaryFolder folder;
+  std::array<int, 2> half_done{};
+  ASSERT_EQ(::pipe(half_done.data()), 0);
   const pid_t child = ::fork();
   if (child == 0) {
-    simulate(small(folder.path()), half_way([] { ::_exit(0); }));
+    simulate(small(folder.path()), half_way([&] {
+               ::close(half_done[1]);
+               ::pause();
+             }));
     ::_exit(1);
   }
-  int status = 0;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  ASSERT_EQ(status, 0);
-  ASSERT_FALSE(contents(folder.path()).empty());
+  ::close(half_done[1]);
+  char nothing = 0;
+  ASSERT_EQ(::read(half_done[0], &nothing, 1), 0) << "the child has closed its end";
+  ::close(half_done[0]);
   SimulateOptions options = small(folder.path());
   options.objects = {"fan"};
+  EXPECT_THROW(simulate(options), Error) << "while it lives";
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_FALSE(contents(folder.path()).empty());
   simulate(options);
   for (const auto& [name, text] : contents(folder.path())) EXPECT_TRUE(name.starts_with("fan/01/")) << name;
 }

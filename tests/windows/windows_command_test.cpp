@@ -105,6 +105,34 @@ TEST_F(WindowsCommand, NamesMisnamedRunsAndEndsWithOneWhereARunCannotBeRead) {
   EXPECT_EQ(Dataset(folder / "data/dataset.h5").runs().size(), 1U);
 }
 
+TEST_F(WindowsCommand, NamesRunsWithoutARecording) {
+  std::filesystem::create_directories(folder / "data/fan/07");
+  const auto result = run_tactile("windows", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("left out, because events.aedat4 is missing: data/fan/07\n"), std::string::npos) << result.err;
+}
+
+TEST_F(WindowsCommand, SaysOnceHowToLiftTheFlagsOfRunsThatAreUsedInPart) {
+  const test::LabelledRun flagged{.run = "03",
+                                  .intervals = {{Touch::press, camera_time(200'000), camera_time(260'000)},
+                                                {Touch::slip, camera_time(500'000), camera_time(600'000)},
+                                                {Touch::slip, camera_time(900'000), camera_time(1'000'000)}},
+                                  .flags = {{.interval_index = 1, .reason = "look"}}};
+  for (const char* run : {"03", "04"}) {
+    test::LabelledRun one = flagged;
+    one.run = run;
+    one.seed = 10U + static_cast<std::uint64_t>(run[1]);
+    test::make_run(folder / "data", one);
+  }
+  const auto result = run_tactile("windows", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string how =
+      "Look at it with 'tactile view data/fan/03'. If a flagged label is right, confirm it by 'tactile label "
+      "--confirm data/fan/03'";
+  EXPECT_NE(result.err.find("fan/03: flagged and left out: slip-1. " + how), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("fan/04: flagged and left out: slip-1\n"), std::string::npos) << result.err;
+}
+
 TEST_F(WindowsCommand, NamesTheFolderOfAnObjectThatIsGivenForAllRuns) {
   const auto result = run_tactile("windows data/fan", folder.path());
   EXPECT_EQ(result.exit_code, 1);

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "support/run_command.hpp"
 #include "tactile/core/error.hpp"
@@ -171,6 +173,8 @@ TEST_F(WriteDataset, ReadsAnyPartOfARunsEvents) {
 TEST_F(WriteDataset, OpensItsFileOfEventsOnceForAllColumns) {
   test::make_three_runs(data());
   write_dataset(data(), file(), {});
+  // A file is checked by a further opening while it is so new that a later change could have the same time.
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
   const Dataset dataset(file());
   // 'tactile windows' may replace the file at any moment, so columns of two openings may be of two datasets.
   const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);

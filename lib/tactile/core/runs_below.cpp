@@ -104,6 +104,10 @@ class Search {
     for (const fs::path& folder : in_place_of_objects_) {
       if (!found_.runs.empty()) report_recording_in_place_of_object(folder, taken_);
     }
+    for (const fs::path& folder : empty_in_place_of_objects_) {
+      if (found_.runs.empty()) report_no_recording(folder, true);
+    }
+    std::sort(found_.without_recording.begin(), found_.without_recording.end());
     std::sort(found_.runs.begin(), found_.runs.end(),
               [](const RunFolder& a, const RunFolder& b) { return std::tie(a.object, a.run) < std::tie(b.object, b.run); });
   }
@@ -148,7 +152,7 @@ class Search {
     std::size_t recordings = 0;
     for (const fs::path& run : runs.folders) {
       if (!holds_recording(run)) {
-        report_recording_of_another_name(run);
+        if (is_run_id(name_of(run))) report_no_recording(run, is_named_well);
         continue;
       }
       ++recordings;
@@ -160,6 +164,7 @@ class Search {
       }
     }
     if (recordings > 0 && !is_named_well) report_object(object, recordings, names_beside);
+    if (is_run_id(name) && runs.folders.empty()) empty_in_place_of_objects_.push_back(object);
   }
 
   void report_recording_in_place_of_object(const fs::path& folder, std::set<std::string>& names_beside) {
@@ -171,11 +176,15 @@ class Search {
                               (folder.parent_path() / (is_number ? "<object>" : object) / "01").string());
   }
 
-  /// Of a run that would be found if its recording had the right name.
-  void report_recording_of_another_name(const fs::path& run) {
-    if (!is_run_id(name_of(run))) return;
+  /// Of a folder that would be a run if it had a recording of the right name.
+  void report_no_recording(const fs::path& run, bool object_is_named_well) {
     const std::vector<std::string> recordings = recordings_in(run);
-    if (recordings.empty()) return;
+    if (recordings.empty()) {
+      std::error_code ignored;
+      const bool is_unreadable = fs::exists(fs::symlink_status(run / "events.aedat4", ignored));  // and listed as that
+      if (object_is_named_well && !is_unreadable) found_.without_recording.push_back(run);
+      return;
+    }
     found_.misnamed.push_back(run.string() + ": is left out, because a run's recording is named events.aedat4; rename " +
                               (recordings.size() == 1 ? recordings.front() : "the right one of " + listed(recordings)) +
                               " to it");
@@ -213,8 +222,9 @@ class Search {
   }
 
   RunsBelow found_;
-  std::set<std::string> taken_;                ///< names in the data folder, and proposed ones
-  std::vector<fs::path> in_place_of_objects_;  ///< folders with a recording and the name of a run
+  std::set<std::string> taken_;                      ///< names in the data folder, and proposed ones
+  std::vector<fs::path> in_place_of_objects_;        ///< folders with a recording and the name of a run
+  std::vector<fs::path> empty_in_place_of_objects_;  ///< those without a recording and without folders
 };
 
 std::set<std::string> names_in(const fs::path& folder) {
@@ -249,6 +259,13 @@ RunsBelow look_for_runs(const fs::path& data) {
                 "; expected a folder of runs, DATA/<object>/<run>");
   }
   return Search(data).found();
+}
+
+std::string sentence_on_missing_recordings(const std::vector<fs::path>& without_recording) {
+  if (without_recording.empty()) return {};
+  std::vector<std::string> names;
+  for (const fs::path& run : without_recording) names.push_back(run.string());
+  return "left out, because events.aedat4 is missing: " + listed(names);
 }
 
 std::string what_is_misnamed(const fs::path& folder) {

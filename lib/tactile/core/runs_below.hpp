@@ -18,10 +18,16 @@ struct RunsBelow {
 
   /// A sentence for each object or run that cannot be read; the others are in `runs`.
   std::vector<std::string> unreadable;
+
+  /// Folders that have the place and the name of a run, but no recording, under any name.
+  std::vector<std::filesystem::path> without_recording;
 };
 
 /// @throws Error if `data` is no folder
 RunsBelow look_for_runs(const std::filesystem::path& data);
+
+/// One sentence that names them all; empty if there are none.
+std::string sentence_on_missing_recordings(const std::vector<std::filesystem::path>& without_recording);
 
 /// The name that a folder of an object's runs needs instead of `name`: lower-case, with hyphens for what is neither letter nor
 /// digit. Empty if `name` holds neither.

@@ -1,7 +1,11 @@
 #include "tactile/labels/labels.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
@@ -14,27 +18,70 @@ namespace {
 
 using nlohmann::json;
 
-/// Whether the recording of the labels has times below 0, which no camera gives.
-bool has_times_below_zero(const std::filesystem::path& recording) {
+constexpr std::int64_t latest_us = 10'000'000'000'000'000;  // in the year 2286, of a camera that counts from 1970
+constexpr double most_drift_ppm = 100'000;                  // as in labels of other tools
+
+/// Whether the recording of the labels has times that no camera gives: below 0, or beyond `latest_us`.
+bool has_odd_times(const std::filesystem::path& recording) {
   try {
     const events::RecordingReader reader(recording);
-    const auto is_below = [](const events::PacketRecord& packet) { return packet.elements > 0 && us_of(packet.first) < 0; };
-    return std::any_of(reader.packets().begin(), reader.packets().end(), is_below);
+    return std::any_of(reader.packets().begin(), reader.packets().end(), [](const events::PacketRecord& packet) {
+      return packet.elements > 0 && (us_of(packet.first) < 0 || us_of(packet.last) > latest_us);
+    });
   } catch (const Error&) {
     return false;  // the error appears when its events are read
   }
 }
 
-/// Labels lie within their recording. A real one begins at 0 or later; the 95 % interval of an onset may reach below.
-void check_begins(const Labels& labels, const std::filesystem::path& file) {
-  const auto check = [&](const char* list, std::size_t index, CameraTime start) {
-    if (us_of(start) >= 0 || has_times_below_zero(file.parent_path() / "events.aedat4")) return;
-    throw Error(file.string() + ": " + list + "[" + std::to_string(index) + "].start_us is " + std::to_string(us_of(start)) +
-                "; expected a time from 0, as its recording has");
-  };
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) check("intervals", i, labels.intervals[i].start.at);
-  for (std::size_t i = 0; i < labels.rejected.size(); ++i) check("rejected", i, labels.rejected[i].start);
-}
+/// Checks that times can be those of a run. Labels lie within their recording. A real one begins at 0 or later; the 95 % interval
+/// of an onset may reach below.
+class TimeCheck {
+ public:
+  explicit TimeCheck(std::filesystem::path file) : file_(std::move(file)) {}
+
+  void check(const Labels& labels) const {
+    for (std::size_t i = 0; i < labels.intervals.size(); ++i) check_interval(element("intervals", i), labels.intervals[i]);
+    for (std::size_t i = 0; i < labels.releases.size(); ++i) check_times(element("releases", i), labels.releases[i]);
+    for (std::size_t i = 0; i < labels.rejected.size(); ++i) check_times(element("rejected", i), labels.rejected[i]);
+    for (std::size_t i = 0; i < labels.robot_clocks.size(); ++i)
+      check_clock(labels.robot_clocks.size() == 1 ? "clocks.robot" : element("clocks.robot", i), labels.robot_clocks[i]);
+    if (labels.video_clock) check_clock("clocks.video", *labels.video_clock);
+  }
+
+ private:
+  static std::string element(const std::string& list, std::size_t index) { return list + "[" + std::to_string(index) + "]"; }
+
+  void check_time(const std::string& member, std::int64_t us, std::int64_t earliest_us) const {
+    if (us >= earliest_us && us <= latest_us) return;
+    if (!has_odd_times_) has_odd_times_ = has_odd_times(file_.parent_path() / "events.aedat4");
+    if (*has_odd_times_) return;
+    throw Error(
+        fmt::format("{}: {} is {}; expected {} to {}, as its recording has", file_.string(), member, us, earliest_us, latest_us));
+  }
+
+  void check_times(const std::string& where, const TouchInterval& times) const {
+    check_time(where + ".start_us", us_of(times.start), 0);
+    check_time(where + ".end_us", us_of(times.end), 0);
+  }
+
+  void check_interval(const std::string& where, const LabelledInterval& interval) const {
+    for (const auto& [name, time] : {std::pair(".start", &interval.start), std::pair(".end", &interval.end)}) {
+      check_time(where + name + "_us", us_of(time->at), 0);
+      check_time(where + name + "_low_us", us_of(time->low), -latest_us);
+      check_time(where + name + "_high_us", us_of(time->high), -latest_us);
+    }
+  }
+
+  void check_clock(const std::string& where, const alignment::FittedClock& clock) const {
+    check_time(where + ".offset_us", clock.relation.offset_us, -latest_us);
+    if (std::abs(clock.relation.drift_ppm) <= most_drift_ppm) return;
+    throw Error(fmt::format("{}: {}.drift_ppm is {}; expected {} to {}", file_.string(), where, clock.relation.drift_ppm,
+                            -most_drift_ppm, most_drift_ppm));
+  }
+
+  std::filesystem::path file_;
+  mutable std::optional<bool> has_odd_times_;  ///< read once, where a time asks for it
+};
 
 json json_of(const alignment::FittedClock& clock) {
   json object = clock.relation;
@@ -179,7 +226,7 @@ Labels read_labels(const std::filesystem::path& file) {
   }
   name_intervals(labels.intervals);
   check_intervals(labels.intervals, where);
-  check_begins(labels, file);
+  TimeCheck(file).check(labels);
   for (const LabelFlag& flag : labels.flags) {
     if (flag.interval_index && *flag.interval_index >= labels.intervals.size()) {
       throw Error(where + ": a flag names interval " + std::to_string(*flag.interval_index) + " of " +

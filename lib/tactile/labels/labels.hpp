@@ -41,8 +41,8 @@ std::vector<TouchInterval> unclear_motion(const Labels& labels);
 /// Gives every interval without an id one: its class and the least free number from 1, in order.
 void name_intervals(std::vector<LabelledInterval>& intervals);
 
-/// Intervals without an id are named. @throws Error  if the file is missing or not of labels, or its intervals overlap or share
-/// an id
+/// Intervals without an id are named. @throws Error  if the file is missing or not of labels, its intervals overlap or share an
+/// id, or it has times or clocks that no run has: docs/format/runs.md gives the limits
 Labels read_labels(const std::filesystem::path& file);
 /// The oldest edits leave the history where it would take more than 3 MiB: the file must stay below what `read_labels` takes.
 void write_labels(const std::filesystem::path& file, const Labels& labels);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "tactile/core/command_lock.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/folders_in.hpp"
 #include "tactile/core/json.hpp"
@@ -162,8 +163,8 @@ PlannedRun plan_run(const RunFolder& run, const SimulateOptions& options) {
   return planned;
 }
 
-/// Decides what to do for each requested run, before anything is changed.
-std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
+/// The requested objects, by name. @throws Error  if one is unknown
+std::vector<const ObjectModel*> objects_of(const SimulateOptions& options) {
   std::vector<const ObjectModel*> objects;
   if (options.objects.empty()) {
     for (const ObjectModel& object : options.physics.objects) objects.push_back(&object);
@@ -171,42 +172,40 @@ std::vector<SimulatedRun> plan_runs(const SimulateOptions& options, int runs) {
   const std::set<std::string> asked(options.objects.begin(), options.objects.end());
   for (const std::string& name : asked) objects.push_back(&options.physics.object(name));
   std::sort(objects.begin(), objects.end(), [](const ObjectModel* a, const ObjectModel* b) { return a->name < b->name; });
+  return objects;
+}
 
-  std::vector<SimulatedRun> planned;
+/// Decides what to do for each requested run, before anything is changed.
+std::vector<PlannedRun> plan_runs(const SimulateOptions& options, const std::vector<const ObjectModel*>& objects, int runs) {
+  std::vector<PlannedRun> planned;
   for (const ObjectModel* object : objects) {
     for (int i = 1; i <= 99; ++i) {
       const std::string id = fmt::format("{:02}", i);
       const RunFolder run{options.data / object->name / id, object->name, id};
-      if (i > runs) {
-        if (options.force && settings_hash_in(run)) planned.push_back({.run = run, .kind = SimulatedRun::Kind::removed});
-        continue;
+      if (i <= runs) {
+        planned.push_back(plan_run(run, options));
+      } else if (options.force && settings_hash_in(run)) {
+        planned.push_back({.outcome = {.run = run, .kind = SimulatedRun::Kind::removed}});
       }
-      planned.push_back(plan_run(run, options).outcome);
     }
   }
   return planned;
 }
 
-/// Makes a run, unless another process has made the same one. @throws Error  as `plan_run`, or if it cannot be written
 /// @param one_camera  its pixels, if all sessions have the same
-SimulatedRun make_run(const RunFolder& run, const SimulateOptions& options, const std::optional<CameraPixels>& one_camera,
+/// @throws Error  if the run cannot be written, or its name was free and something has it meanwhile, which is kept
+SimulatedRun make_run(const PlannedRun& planned, const SimulateOptions& options, const std::optional<CameraPixels>& one_camera,
                       const std::function<void(double)>& report_share) {
-  PlannedRun planned = plan_run(run, options);
-  if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
-  WholeFile whole(run.folder, IfThere::replace);
+  const RunFolder& run = planned.outcome.run;
+  WholeFile whole(run.folder, planned.outcome.kind == SimulatedRun::Kind::made ? IfThere::refuse : IfThere::replace);
   fs::create_directory(whole.path());
   const DrawnRun drawn = draw_run(options.physics, run.object, run.run, options.preset, options.seed);
   SimulatedRun made =
       simulate_run({whole.path(), run.object, run.run}, drawn, one_camera ? *one_camera : camera_pixels_of(drawn), report_share);
-  made.run = run;
-  if (planned.outcome.kind == SimulatedRun::Kind::made) {
-    if (whole.commit_if_free()) return made;
-    planned = plan_run(run, options);
-    if (planned.outcome.kind == SimulatedRun::Kind::kept) return planned.outcome;
-  }
   // The run is made again identically, so its labels, which a person may have confirmed, stay valid.
   if (planned.keeps_labels && fs::exists(run.labels())) fs::copy_file(run.labels(), whole.path() / "labels.json");
   whole.commit();
+  made.run = run;
   made.kind = planned.outcome.kind;
   return made;
 }
@@ -287,7 +286,9 @@ SimulatedRun simulate_run(const RunFolder& run, const DrawnRun& drawn, const Cam
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress) {
   const int runs = options.runs.value_or(options.physics.preset(options.preset).runs);
   if (runs < 1 || runs > 99) throw Error(fmt::format("simulate: {} runs per object; expected 1 to 99", runs));
-  std::vector<SimulatedRun> outcomes = plan_runs(options, runs);
+  const std::vector<const ObjectModel*> objects = objects_of(options);
+  const CommandLock command_lock(options.data, "tactile simulate", ".simulate.lock");
+  const std::vector<PlannedRun> planned = plan_runs(options, objects, runs);
   for (const fs::path& object : folders_in(options.data, Links::skip)) remove_leftovers_in(object);
   std::optional<CameraPixels> one_camera;
   if (!options.physics.sessions.vary) {
@@ -295,9 +296,10 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
     one_camera = draw_camera_pixels(camera.options, camera.pixels_seed);
   }
 
+  std::vector<SimulatedRun> outcomes;
   std::vector<std::size_t> to_make;
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    const SimulatedRun& outcome = outcomes[i];
+  for (std::size_t i = 0; i < planned.size(); ++i) {
+    const SimulatedRun& outcome = outcomes.emplace_back(planned[i].outcome);
     if (outcome.kind == SimulatedRun::Kind::removed) remove_whole(outcome.run.folder);
     if (outcome.kind == SimulatedRun::Kind::made || outcome.kind == SimulatedRun::Kind::replaced) to_make.push_back(i);
   }
@@ -315,7 +317,7 @@ std::vector<SimulatedRun> simulate(const SimulateOptions& options, const Progres
         for (const std::uint64_t part : done) sum += part;
         report_progress(progress, sum, parts * done.size(), outcome.run.name());
       };
-      outcome = make_run(outcome.run, options, one_camera, [&](double share) { report_part(0.9 * share); });
+      outcome = make_run(planned[to_make[i]], options, one_camera, [&](double share) { report_part(0.9 * share); });
       report_part(1.0);
     });
   }

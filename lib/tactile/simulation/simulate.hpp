@@ -41,9 +41,9 @@ struct SimulatedRun {
 /// Makes run folders. Each appears only when it is complete. The same seed gives the same bytes on any number of threads. A
 /// simulated run with the same settings is kept. One with other settings is refused, or replaced with `force`, which also removes
 /// further simulated runs of the same objects. Folders that were not simulated are never changed; in the place of a run they are
-/// refused.
+/// refused. One call at a time writes to a data folder.
 /// @return  the outcomes, in order of object, then run
-/// @throws Error  before anything is written, if an option or a folder is refused
+/// @throws Error  before anything is written, if an option or a folder is refused, or another call or process writes to `data`
 std::vector<SimulatedRun> simulate(const SimulateOptions& options, const ProgressCallback& progress = {});
 
 /// Makes only events.aedat4 and truth.json of one run, in its folder, which must exist and be empty.

@@ -177,6 +177,8 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
   RunsBelow below = look_for_runs(data);
   plan.misnamed = std::move(below.misnamed);
   plan.warnings = plan.misnamed;
+  if (std::string missing = sentence_on_missing_recordings(below.without_recording); !missing.empty())
+    plan.warnings.push_back(std::move(missing));
   plan.errors = std::move(below.unreadable);
   for (RunFolder& folder : below.runs) {
     PlannedRun run{.folder = std::move(folder),
@@ -332,16 +334,21 @@ void add_to_plan(DatasetPlan& plan, PlannedRun run, const RunOutcome& outcome) {
   leave_out(plan, run, outcome.why_left_out);
 }
 
-/// Numbers the runs, adds their rows, and warns of recordings that occur twice.
+/// Numbers the runs, adds their rows, and warns of intervals that are left out and of recordings that occur twice.
 void add_rows(DatasetPlan& plan, const fs::path& file) {
   std::map<std::string, std::string> run_with;
+  bool says_how_to_lift = std::any_of(plan.without_samples.begin(), plan.without_samples.end(),
+                                      [](const RunWithoutSamples& run) { return run.reason.flagged; });
   for (std::uint32_t index = 0; index < plan.runs.size(); ++index) {
     PlannedRun& run = plan.runs[index];
     for (Sample& sample : run.samples) sample.run_index = index;
     run.outcome.in_dataset = true;
     plan.simulated = plan.simulated || run.info.simulated;
-    if (!run.samples.empty() && !run.outcome.remark.empty())
-      plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark);
+    if (!run.samples.empty() && !run.outcome.remark.empty()) {
+      plan.warnings.push_back(run.folder.name() + ": " + run.outcome.remark +
+                              (says_how_to_lift ? "" : ". " + how_to_lift_flags(run.folder, "tactile windows")));
+      says_how_to_lift = true;
+    }
     const auto [other, is_new] = run_with.emplace(run.events_sha256, run.folder.name());
     if (!is_new)
       plan.warnings.push_back(run.folder.name() + ": has the same recording as " + other->second +

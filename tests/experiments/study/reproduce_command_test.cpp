@@ -334,7 +334,7 @@ TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
   study.signal(SIGSTOP);  // else it might come to its end first
   const auto second = test::run_tactile(small, folder.path());
   EXPECT_EQ(second.exit_code, 1);
-  EXPECT_NE(second.err.find("another 'tactile reproduce' is running"), std::string::npos) << second.err;
+  EXPECT_NE(second.err.find("another 'tactile reproduce' is writing to this folder"), std::string::npos) << second.err;
 }
 
 TEST(ReproduceCommand, BadOptionsAreRefusedBeforeAnythingIsMade) {

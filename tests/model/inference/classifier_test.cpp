@@ -136,6 +136,33 @@ TEST(Classifier, GivesNoVerdictOfWeightsWhoseSumsLeaveFloat32) {
   }
 }
 
+TEST(Classifier, RefusesADescriptionOfAnotherNetworkThanThatOfItsWeights) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  const nlohmann::json whole = read_json(bundle.description());
+  struct Case {
+    const char* member;
+    nlohmann::json value;
+    std::string message;
+  };
+  const std::vector<Case> cases{{"/input/channels", 7, "network.input.channels is 7; expected 1"},
+                                {"/layers/0", "conv 6@3x3", "network.layers.0 is \"conv 6@3x3\"; expected \"conv 6@5x5\""},
+                                {"/layers/12", "linear 3", "network.layers.12 is \"linear 3\"; expected null"},
+                                {"/layers", nlohmann::json::array(), "network.layers.0 is null; expected \"conv 6@5x5\""},
+                                {"/name", "vgg", "network.name is \"vgg\"; expected \"lenet-5\""}};
+  for (const Case& one : cases) {
+    nlohmann::json json = whole;
+    json["network"][nlohmann::json::json_pointer(one.member)] = one.value;
+    write_json(bundle.description(), json);
+    EXPECT_EQ(error_of(bundle), bundle.folder.string() + ": model.json: " + one.message + ", as in the network of its weights");
+  }
+  nlohmann::json older = whole;
+  older["network"].erase("layers");
+  older["network"]["input"].erase("channels");
+  write_json(bundle.description(), older);
+  EXPECT_EQ(error_of(bundle), "");
+}
+
 TEST(Classifier, RefusesAnInputSizeThatTheWeightsAreNotOf) {
   const test::TemporaryFolder folder;
   const ModelBundle bundle = small_bundle(folder);

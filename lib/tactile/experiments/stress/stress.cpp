@@ -6,11 +6,11 @@
 #include <map>
 #include <set>
 
+#include "tactile/core/command_lock.hpp"
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/experiment_json.hpp"
-#include "tactile/experiments/experiment_lock.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/stress/judge_runs.hpp"
 #include "tactile/experiments/stress/stress_figures.hpp"
@@ -195,7 +195,7 @@ StressSummary run_stress(const StressOptions& requested, const experiments::NewP
   StressOptions options = requested;
   options.judging.threads = evaluation::threads_or_all(options.judging.threads);
   const StressPlan plan = plan_stress(options);
-  const experiments::ExperimentLock lock(options.out, "tactile stress");
+  const CommandLock lock(options.out, "tactile stress");
   if (options.force) fs::remove_all(options.out / "steps");
   experiments::StepRunner runner({.folder = options.out,
                                   .program = "/proc/self/exe",

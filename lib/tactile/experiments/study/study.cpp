@@ -1,6 +1,6 @@
 #include "tactile/experiments/study/study.hpp"
 
-#include "tactile/experiments/experiment_lock.hpp"
+#include "tactile/core/command_lock.hpp"
 #include "tactile/experiments/study/study_results.hpp"
 
 namespace tactile::study {
@@ -8,7 +8,7 @@ namespace tactile::study {
 StudySummary run_study(const StudyOptions& requested, const experiments::NewProgress& new_progress,
                        const experiments::StepCallback& on_step, const WarningCallback& warn) {
   const StudyOptions options = completed(requested);
-  const experiments::ExperimentLock lock(options.out, "tactile reproduce");
+  const CommandLock lock(options.out, "tactile reproduce");
   experiments::StepRunner runner({.folder = options.out,
                                   .program = options.program,
                                   .threads = options.threads,

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "tactile/core/command_lock.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
-#include "tactile/experiments/experiment_lock.hpp"
 #include "tactile/experiments/trade/judge_points.hpp"
 #include "tactile/experiments/trade/recommend_setting.hpp"
 #include "tactile/experiments/trade/time_points.hpp"
@@ -71,7 +71,7 @@ TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProg
   const windows::Dataset dataset(requested.data / "dataset.h5");
   const TradeOptions options = completed(requested, dataset);
   Parts parts(options, on_step);
-  const experiments::ExperimentLock lock(options.out, "tactile trade");
+  const CommandLock lock(options.out, "tactile trade");
   experiments::StepRunner runner(
       {.folder = options.out,
        .program = options.program,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "tactile/core/changed_values.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
@@ -139,6 +140,17 @@ void check_description(const ModelDescription& description) {
     throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
 }
 
+/// Checks what "network" repeats of the network that the weights are read for. Older bundles have less.
+void check_network(const nlohmann::json& network, const ModelDescription& description) {
+  const bool has_layers = network.contains("layers");
+  for (const ChangedValue& value : changed_values(network, network_json(description.settings, description.input))) {
+    const bool is_in_one_only = value.before.is_null() || value.now.is_null();
+    if (is_in_one_only && !(has_layers && value.path.starts_with("layers."))) continue;
+    throw Error(fmt::format("model.json: network.{} is {}; expected {}, as in the network of its weights", value.path,
+                            value.before.dump(), value.now.dump()));
+  }
+}
+
 }  // namespace
 
 void write_bundle(const ModelBundle& bundle, ModelDescription description, const TrainedWeights& weights,
@@ -220,8 +232,10 @@ ModelDescription read_description(const ModelBundle& bundle) {
     throw Error(bundle.folder.string() + ": no model; expected a folder with model.json, as 'tactile train' makes it");
   }
   try {
-    auto description = read_json(bundle.description()).get<ModelDescription>();
+    const nlohmann::json json = read_json(bundle.description());
+    auto description = json.get<ModelDescription>();
     check_description(description);
+    check_network(json.at("network"), description);
     return description;
   } catch (const Error& e) {
     throw Error(bundle.folder.string() + ": " + e.what());
