@@ -320,10 +320,11 @@ TEST(EvalCommand, NothingThatAModelOrItsStartLearnedFromIsJudged) {
                         trained.folder.path())
                 .exit_code,
             0);
-  const auto copy = run_tactile("eval --json --model next --run elsewhere/mug/01 --out shown", trained.folder.path());
+  const auto copy = run_tactile("eval --json --model models/next --run elsewhere/mug/01 --out shown", trained.folder.path());
   ASSERT_EQ(copy.exit_code, 0) << copy.err;
   EXPECT_TRUE(nlohmann::json::parse(copy.out).at("runs")[0].at("learned_from").get<bool>()) << "the same events";
-  test::expect_settings_of("shown/settings.json", "eval --model next --run elsewhere/mug/01 --out shown", trained.folder.path());
+  test::expect_settings_of("shown/settings.json", "eval --model models/next --run elsewhere/mug/01 --out shown",
+                           trained.folder.path());
   const auto one_missing = run_tactile("eval --json --model next --run nowhere/01,fan/03", trained.folder.path());
   EXPECT_EQ(one_missing.exit_code, 1);
   EXPECT_NE(one_missing.err.find("nowhere/01: no such run"), std::string::npos) << one_missing.err;
