@@ -3,7 +3,7 @@
 
     many_runs.py TACTILE FOLDER RUNS...
 
-For each number it makes so many labelled runs in FOLDER, measures the commands on them, and removes them. A run is as small as the
+For each number it makes this many labelled runs in FOLDER, measures the commands on them, and removes them. A run is as small as the
 commands accept: 0.3 s of a sensor of 80 x 80 pixels, with a press and a slip of 12 ms each. It has 18 samples, so what is measured
 is the cost of a run, not that of its events or samples. TOUCH_MS in the environment makes the touches longer, up to 40 ms.
 """

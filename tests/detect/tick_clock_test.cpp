@@ -95,7 +95,7 @@ TEST(TickClock, AnswersEachEventsTickByTheHostAYearLong) {
     }
     clock.reported(*tick);
   }
-  // And silence continues: the newest tick by the host is some seconds behind after a day, never ahead.
+  // And silence continues: the newest tick by the host is some seconds too old after a day, never too new.
   const auto later = clock.newest(host_time(base + 366 * day));
   ASSERT_TRUE(later);
   EXPECT_LE(later->t, camera_time(366 * day));

@@ -1,5 +1,7 @@
 #include "tactile/core/runs_below.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <system_error>
@@ -7,6 +9,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/text.hpp"
 
 namespace tactile {
 namespace fs = std::filesystem;
@@ -73,19 +76,11 @@ std::vector<std::string> recordings_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code failed;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-    std::string extension = entry->path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    if (extension == ".aedat4" && is_file(entry->path())) names.push_back(name_of(entry->path()));
+    const bool is_named_so = lower_case(entry->path().extension().string()) == ".aedat4";
+    if (is_named_so && is_file(entry->path())) names.push_back(name_of(entry->path()));
   }
   std::sort(names.begin(), names.end());
   return names;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 /// The names in a folder, and its subfolders.
@@ -186,8 +181,8 @@ class Search {
       return;
     }
     found_.misnamed.push_back(run.string() + ": is left out, because a run's recording is named events.aedat4; rename " +
-                              (recordings.size() == 1 ? recordings.front() : "the right one of " + listed(recordings)) +
-                              " to it");
+                              (recordings.size() == 1 ? "" : "the right one of ") +
+                              fmt::format("{} to it", fmt::join(recordings, ", ")));
   }
 
   void report_run(const fs::path& run, std::set<std::string>& taken) {
@@ -265,7 +260,7 @@ std::string sentence_on_missing_recordings(const std::vector<fs::path>& without_
   if (without_recording.empty()) return {};
   std::vector<std::string> names;
   for (const fs::path& run : without_recording) names.push_back(run.string());
-  return "left out, because events.aedat4 is missing: " + listed(names);
+  return fmt::format("left out, because events.aedat4 is missing: {}", fmt::join(names, ", "));
 }
 
 std::string what_is_misnamed(const fs::path& folder) {

@@ -10,8 +10,8 @@
 namespace tactile::events {
 
 /// Recognises the events of a recording in whatever file they are stored: a copy of other compression, with other packets or
-/// without other streams has the same digest. 64 bits by multiplications, about 1 ns per event. It tells recordings of one
-/// laboratory apart, and is no protection against forgery.
+/// without other streams has the same digest. 64 bits by multiplications, about 1 ns per event: enough to distinguish the
+/// recordings of one laboratory, and no protection against forgery.
 class EventDigest {
  public:
   void add(std::span<const Event> events);  ///< the next events, in their order

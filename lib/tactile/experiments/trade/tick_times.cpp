@@ -139,25 +139,6 @@ void take_turn(const TimedSetting& setting, const TimedModel& open, const Record
   }
 }
 
-/// Of every setting at its ticks. Settings with the same ticks and pixels share one.
-std::vector<std::shared_ptr<const std::vector<Background>>> backgrounds_of(const Recorded& recorded,
-                                                                           std::span<const TimedSetting> settings) {
-  std::vector<std::shared_ptr<const std::vector<Background>>> backgrounds;
-  for (const TimedSetting& setting : settings) {
-    const heatmaps::HeatmapOptions& rendering = setting.rendering;
-    const auto same =
-        std::find_if(settings.begin(), settings.begin() + std::ssize(backgrounds), [&](const TimedSetting& earlier) {
-          return earlier.rendering.history == rendering.history && earlier.rendering.tick == rendering.tick &&
-                 earlier.rendering.mask == rendering.mask;
-        });
-    const auto place = static_cast<std::size_t>(same - settings.begin());
-    backgrounds.push_back(place < backgrounds.size()
-                              ? backgrounds[place]
-                              : std::make_shared<const std::vector<Background>>(backgrounds_of(recorded, rendering)));
-  }
-  return backgrounds;
-}
-
 /// Each turn has another order, because a setting finds in the caches what the one before it left, such as the same weights.
 std::vector<std::size_t> any_order(std::size_t count, Random& random) {
   std::vector<std::size_t> order(count);
@@ -223,12 +204,20 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
   std::uint64_t done = 0;
   for (std::size_t run = 0; run < recordings.size(); ++run) {
     const Recorded recorded = events_of(recordings[run]);
-    const auto backgrounds = backgrounds_of(recorded, settings);
+    // Settings with the same ticks and pixels share one.
+    std::map<std::tuple<microseconds, microseconds, events::MaskPixels>, std::vector<Background>> known;
+    std::vector<std::span<const Background>> backgrounds;
+    for (const TimedSetting& setting : settings) {
+      const heatmaps::HeatmapOptions& rendering = setting.rendering;
+      const auto [place, is_new] = known.try_emplace({rendering.history, rendering.tick, rendering.mask});
+      if (is_new) place->second = backgrounds_of(recorded, rendering);
+      backgrounds.emplace_back(place->second);
+    }
     for (unsigned index = 0; index < options.pieces; ++index) {
       const PieceTimes piece(settings, model_of, recorded, index, wanted, options);
       for (unsigned turn = 0; piece.any_due(turn); ++turn) {
         for (const std::size_t i : any_order(settings.size(), random)) {
-          if (piece.due(i, turn)) piece.take(i, *backgrounds[i], times[i][run]);
+          if (piece.due(i, turn)) piece.take(i, backgrounds[i], times[i][run]);
         }
         report_progress(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
       }
