@@ -1,7 +1,9 @@
 #include "tactile/evaluation/label_uncertainty.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/robust_statistics.hpp"
@@ -19,21 +21,16 @@ CameraTime drawn_time(const alignment::UncertainTime& time, Random& random) {
   return after(time.at, microseconds{std::llround(z / sigmas_per_interval * static_cast<double>(side.count()))});
 }
 
-using RunsByDraw = std::function<std::optional<double>(const RunsByObject&, std::size_t draw)>;
+/// A figure by each draw of the labels that has one.
+using ValuesByDraw = std::vector<double>;
 
 /// @param labelled  by the labels as they are
-results::SpreadByLabels spread_of(const CrossedResults& objects, const Statistic& labelled, const RunsByDraw& by_draw,
+results::SpreadByLabels spread_of(const ValuesByDraw& values, const CrossedResults& objects, const Statistic& labelled,
                                   const Range& range, const results::BootstrapOptions& options) {
   results::SpreadByLabels spread;
-  const RunsByObject all = all_of(objects);
-  std::vector<double> values;
-  for (std::size_t draw = 0; draw < label_draws; ++draw) {
-    if (const auto value = by_draw(all, draw)) values.push_back(*value);
-  }
   if (values.empty()) return spread;
   const double outside = (1 - options.confidence) / 2;
-  for (const double value : values) spread.mean = (std::isnan(spread.mean) ? 0 : spread.mean) + value;
-  spread.mean /= static_cast<double>(values.size());
+  spread.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   spread.low = quantile(values, outside);
   spread.high = quantile(values, 1 - outside);
   spread.with_runs = figure_over_objects(objects, labelled, options, range);
@@ -114,6 +111,49 @@ std::optional<double> median_of_all_ms(const DetectionTimes& times, const RunsBy
   return median ? std::optional(median->ms) : std::nullopt;
 }
 
+/// The mean and the median delay of one class, by the labels as they are and by each draw.
+class TouchDelays {
+ public:
+  /// @param as_labelled  must outlive this
+  TouchDelays(const std::vector<results::RunDetections>& as_labelled, Touch touch)
+      : as_labelled_(as_labelled),
+        touch_(touch),
+        times_(as_labelled, touch),
+        objects_(without_names(results_by_object(std::span(as_labelled),
+                                                 [touch](const results::RunDetections& run) {
+                                                   return std::any_of(run.detections.begin(), run.detections.end(),
+                                                                      [touch](const results::Detection& detection) {
+                                                                        return detection.interval.touch == touch;
+                                                                      });
+                                                 }))),
+        all_(all_of(objects_)) {}
+
+  /// Takes the detections of all runs by one draw.
+  void add(const std::vector<results::RunDetections>& by_draw) {
+    if (const auto mean = mean_delay_ms(by_draw, all_, touch_)) means_.push_back(*mean);
+    if (const auto median = median_of_all_ms(DetectionTimes(by_draw, touch_), all_)) medians_.push_back(*median);
+  }
+
+  results::SpreadByLabels mean(const results::BootstrapOptions& options) const {
+    return spread_of(
+        means_, objects_, [this](const RunsByObject& of) { return mean_delay_ms(as_labelled_, of, touch_); }, Range{.lowest = 0},
+        options);
+  }
+
+  results::SpreadByLabels median(const results::BootstrapOptions& options) const {
+    return spread_of(
+        medians_, objects_, [this](const RunsByObject& of) { return median_of_all_ms(times_, of); }, Range{.lowest = 0}, options);
+  }
+
+ private:
+  const std::vector<results::RunDetections>& as_labelled_;
+  Touch touch_;
+  DetectionTimes times_;
+  CrossedResults objects_;
+  RunsByObject all_;
+  ValuesByDraw means_, medians_;
+};
+
 }  // namespace
 
 std::vector<TouchInterval> drawn_labels(const RunTruth& truth, Random& random) {
@@ -170,34 +210,25 @@ results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> ru
   };
   const CrossedResults with_samples =
       without_names(results_by_object(runs, [](const RunByDrawnLabels& run) { return run.as_labelled.confusion.samples() > 0; }));
+  const std::vector<results::RunDetections> as_labelled = detections_as_labelled(runs);
+  std::array<TouchDelays, 2> delays{TouchDelays(as_labelled, Touch::press), TouchDelays(as_labelled, Touch::slip)};
+
+  // One draw at a time: all of them together would need far more memory than their results.
+  ValuesByDraw accuracies;
+  const RunsByObject all = all_of(with_samples);
+  for (std::size_t draw = 0; draw < label_draws; ++draw) {
+    if (const auto accuracy = accuracy_by(by_draw(draw))(all)) accuracies.push_back(*accuracy);
+    const std::vector<results::RunDetections> detections = detections_by_draw(runs, draw);
+    for (TouchDelays& of_touch : delays) of_touch.add(detections);
+  }
+
   std::vector<results::RunConfusion> confusions;
   for (const RunByDrawnLabels& run : runs) confusions.push_back({run, run.as_labelled.confusion});
-  const Range range = range_of_shares(confusions);
-  uncertainty.accuracy = spread_of(
-      with_samples, accuracy_by(labelled),
-      [&](const RunsByObject& chosen, std::size_t draw) { return accuracy_by(by_draw(draw))(chosen); }, range, options);
-
-  // Each draw is made when it is needed: all of them together would need far more memory than their results.
-  const std::vector<results::RunDetections> as_labelled = detections_as_labelled(runs);
-  for (const auto& [touch, mean, median] : {std::tuple(Touch::press, &uncertainty.press_mean_ms, &uncertainty.press_median_ms),
-                                            std::tuple(Touch::slip, &uncertainty.slip_mean_ms, &uncertainty.slip_median_ms)}) {
-    const CrossedResults chosen =
-        without_names(results_by_object(std::span<const results::RunDetections>(as_labelled), [t = touch](const auto& run) {
-          return std::any_of(run.detections.begin(), run.detections.end(),
-                             [t](const results::Detection& detection) { return detection.interval.touch == t; });
-        }));
-    *mean = spread_of(
-        chosen, [&, t = touch](const RunsByObject& of) { return mean_delay_ms(as_labelled, of, t); },
-        [&, t = touch](const RunsByObject& of, std::size_t draw) { return mean_delay_ms(detections_by_draw(runs, draw), of, t); },
-        Range{.lowest = 0}, options);
-    const DetectionTimes times(as_labelled, touch);
-    *median = spread_of(
-        chosen, [&](const RunsByObject& of) { return median_of_all_ms(times, of); },
-        [&, t = touch](const RunsByObject& of, std::size_t draw) {
-          return median_of_all_ms(DetectionTimes(detections_by_draw(runs, draw), t), of);
-        },
-        Range{.lowest = 0}, options);
-  }
+  uncertainty.accuracy = spread_of(accuracies, with_samples, accuracy_by(labelled), range_of_shares(confusions), options);
+  uncertainty.press_mean_ms = delays[0].mean(options);
+  uncertainty.press_median_ms = delays[0].median(options);
+  uncertainty.slip_mean_ms = delays[1].mean(options);
+  uncertainty.slip_median_ms = delays[1].median(options);
   return uncertainty;
 }
 
