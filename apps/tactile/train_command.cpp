@@ -47,7 +47,7 @@ struct TrainArguments {
   KindArguments kind;
   std::string models = "models", name, from, tensorboard;
   std::vector<std::string> calibrate;  ///< ids of runs to fit a temperature on; empty: none is fitted
-  bool force = false, resume = false, strict = false;
+  bool force = false, resume = false, strict = false, verbose = false;
   double save_every_s = 30;
 };
 
@@ -86,8 +86,13 @@ std::string eval_command(const model::ModelBundle& bundle, const TrainArguments&
 std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args, const model::ModelDescription& model,
                     const std::string& outcome, const model::TrainingSummary& summary) {
   const bool judged = summary.validation_samples > 0;
+  constexpr std::size_t most_rows = 10;
+  const std::size_t epochs = summary.history.size();
+  const std::size_t step = args.verbose || epochs <= most_rows ? 1 : (epochs + most_rows - 3) / (most_rows - 2);
   std::vector<std::vector<std::string>> rows;
-  for (const model::EpochResult& epoch : summary.history) {
+  for (std::size_t i = 0; i < epochs; ++i) {
+    const model::EpochResult& epoch = summary.history[i];
+    if (i % step != 0 && i + 1 != epochs && epoch.epoch != summary.best_epoch) continue;
     std::vector<std::string> row{std::to_string(epoch.epoch), fmt::format("{:.4f}", epoch.loss),
                                  fmt::format("{:.2f}", 100 * epoch.accuracy)};
     if (judged) {
@@ -103,6 +108,8 @@ std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args
   titles.insert(titles.end(), {model::reads_heatmaps(model.settings.kind) ? "images/s" : "samples/s", "seconds"});
   if (model.settings.kind == model::ModelKind::trees) titles.front() = "fit";
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
+  if (step > 1)
+    text += wrapped(fmt::format("{} of {} epochs; --verbose prints all, as history.csv has them.", rows.size(), epochs)) + "\n\n";
   if (summary.stopped_early) {
     text += wrapped(fmt::format("Stopped after epoch {}: the validation loss was smallest in epoch {}, whose weights are used.",
                                 summary.history.back().epoch, summary.best_epoch)) +
@@ -387,6 +394,7 @@ void add_model_options(Command& command, TrainArguments& args) {
                   "Write loss, accuracy and learning rate of each epoch for TensorBoard, in a folder of the model's name in DIR")
       .type_name("DIR");
   command.add_flag("--resume", args.resume, "Resume an interrupted training; the result is the same as without the interruption");
+  command.add_flag("--verbose", args.verbose, "Print a line for each epoch");
   command.add_option("--save-every", args.save_every_s, "Time between two checkpoints, in addition to one per epoch [s]")
       .check(in_range(0.0, 1e6))
       .show_default();

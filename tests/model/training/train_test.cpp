@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "model/small_data.hpp"
 #include "support/error_of.hpp"
@@ -170,6 +173,30 @@ TEST(TrainCommand, WritesItsHistoryWhileItTrainsAndScalarsForTensorBoard) {
   for (const char* tag : {"train/loss", "train/accuracy", "learning_rate", "gradient_norm", "images_per_s"})
     EXPECT_NE(events.find(tag), std::string::npos) << tag;
   EXPECT_EQ(events.find("validation/"), std::string::npos) << "no validation part";
+}
+
+TEST(TrainCommand, PrintsAtMostTenEpochsUnlessAskedForAll) {
+  const test::TemporaryFolder folder;
+  make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  const auto epochs_printed = [&](const std::string& options) {
+    const auto result = run_tactile("train --quiet --threads 1 --width 0.25 " + options, folder.path());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::vector<std::string> epochs;
+    std::istringstream lines(result.out);
+    std::string line;
+    for (std::getline(lines, line); std::getline(lines, line) && !line.empty();)
+      epochs.push_back(line.substr(0, line.find("  0.")));
+    return std::pair(epochs, result.out);
+  };
+  const auto [ten, text_of_ten] = epochs_printed("--epochs 10 --name ten");
+  EXPECT_EQ(ten.size(), 10U) << text_of_ten;
+  EXPECT_EQ(text_of_ten.find("--verbose"), std::string::npos);
+  const auto [some, text] = epochs_printed("--epochs 40 --name some");
+  EXPECT_LE(some.size(), 10U) << text;
+  EXPECT_GE(some.size(), 8U) << text;
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 18) << text;
+  EXPECT_NE(text.find(std::to_string(some.size()) + " of 40 epochs; --verbose prints all"), std::string::npos) << text;
+  EXPECT_EQ(epochs_printed("--epochs 40 --name all --verbose").first.size(), 40U);
 }
 
 TEST(TrainCommand, RunsWithoutLabelsNameTheCommandThatMakesThem) {
