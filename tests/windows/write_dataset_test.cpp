@@ -387,5 +387,24 @@ TEST(Heatmaps, AreReadInAnyOrder) {
   EXPECT_FALSE(dataset.find_heatmaps("th_002"));
 }
 
+TEST_F(WriteDataset, ReadsNoHistoryWiderOrHigherThanTheLargestSensor) {
+  test::make_three_runs(data());
+  write_dataset(data(), file());
+  const auto is_read = [&](int width, int height) {
+    {
+      const Dataset dataset(file());
+      HeatmapsWriter writer(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = width, .height = height});
+      const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * dataset.samples().size();
+      writer.append(writer.packed(std::vector<std::uint8_t>(values, 7)));
+      writer.commit();
+    }
+    return Dataset(file()).find_heatmaps("th_002").has_value();
+  };
+  EXPECT_TRUE(is_read(32767, 1));
+  EXPECT_TRUE(is_read(1, 32767));
+  EXPECT_FALSE(is_read(32768, 1));
+  EXPECT_FALSE(is_read(1, 32768));
+}
+
 }  // namespace
 }  // namespace tactile::windows
