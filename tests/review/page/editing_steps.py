@@ -59,7 +59,8 @@ def edits_by_key(world):
     open_run(world, tab, at=0.02)
     free = world.interval("press-1")["start_us"]
     tab.key("0")
-    tab.key("<")
+    for _ in range(3):  # a tenth of the speed: a busy machine must not play past the first touch
+        tab.key("<")
     tab.key(" ")
     tab.key("s")
     tab.wait("document.querySelector('.band.mark.slip')", "S begins a slip while it plays")
@@ -72,7 +73,7 @@ def edits_by_key(world):
     first = world.saved()["provenance"]["first_event_us"]
     added = world.saved()["intervals"][0]
     check(added["class"] == "slip" and added["end_us"] - first < free and added["end_us"] - added["start_us"] > 90_000, f"{added}")
-    check(added["start_us"] - added["start_low_us"] >= 100_000, "a mark while playing is as uncertain as a reaction")
+    check(added["start_us"] - added["start_low_us"] >= 20_000, f"a mark while playing is as uncertain as a reaction of 0.2 s: {added}")
     name = added["id"]
     tab.key("t")
     world.until(lambda: world.interval(name)["class"] == "press", "T changes the class")
