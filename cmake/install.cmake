@@ -2,9 +2,11 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# The program. `tactile` finds the other programs in ../libexec/tactile (apps/tactile/program.cpp).
+# The program. `tactile` finds the others in ../libexec/tactile (apps/tactile/program.cpp).
 install(TARGETS tactile RUNTIME DESTINATION bin COMPONENT program)
-install(TARGETS tactile-runs tactile-model RUNTIME DESTINATION libexec/tactile COMPONENT program)
+install(TARGETS tactile-all tactile_torch tactile_opencv
+  RUNTIME DESTINATION libexec/tactile COMPONENT program
+  LIBRARY DESTINATION libexec/tactile COMPONENT program)
 install(DIRECTORY configs DESTINATION share/tactile COMPONENT program)
 install(PROGRAMS scripts/dv-bridge scripts/ros-bridge DESTINATION share/tactile/scripts COMPONENT program)
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION share/doc/tactile COMPONENT program)
@@ -13,7 +15,7 @@ install(FILES LICENSE DESTINATION share/doc/tactile-dev RENAME copyright COMPONE
 install(DIRECTORY docs DESTINATION share/doc/tactile COMPONENT program)
 
 # The built program writes its man pages and completions, from the declarations that its help shows.
-install(CODE "set(TACTILE_PROGRAM \"$<TARGET_FILE:tactile-model>\")" COMPONENT program)
+install(CODE "set(TACTILE_PROGRAM \"$<TARGET_FILE:tactile-all>\")" COMPONENT program)
 install(SCRIPT cmake/install_pages.cmake COMPONENT program)
 
 # The libraries, and the stages that they stand on.

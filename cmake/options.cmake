@@ -78,3 +78,14 @@ function(add_stage name)
     set_target_properties(tactile_${name} PROPERTIES UNITY_BUILD OFF)
   endif()
 endfunction()
+
+# add_part(NAME SOURCES a.cpp … LINKS library …) adds tactile-NAME.so, which core/loaded_part loads when it is first needed: its
+# libraries take long to load. It calls functions of the program that loads it.
+function(add_part name)
+  cmake_parse_arguments(PART "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(tactile_${name} MODULE ${PART_SOURCES})
+  target_link_libraries(tactile_${name} PRIVATE tactile::options ${PART_LINKS})
+  target_include_directories(tactile_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib)
+  set_target_properties(tactile_${name} PROPERTIES
+    PREFIX "" OUTPUT_NAME tactile-${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} UNITY_BUILD OFF)
+endfunction()

@@ -40,12 +40,10 @@ void add_doctor_command(CLI::App& app);
 void add_judge_command(CLI::App& app);
 void add_pages_command(CLI::App& app);
 
-// Loading libtorch, OpenCV and libav takes more time and memory than many commands need. Therefore there are three programs. Each
-// has its own commands and those of the programs before it.
+// Loading OpenCV and libav takes more time than some commands need. Therefore there are two programs.
 enum class Program : std::uint8_t {
-  tactile,  ///< loads none of them; starts one of the other two for their commands
-  runs,     ///< tactile-runs loads no libtorch
-  model     ///< tactile-model
+  tactile,  ///< loads neither, and starts the other for its commands
+  all       ///< tactile-all: every command
 };
 
 using AddCommand = void (*)(CLI::App&);
@@ -59,32 +57,32 @@ struct CommandEntry {
 /// Every command, in the order of use. The compiler evaluates it, so that a program links only its own commands.
 consteval auto command_table() {
   return std::array{
-      CommandEntry{"simulate", Program::runs, add_simulate_command},
-      CommandEntry{"record", Program::runs, add_record_command},
-      CommandEntry{"serve", Program::runs, add_serve_command},
+      CommandEntry{"simulate", Program::all, add_simulate_command},
+      CommandEntry{"record", Program::all, add_record_command},
+      CommandEntry{"serve", Program::all, add_serve_command},
       CommandEntry{"info", Program::tactile, add_info_command},
       CommandEntry{"repair", Program::tactile, add_repair_command},
-      CommandEntry{"characterise", Program::runs, add_characterise_command},
-      CommandEntry{"convert", Program::runs, add_convert_command},
-      CommandEntry{"import", Program::runs, add_import_command},
-      CommandEntry{"split", Program::runs, add_split_command},
-      CommandEntry{"label", Program::runs, add_label_command},
-      CommandEntry{"review", Program::model, add_review_command},
-      CommandEntry{"windows", Program::runs, add_windows_command},
-      CommandEntry{"heatmaps", Program::runs, add_heatmaps_command},
-      CommandEntry{"view", Program::runs, add_view_command},
-      CommandEntry{"train", Program::model, add_train_command},
-      CommandEntry{"models", Program::model, add_models_command},
-      CommandEntry{"eval", Program::model, add_eval_command},
-      CommandEntry{"detect", Program::model, add_detect_command},
-      CommandEntry{"reproduce", Program::model, add_reproduce_command},
-      CommandEntry{"trade", Program::model, add_trade_command},
-      CommandEntry{"stress", Program::model, add_stress_command},
-      CommandEntry{"report", Program::runs, add_report_command},
-      CommandEntry{"export", Program::runs, add_export_command},
-      CommandEntry{"doctor", Program::model, add_doctor_command},
-      CommandEntry{"judge", Program::model, add_judge_command},
-      CommandEntry{"pages", Program::model, add_pages_command},
+      CommandEntry{"characterise", Program::all, add_characterise_command},
+      CommandEntry{"convert", Program::all, add_convert_command},
+      CommandEntry{"import", Program::all, add_import_command},
+      CommandEntry{"split", Program::all, add_split_command},
+      CommandEntry{"label", Program::all, add_label_command},
+      CommandEntry{"review", Program::all, add_review_command},
+      CommandEntry{"windows", Program::all, add_windows_command},
+      CommandEntry{"heatmaps", Program::all, add_heatmaps_command},
+      CommandEntry{"view", Program::all, add_view_command},
+      CommandEntry{"train", Program::all, add_train_command},
+      CommandEntry{"models", Program::all, add_models_command},
+      CommandEntry{"eval", Program::all, add_eval_command},
+      CommandEntry{"detect", Program::all, add_detect_command},
+      CommandEntry{"reproduce", Program::all, add_reproduce_command},
+      CommandEntry{"trade", Program::all, add_trade_command},
+      CommandEntry{"stress", Program::all, add_stress_command},
+      CommandEntry{"report", Program::all, add_report_command},
+      CommandEntry{"export", Program::all, add_export_command},
+      CommandEntry{"doctor", Program::all, add_doctor_command},
+      CommandEntry{"judge", Program::all, add_judge_command},
+      CommandEntry{"pages", Program::all, add_pages_command},
   };
 }
 

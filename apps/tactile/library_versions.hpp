@@ -10,7 +10,7 @@ struct LibraryVersion {
   std::string version;
 };
 
-/// The libraries of other projects that `tactile-model` has loaded, and that affect results or files.
+/// The libraries of other projects that `tactile-all` is built with, and that affect results or files.
 std::vector<LibraryVersion> library_versions();
 
 /// One line for each of them, and one without a line end with the vector instructions in use and the others that this processor

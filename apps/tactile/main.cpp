@@ -39,7 +39,7 @@ std::vector<std::string> as_options(std::vector<std::string> words) {
 
 }  // namespace
 
-/// `tactile`: runs its own commands, and starts another program for the others.
+/// `tactile`: runs its own commands, and starts `tactile-all` for the others.
 int main(int argc, char** argv) {
   using namespace tactile::cli;
   std::vector<std::string> words = as_options({argv, argv + argc});
@@ -47,8 +47,8 @@ int main(int argc, char** argv) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const std::string& command = words[1];
-  const Program program = program_of(command).value_or(Program::model);  // --version, too: it names every library
+  const Program program = program_of(command).value_or(Program::all);  // --version, too: it names every library
   if (program == Program::tactile)
     return run_program(static_cast<int>(words.size()), arguments.data(), commands_of<Program::tactile>());
-  return hand_over_to(program == Program::runs ? "tactile-runs" : "tactile-model", arguments.data());
+  return hand_over_to("tactile-all", arguments.data());
 }

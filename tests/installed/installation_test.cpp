@@ -38,11 +38,11 @@ TEST(Installation, HasWhatEachReaderLooksFor) {
   ASSERT_EQ(test::install_to(folder.path(), "program").exit_code, 0);
   const std::set<std::string> files = test::files_below(folder.path());
   for (const char* file :
-       {"bin/tactile", "libexec/tactile/tactile-runs", "libexec/tactile/tactile-model", "share/tactile/configs/scenes/hard.json",
-        "share/tactile/scripts/dv-bridge", "share/doc/tactile/README.md", "share/doc/tactile/docs/cli/README.md",
-        "share/doc/tactile/docs/pictures/run.png", "share/doc/tactile/copyright", "share/man/man1/tactile.1.gz",
-        "share/man/man1/tactile-label.1.gz", "share/bash-completion/completions/tactile", "share/zsh/site-functions/_tactile",
-        "share/fish/vendor_completions.d/tactile.fish"})
+       {"bin/tactile", "libexec/tactile/tactile-all", "libexec/tactile/tactile-torch.so", "libexec/tactile/tactile-opencv.so",
+        "share/tactile/configs/scenes/hard.json", "share/tactile/scripts/dv-bridge", "share/doc/tactile/README.md",
+        "share/doc/tactile/docs/cli/README.md", "share/doc/tactile/docs/pictures/run.png", "share/doc/tactile/copyright",
+        "share/man/man1/tactile.1.gz", "share/man/man1/tactile-label.1.gz", "share/bash-completion/completions/tactile",
+        "share/zsh/site-functions/_tactile", "share/fish/vendor_completions.d/tactile.fish"})
     EXPECT_TRUE(files.contains(file)) << file;
   for (const std::string& file : files) EXPECT_FALSE(file.ends_with(".a") || file.ends_with(".hpp")) << file;
   EXPECT_EQ(
@@ -68,7 +68,7 @@ TEST(Installation, NamesBothPlacesIfAPartIsMissing) {
   const auto result = test::run_shell("bin/tactile label", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_TRUE(
-      result.err.ends_with("bin/tactile-runs: cannot be run (No such file or directory); expected this part of tactile in the "
+      result.err.ends_with("bin/tactile-all: cannot be run (No such file or directory); expected this part of tactile in the "
                            "folder of the program, or in "
                            "../libexec/tactile\n"))
       << result.err;

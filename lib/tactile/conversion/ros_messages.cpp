@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "tactile/bags/bag_file.hpp"
 #include "tactile/bags/ros_events.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::conversion {
 namespace {
@@ -188,12 +188,7 @@ bool decode_compressed_image(bags::SerialisedMessage message, RosImage& into) {
   if (!fields.ok()) return false;
   const std::optional<cv::Size> size = size_of_picture(data);  // before memory is allocated for the pixels
   if (!size || std::int64_t{size->width} * size->height > most_pixels) return true;
-  try {
-    const cv::Mat stored(1, static_cast<int>(data.size()), CV_8UC1, const_cast<std::byte*>(data.data()));
-    into.pixels = cv::imdecode(stored, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    return false;
-  }
+  into.pixels = video::decoded_picture(data);
   return !into.pixels.empty();
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <tuple>
@@ -13,6 +12,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/pictures/drawing.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::pictures {
 namespace {
@@ -173,9 +173,7 @@ cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions&
 }
 
 void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", picture, bytes))
-    throw Error(file.string() + ": cannot be made a PNG; expected a picture of grey or BGR bytes");
+  const std::vector<unsigned char> bytes = video::png_of(picture);
   write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

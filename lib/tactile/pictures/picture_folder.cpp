@@ -1,12 +1,12 @@
 #include "tactile/pictures/picture_folder.hpp"
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <string>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::pictures {
 namespace fs = std::filesystem;
@@ -62,8 +62,7 @@ PictureFolder::PictureFolder(const fs::path& target, const std::string& columns)
 
 void PictureFolder::write(const std::string& name, const cv::Mat& picture) const {
   const fs::path file = whole_.path() / name;
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
+  const std::vector<unsigned char> bytes = video::png_of(picture);
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   std::ofstream out(file, std::ios::binary);

@@ -4,11 +4,11 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 
 #include "tactile/core/error.hpp"
 #include "tactile/video/film_reader.hpp"
+#include "tactile/video/picture_codec.hpp"
 #include "tactile/video/shown_times.hpp"
 #include "tactile/video/video_times.hpp"
 
@@ -30,8 +30,8 @@ FilmFrames::FilmFrames(const RunFolder& run, const std::function<void()>& advanc
   while (const std::optional<video::FilmReader::Frame> frame = film.next()) {
     if (advance) advance();
     cv::Mat grey;
-    std::vector<unsigned char> jpeg;
-    if (!film.grey(widest_picture, grey) || !cv::imencode(".jpg", grey, jpeg, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})) continue;
+    if (!film.grey(widest_picture, grey)) continue;
+    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, jpeg_quality);
     if (std::fwrite(jpeg.data(), 1, jpeg.size(), pictures_.get()) != jpeg.size())
       throw Error(run.name() + ": the film's pictures do not fit into the folder of temporary files; expected room there");
     by_container.push_back(frame->us);

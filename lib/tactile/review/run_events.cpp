@@ -1,7 +1,6 @@
 #include "tactile/review/run_events.hpp"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/simulated_recording.hpp"
@@ -10,6 +9,7 @@
 #include "tactile/pictures/drawing.hpp"
 #include "tactile/pictures/moments.hpp"
 #include "tactile/review/count_bytes.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::review {
 namespace {
@@ -121,7 +121,7 @@ std::string RunEvents::picture_before(CameraTime end, microseconds history, int 
     const int wide = std::min(width, moment.counts.cols);
     const int high = std::max(1, moment.counts.rows * wide / moment.counts.cols);
     const cv::Mat small = pictures::fitted_picture(moment.counts, {wide, high});
-    cv::imencode(".png", pictures::false_colours(small, meter.result().counts, pictures::ColourScale::root), png);
+    png = video::png_of(pictures::false_colours(small, meter.result().counts, pictures::ColourScale::root));
   });
   return {png.begin(), png.end()};
 }

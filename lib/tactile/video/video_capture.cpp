@@ -13,7 +13,6 @@
 #include <deque>
 #include <mutex>
 #include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -135,8 +134,8 @@ class Film {
 
 struct VideoCapture::State {
   VideoCaptureOptions options;
-  VideoSource source;               // used by the grabbing thread only, once it runs
-  std::optional<FrameClock> clock;  // used by the grabbing thread only, once it runs
+  std::unique_ptr<VideoSource> source;  // used by the grabbing thread only, once it runs
+  std::optional<FrameClock> clock;      // used by the grabbing thread only, once it runs
 
   mutable std::mutex guard;  // of all that follows
   std::condition_variable work, room, changed;
@@ -175,11 +174,11 @@ struct VideoCapture::State {
   /// The next frame that can be decoded and has its own time; nothing once the source has ended.
   std::optional<TimedFrame> next_frame() {
     for (int broken = 0; broken < broken_in_a_row;) {
-      if (!source.capture.grab()) return std::nullopt;
+      if (!source->grab()) return std::nullopt;
       TimedFrame frame;
       frame.came = host_now();
-      const double source_ms = source.capture.get(cv::CAP_PROP_POS_MSEC);
-      if (!source.capture.retrieve(frame.picture) || frame.picture.empty()) {
+      const double source_ms = source->time_ms();
+      if (!source->decode(frame.picture)) {
         ++broken;
         drop(1);
         continue;
@@ -203,14 +202,14 @@ struct VideoCapture::State {
   // Grabbing
 
   void grab_frames(TimedFrame frame) {
-    std::string why = source.recorded ? "has ended" : "gives no more frames";
+    std::string why = source->is_recorded() ? "has ended" : "gives no more frames";
     try {
-      if (source.recorded) wait_for_a_film();
+      if (source->is_recorded()) wait_for_a_film();
       const Steady::time_point begun = Steady::now();
       const microseconds begin = frame.t;
       bool stopped = false;
       while (!stopped) {
-        if (source.recorded) {
+        if (source->is_recorded()) {
           if (options.speed > 0) wait_until(begun, frame.t - begin);
           frame.came = host_now();
         }
@@ -224,7 +223,7 @@ struct VideoCapture::State {
     } catch (const std::exception& e) {
       why = fmt::format("gives no more frames ({})", e.what());
     }
-    source.capture.release();
+    source->close();
     std::unique_lock lock(guard);
     running = false;
     const bool asked = stopping;
@@ -259,7 +258,7 @@ struct VideoCapture::State {
       return queue.empty() || (queue.size() < options.queue && queued_bytes + frame.bytes() <= waiting_bytes);
     };
     // At full speed no frame of a recorded film is dropped.
-    if (source.recorded && options.speed == 0)
+    if (source->is_recorded() && options.speed == 0)
       room.wait(lock, [&] { return stopping || (is_filmed() && has_room()) || !error.empty(); });
     if (film == nullptr || film_ending) return;
     if (!error.empty() || !has_room()) {
@@ -344,7 +343,7 @@ VideoCapture::VideoCapture(VideoCaptureOptions options) : state_(std::make_uniqu
     throw Error(fmt::format("{}: quality {} is out of range; expected 0 to 51", source, state.options.quality));
   host_now();  // its clock begins with the first call: not in the middle of a film
   state.source = open_video_source(source);
-  state.clock.emplace(!state.source.recorded, nominal_step(state.source.capture));
+  state.clock.emplace(!state.source->is_recorded(), state.source->nominal_step());
   std::optional<TimedFrame> first = state.next_frame();
   if (!first) throw Error(source + ": gives no frame; expected a video or a camera that runs");
   state.size = first->picture.size();

@@ -1,7 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/videoio.hpp>
+#include <memory>
+#include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "tactile/core/time.hpp"
@@ -9,20 +10,34 @@
 namespace tactile::video {
 
 /// An open device, file or URL.
-struct VideoSource {
-  enum class Kind : std::uint8_t { device, file, url };
+class VideoSource {
+ public:
+  VideoSource() = default;
+  VideoSource(const VideoSource&) = delete;
+  VideoSource& operator=(const VideoSource&) = delete;
+  virtual ~VideoSource() = default;
 
-  cv::VideoCapture capture;
-  Kind kind = Kind::file;
-  bool recorded = false;  ///< it has a known end, and its own pace
+  /// Takes the next frame. @return false once the source has ended
+  virtual bool grab() = 0;
+
+  /// The time of the frame that was taken, by the source; any value.
+  virtual double time_ms() const = 0;
+
+  /// The pixels of the frame that was taken. @return false if they cannot be decoded
+  virtual bool decode(cv::Mat& into) = 0;
+
+  virtual void close() = 0;
+
+  /// The time from frame to frame by the source's own rate; 40 ms where it has none.
+  virtual microseconds nominal_step() const = 0;
+
+  /// Whether it has a known end, and its own pace.
+  virtual bool is_recorded() const = 0;
 };
 
 /// Silences the messages of OpenCV and libavformat in the process. A URL may take 5 s to answer, here and for every frame.
 /// @param source  a device's number ("0") or path ("/dev/video0"), a file, or a URL
 /// @throws Error  if it cannot be opened
-VideoSource open_video_source(const std::string& source);
-
-/// The time from frame to frame by the source's own rate; 40 ms where it has none.
-microseconds nominal_step(const cv::VideoCapture& capture);
+std::unique_ptr<VideoSource> open_video_source(const std::string& source);
 
 }  // namespace tactile::video

@@ -140,10 +140,12 @@ TEST_F(Export, ReportsWhatIsWrong) {
 }
 
 TEST_F(Export, NeedsNoLibtorch) {
-  const fs::path runs = fs::path(test::tactile_binary).parent_path() / "tactile-runs";
+  const fs::path program = fs::path(test::tactile_binary).parent_path() / "tactile-all";
   make_bundle("mine");
-  EXPECT_EQ(test::run_shell("'" + runs.string() + "' export --onnx m.onnx", folder.path()).exit_code, 0);
-  const auto libraries = test::run_shell("ldd '" + runs.string() + "'");
+  EXPECT_EQ(
+      test::run_shell("LD_DEBUG=files '" + program.string() + "' export --onnx m.onnx 2>loaded.txt", folder.path()).exit_code, 0);
+  EXPECT_EQ(test::text_in_file(folder / "loaded.txt").find("tactile-torch.so"), std::string::npos);
+  const auto libraries = test::run_shell("ldd '" + program.string() + "'");
   ASSERT_EQ(libraries.exit_code, 0);
   EXPECT_NE(libraries.out.find("libonnx_proto"), std::string::npos);
   EXPECT_EQ(libraries.out.find("libtorch"), std::string::npos);

@@ -14,7 +14,10 @@
 
 namespace tactile::model {
 
-/// The network, with libtorch.
+class LeNetOnTorch;
+class TrainerOnTorch;
+
+/// The network on libtorch, which is loaded for the first one.
 class LeNet {
  public:
   /// With libtorch's default initialisation for this seed. @throws Error  as `lenet_layers`
@@ -37,8 +40,7 @@ class LeNet {
 
  private:
   friend class LeNetTrainer;
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<LeNetOnTorch> on_torch_;
 };
 
 /// The result of one training step, before the weights change.
@@ -95,8 +97,7 @@ class LeNetTrainer {
   void restore(const OptimizerState& state);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<TrainerOnTorch> on_torch_;
 };
 
 }  // namespace tactile::model

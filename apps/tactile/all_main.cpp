@@ -2,8 +2,8 @@
 #include "library_versions.hpp"
 #include "program.hpp"
 
-/// `tactile-model`: every command.
+/// `tactile-all`: every command.
 int main(int argc, char** argv) {
   using namespace tactile::cli;
-  return run_program(argc, argv, commands_of<Program::model>(), libraries_text);
+  return run_program(argc, argv, commands_of<Program::all>(), libraries_text);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <ATen/core/ivalue.h>  // as in torch_network.hpp
+#include <ATen/core/ivalue.h>  // as in lenet_module.hpp
 #include <torch/torch.h>
 
 #include <algorithm>

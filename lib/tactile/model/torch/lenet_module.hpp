@@ -3,6 +3,7 @@
 #include <ATen/core/ivalue.h>  // clang 14 needs it before torch.h, which uses a vector of an incomplete type
 #include <torch/torch.h>
 
+#include "tactile/core/touch.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
 
 namespace tactile::model {

@@ -1,0 +1,29 @@
+#include "tactile/model/torch/torch_part.hpp"
+
+#include <tuple>
+
+#include "tactile/core/loaded_part.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/core/random.hpp"
+#include "tactile/model/inference/temporal_network.hpp"
+#include "tactile/model/training/blas_threads.hpp"
+#include "tactile/model/training/fused_convolutions.hpp"
+#include "tactile/model/training/optimizer_steps.hpp"
+#include "tactile/model/training/training.hpp"
+
+namespace tactile::model {
+namespace {
+
+// The part calls functions of the program that loads it. These keep their files in each such program.
+[[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &check_shapes,
+                                              &heatmap_count, &verdict_of, &standardise, &prepare_blas, &take_step,
+                                              &FusedConvolutions::make_kept, &learning_rate_at);
+
+}  // namespace
+
+const TorchPart& torch_part() {
+  static const auto& part = *static_cast<const TorchPart*>(load_part("tactile-torch.so", "tactile_torch_part"));
+  return part;
+}
+
+}  // namespace tactile::model
