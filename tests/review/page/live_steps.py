@@ -66,11 +66,13 @@ def watches_a_recording(world):
         problems = unreachable(tab)
         check(not problems, f"live page: {problems}")
         world.quiet("watching a recording")
+        world.allowed = NOT_THERE  # a picture that is asked for at this moment
         check(live.end() == 0, "the recording ends well")
         tab.wait("/^Recording has ended, with 1 run/.test(document.querySelector('h1').textContent)", "the page says that it has ended")
         tab.wait("!document.getElementById('lost').hidden", "and that it shows its last state")
         world.quiet("the end of a recording")
     finally:
+        world.allowed = []
         live.end()
         tab.close()
 
