@@ -146,7 +146,10 @@ std::string false_alarms_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
   const auto add_row = [&](const std::string& name, results::Figure FalseAlarmTable::*figure, double scale) {
     Row row{name, number(scale * (network.*figure).value), bounds(network.*figure, scale)};
-    for (const FalseAlarmTable* other : others) row.push_back(fmt::format("{:.1f}", scale * (other->*figure).value));
+    for (const FalseAlarmTable* other : others) {
+      const double value = scale * (other->*figure).value;
+      row.push_back(std::isfinite(value) ? fmt::format("{:.1f}", value) : "-");
+    }
     rows.push_back(row);
   };
   const results::FalseAlarms& total = network.total;
@@ -157,11 +160,14 @@ std::string false_alarms_text(const results::Evaluation& evaluation) {
   add_row("none in alarm [%]", &FalseAlarmTable::none_in_alarm_share, 100);
   add_row("wrong class [1/min]", &FalseAlarmTable::wrong_class_per_min, 1);
   add_row("  wrong [% of time]", &FalseAlarmTable::wrong_class_share, 100);
-  const std::string times = fmt::format(
-      "Outside labels: {} in {:.3f} min; no unlabelled: {} in {:.3f} min; none: {:.3f} min; labels: {} in {:.3f} min. ",
-      total.outside_labels, results::in_minutes(total.outside_labels_time), total.outside_motion,
-      results::in_minutes(total.outside_motion_time), results::in_minutes(total.none_time), total.wrong_class,
-      results::in_minutes(total.labelled_time));
+  const std::string outside_motion =
+      total.outside_motion_time == microseconds{0}
+          ? "unlabelled motion is known in simulated runs only"
+          : fmt::format("no unlabelled: {} in {:.3f} min", total.outside_motion, results::in_minutes(total.outside_motion_time));
+  const std::string times =
+      fmt::format("Outside labels: {} in {:.3f} min; {}; none: {:.3f} min; labels: {} in {:.3f} min. ", total.outside_labels,
+                  results::in_minutes(total.outside_labels_time), outside_motion, results::in_minutes(total.none_time),
+                  total.wrong_class, results::in_minutes(total.labelled_time));
   return text_table(header, rows) + wrapped(times + false_alarm_legend) + "\n\n";
 }
 

@@ -206,6 +206,19 @@ TEST(FalseAlarmForms, OutsideLabelsHaveWhatIsLeftOutOfNone) {
   EXPECT_EQ(found.none_in_alarm, 10ms);
 }
 
+TEST(FalseAlarmForms, HaveNothingOutsideOfMotionThatIsNotKnown) {
+  const LongRun run;
+  const std::vector<Touch> verdicts = LongRun::only(Touch::slip, {{1'000, 3'500}, {15'000, 15'010}});
+  const TickRange ticks = ticks_of(verdicts);
+  const results::FalseAlarms found =
+      false_alarms_of(ticks, verdicts, {run.intervals, {}, {}, 100ms, false}, detections_of(ticks, verdicts, run.intervals));
+  EXPECT_GT(found.outside_labels, 1U);
+  EXPECT_EQ(found.outside_motion, 0U);
+  EXPECT_EQ(found.outside_motion_time, 0s);
+  EXPECT_EQ(found.outside_motion_per_min(), std::nullopt);
+  EXPECT_EQ(found.outside_motion_share(), std::nullopt);
+}
+
 TEST(FalseAlarmForms, CountSlipPredictedInsideAPress) {
   const results::FalseAlarms found = LongRun().alarms_of(LongRun::only(Touch::slip, {{2'500, 2'568}}));
   EXPECT_EQ(found.alarms, 0U);

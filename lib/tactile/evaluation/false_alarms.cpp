@@ -49,7 +49,7 @@ class TickZones {
   Zone zone(std::int64_t index) const { return zone_[static_cast<std::size_t>(index)]; }
   bool is_outside_labels(std::int64_t index) const { return zone(index) != Zone::in_interval; }
   bool is_outside_motion(std::int64_t index) const {
-    return is_outside_labels(index) && !in_unlabelled_[static_cast<std::size_t>(index)];
+    return zones_.knows_motion && is_outside_labels(index) && !in_unlabelled_[static_cast<std::size_t>(index)];
   }
 
   /// The time of an episode's ticks that are `wanted`.
@@ -143,8 +143,8 @@ results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Tou
     const auto outside_motion = [&](std::int64_t i) { return of_ticks.is_outside_motion(i); };
     found.outside_labels +=
         counts_of(spoilt_an_interval || (!detects && outside_labels(episode.first)), of_ticks.held(episode, outside_labels));
-    found.outside_motion +=
-        counts_of(spoilt_an_interval || (!detects && outside_motion(episode.first)), of_ticks.held(episode, outside_motion));
+    found.outside_motion += counts_of((spoilt_an_interval && zones.knows_motion) || (!detects && outside_motion(episode.first)),
+                                      of_ticks.held(episode, outside_motion));
     if (!detects) count_once(found, of_ticks.zone(episode.first), spoilt_an_interval);
   }
   for (const results::Detection& detection : detections) add_wrong_class(found, ticks, episodes, detection.interval, zones.guard);

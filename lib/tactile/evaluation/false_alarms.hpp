@@ -18,6 +18,7 @@ struct MotionZones {
   std::span<const TouchInterval> releases;    ///< that `label` found
   std::span<const TouchInterval> unlabelled;  ///< true motion without labels; empty for a real run
   microseconds guard{0};                      ///< after an interval or a release, >= 0
+  bool knows_motion = true;                   ///< `unlabelled` has all of it; else nothing is counted as outside of motion
 };
 
 /// Counts the episodes whose first tick is in no interval. An episode that begins at most the head start before an onset, and

@@ -49,9 +49,10 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);
   if (prediction.truth.labels.empty()) return prediction;
   const std::vector<TouchInterval> labelled = prediction.truth.all_labelled();
-  prediction.false_alarms =
-      false_alarms_of(ticks, prediction.verdicts,
-                      {labelled, prediction.truth.releases, prediction.truth.unlabelled, options.guard}, prediction.detections);
+  prediction.false_alarms = false_alarms_of(
+      ticks, prediction.verdicts,
+      {labelled, prediction.truth.releases, prediction.truth.unlabelled, options.guard, prediction.truth.has_truth},
+      prediction.detections);
   return prediction;
 }
 

@@ -79,8 +79,8 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   const EvaluationOptions& options = scoring.options;
   const std::vector<TouchInterval> labelled = run.truth.used(), all = run.truth.all_labelled();
   const auto score = [&](std::span<const Touch> verdicts) {
-    return score_of(run.full.ticks, verdicts, labelled, {all, run.truth.releases, run.truth.unlabelled, scoring.guard},
-                    options.delay);
+    return score_of(run.full.ticks, verdicts, labelled,
+                    {all, run.truth.releases, run.truth.unlabelled, scoring.guard, run.truth.has_truth}, options.delay);
   };
   result.network = score(run.verdicts);
   if (scoring.gate) result.open = score(run.open_verdicts);

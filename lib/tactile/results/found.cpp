@@ -50,6 +50,20 @@ std::string delay_sentence(const DetectorScore& network) {
       within(press.median_of_all_ms), within(slip.median_of_all_ms), percent_of(press.missed), percent_of(slip.missed));
 }
 
+/// The motion that no label names is known in simulated runs only.
+std::string false_alarm_sentence(const FalseAlarmTable& alarms) {
+  const std::string outside_motion =
+      !std::isfinite(alarms.outside_motion_per_min.value)
+          ? ""
+          : fmt::format("; {} without unlabelled motion, {} of the time", text_of(alarms.outside_motion_per_min, ""),
+                        percent_of(alarms.outside_motion_share, " %", ".2f"));
+  return fmt::format(
+      "False alarms: {} per minute outside labelled touches, which is {} of that time{}. The wrong class: {} per minute of "
+      "touch, {} of that time.",
+      text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share), outside_motion,
+      text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share));
+}
+
 }  // namespace
 
 std::vector<std::string> found_in(const Evaluation& reported, const std::vector<microseconds>& histories,
@@ -57,12 +71,7 @@ std::vector<std::string> found_in(const Evaluation& reported, const std::vector<
   const FalseAlarmTable& alarms = reported.network.false_alarms;
   const Figure& change = unseen.mean.difference;
   std::vector<std::string> sentences{
-      accuracy_sentence(reported, histories), delay_sentence(reported.network),
-      fmt::format("False alarms: {} per minute outside labelled touches, which is {} of that time; {} without unlabelled motion, "
-                  "{} of the time. The wrong class: {} per minute of touch, {} of that time.",
-                  text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share),
-                  text_of(alarms.outside_motion_per_min, ""), percent_of(alarms.outside_motion_share, " %", ".2f"),
-                  text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share)),
+      accuracy_sentence(reported, histories), delay_sentence(reported.network), false_alarm_sentence(alarms),
       unseen.objects.empty()
           ? std::string("No object was held out of training.")
           : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} object{}).",
