@@ -118,7 +118,7 @@ std::vector<std::string> lacks_of(const RecordingReport& report) {
     return stream.stream.type == events::StreamType::imu && stream.stamps.elements > 0;
   };
   if (std::none_of(report.health.streams.begin(), report.health.streams.end(), is_imu)) lacks.emplace_back("IMU");
-  if (!report.video) lacks.emplace_back("film");
+  if (!report.has_film) lacks.emplace_back("film");
   return lacks;
 }
 
@@ -201,6 +201,13 @@ void import_recordings(const ImportCommandArguments& args, const CommonArguments
   for (const std::string& place : args.recordings) {
     for (const std::string& recording : recordings_at(place)) recordings.push_back(recording);
   }
+  const auto warn_of_sharing = [&](const char* what, const std::string& file) {
+    if (!file.empty() && recordings.size() > 1)
+      spdlog::warn("{} recordings get the same {} ({}); if each has its own, import them one at a time", recordings.size(), what,
+                   file);
+  };
+  warn_of_sharing("robot log", args.splitting.robot);
+  warn_of_sharing("film", args.splitting.video);
   RunNames next = names;
   std::vector<ImportedRun> runs;
   bool healthy = true;

@@ -9,6 +9,7 @@
 
 #include "quantity_text.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/events/simulated_recording.hpp"
 
 namespace tactile::cli {
@@ -84,6 +85,7 @@ RecordingReport examine(const RecordingPlace& place, const ReportOptions& option
   if (!place.run) return report;
   report.robot = log_rows(place.run->robot(), "timestamp", 1, 0.1);
   report.video = log_rows(place.run->video_times(), "pts_us", 1e-6, 1);
+  report.has_film = is_file(place.run->video());
   if (!no_run.empty()) report.health.reasons.push_back(no_run);
   if (report.run) add_run(report, options, progress);
   return report;

@@ -37,6 +37,7 @@ struct RecordingReport {
   std::optional<RunInfo> run;
   RunFiles files;
   std::optional<LogRows> robot, video;
+  bool has_film = false;  ///< `video` lacks where a film came without the times of its frames
 };
 
 /// @throws Error  if the recording cannot be read

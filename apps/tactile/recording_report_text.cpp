@@ -147,7 +147,8 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
     head.add("duration", duration_text(health.duration()));
   }
   if (report.robot) head.add("robot", text_of(*report.robot, "row"));
-  if (report.video) head.add("video", text_of(*report.video, "frame"));
+  if (report.video || report.has_film)
+    head.add("video", report.video ? text_of(*report.video, "frame") : "a film with its own times only, without video.csv");
   const bool has_packets = health.encoding == events::RecordingEncoding::aedat4;
   head.add("file", has_packets
                        ? fmt::format("{}, {}, {}, data table {}", bytes_text(health.file_size), name_of(health.compression),
@@ -180,7 +181,9 @@ std::string summary_of(std::span<const RecordingReport> reports, const ReportOpt
     rows.push_back({report.place.name, duration_text(length), has_events ? std::to_string(events->stamps.elements) : "0",
                     has_events && events->stamps.rate_hz() ? rate_text(*events->stamps.rate_hz()) : "-",
                     report.robot ? std::to_string(report.robot->rows) : "-",
-                    report.video ? std::to_string(report.video->rows) : "-",
+                    report.video      ? std::to_string(report.video->rows)
+                    : report.has_film ? "a film"
+                                      : "-",
                     health.healthy() ? "healthy" : "SICK: " + health.reasons.front()});
   }
   return text_table({"Recording", "length", "events", "mean rate", "robot rows", "frames", ""}, rows) +

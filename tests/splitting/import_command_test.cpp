@@ -125,6 +125,15 @@ TEST_F(ImportCommand, TakesRobotLogAndFilmAndNamesWhatIsLacking) {
     EXPECT_EQ(sha256_of_file(run_folder("fan/01") / file), sha256_of_file(folder / "sim/fan/01" / file)) << file;
   EXPECT_EQ(run("label data/fan").exit_code, 0);
 
+  fs::remove(folder / "loose/cam.csv");
+  const auto film_alone = run("import loose/take.aedat4 --object fan --out film --robot loose/ur10.csv --video loose/cam.mp4");
+  EXPECT_EQ(film_alone.out.find("has no"), std::string::npos) << film_alone.out;
+  EXPECT_NE(film_alone.out.find("a film"), std::string::npos) << film_alone.out;
+  EXPECT_NE(run("info film/fan/01").out.find("a film with its own times only"), std::string::npos);
+  const auto shared =
+      run("import recordings/dv-lz4.aedat4 recordings/dv-zstd.aedat4 --object cup --out shared --robot loose/ur10.csv");
+  EXPECT_NE(shared.err.find("2 recordings get the same robot log (loose/ur10.csv)"), std::string::npos) << shared.err;
+
   const auto bare = run("import loose/take.aedat4 --object fan --out other");
   EXPECT_NE(bare.out.find("fan/01 has no robot log and no film. 'tactile label' finds the lift by the IMU."), std::string::npos)
       << bare.out;
