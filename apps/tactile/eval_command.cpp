@@ -235,6 +235,9 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   model::ModelSettings settings;
   if (known) settings = model::read_description(known->bundle).settings;
   const bool knows_unseen = known && settings.split.kind == windows::SplitKind::unseen;
+  const unsigned count = args.trainings.value_or(experiments::usual_trainings(dataset));
+  spdlog::info("compares {} that saw all objects with {} that did not{}", counted(count, "model"), count,
+               args.no_train ? "" : "; those that are missing are trained first (--trainings sets the number)");
   const model::ModelBundle seen =
       known && !knows_unseen ? known->bundle
                              : partner_of(args, common, dataset, with_split(settings, windows::SplitKind::single_run, {}));
