@@ -76,7 +76,7 @@ std::vector<LabelNote> label_notes(const LabelScript& script, std::span<const Tr
       lines.push_back({std::move(line), colour});
     }
   };
-  say("Blue: press. Orange: slip. Darker: 95 % interval of onset and end. Grey: release. Dashed: evidence of another source, "
+  say("Blue: press. Orange: slip. Darker: 95 % interval of onset and end. Grey: release. Dotted: evidence of another source, "
       "with a "
       "bar for the uncertainty of its clock (95 %).",
       figure_colours::faint_ink);
