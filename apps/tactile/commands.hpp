@@ -40,7 +40,8 @@ void add_doctor_command(CLI::App& app);
 void add_judge_command(CLI::App& app);
 void add_pages_command(CLI::App& app);
 
-// Loading OpenCV and libav takes more time than some commands need. Therefore there are two programs.
+// Loading OpenCV and libav takes more time than some commands need. Therefore there are two programs. libtorch and most of OpenCV
+// are loaded by neither, but at their first use (core/loaded_part.hpp).
 enum class Program : std::uint8_t {
   tactile,  ///< loads neither, and starts the other for its commands
   all       ///< tactile-all: every command

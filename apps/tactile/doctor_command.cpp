@@ -22,6 +22,8 @@
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/core/version.hpp"
+#include "tactile/model/training/torch_version.hpp"
+#include "tactile/video/picture_codec.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -124,6 +126,14 @@ std::optional<double> disk_write_speed(const fs::path& folder) {
 
 void examine_machine(const CommonArguments& common, const fs::path& data) {
   const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
+  std::vector<std::string> warnings;
+  for (const auto load : {model::load_libtorch, video::load_picture_codec}) {
+    try {
+      load();
+    } catch (const Error& e) {
+      warnings.emplace_back(e.what());
+    }
+  }
   const Blas blas = blas_in_use();
   const std::vector<std::string> features = cpu_features();
   stop_if_interrupted();
@@ -137,7 +147,6 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
   constexpr bool has_libcaer = false;
 #endif
 
-  std::vector<std::string> warnings;
   if (blas.slow) {
     warnings.push_back(fmt::format(
         "libtorch runs on {}, two to three times slower than OpenBLAS; install the package libopenblas0-pthread", blas.name));

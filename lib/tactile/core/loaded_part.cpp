@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <fmt/core.h>
+#include <sys/mman.h>
 
 #include <filesystem>
 #include <string>
@@ -11,10 +12,34 @@
 
 namespace tactile {
 
-void* load_part(const char* file, const char* symbol) {
+namespace {
+
+/// The folder of the running program.
+std::filesystem::path program_folder(const char* file) {
   std::error_code failed;
-  const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path() / file;
-  // Other parts and libraries look for symbols of these libraries, as for the threads of OpenBLAS.
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  if (failed)
+    throw Error(fmt::format("{}: /proc/self/exe cannot be read ({}); expected it to name the folder of the program", file,
+                            failed.message()));
+  if (program.string().ends_with(" (deleted)"))
+    throw Error(fmt::format("{}: the program was replaced since it began; start the command again", file));
+  return program.parent_path();
+}
+
+void check_room(const char* file, std::size_t room) {
+  void* const place = ::mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED)
+    throw Error(
+        fmt::format("{}: cannot be loaded within the limit on memory; it needs {} MB more (ulimit -v)", file, room >> 20));
+  ::munmap(place, room);
+}
+
+}  // namespace
+
+void* load_part(const char* file, const char* symbol, std::size_t room) {
+  const std::filesystem::path path = program_folder(file) / file;
+  check_room(file, room);
+  // RTLD_GLOBAL: `model::prepare_blas` looks for OpenBLAS among all symbols.
   void* const part = ::dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
   void* const object = part == nullptr ? nullptr : ::dlsym(part, symbol);
   if (object == nullptr) {

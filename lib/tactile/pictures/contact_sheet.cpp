@@ -173,7 +173,7 @@ cv::Mat contact_sheet(const std::vector<SheetGroup>& groups, const SheetOptions&
 }
 
 void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
-  const std::vector<unsigned char> bytes = video::png_of(picture);
+  const std::vector<unsigned char> bytes = video::png_of(picture, file.string());
   write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

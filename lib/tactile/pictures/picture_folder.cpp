@@ -62,7 +62,7 @@ PictureFolder::PictureFolder(const fs::path& target, const std::string& columns)
 
 void PictureFolder::write(const std::string& name, const cv::Mat& picture) const {
   const fs::path file = whole_.path() / name;
-  const std::vector<unsigned char> bytes = video::png_of(picture);
+  const std::vector<unsigned char> bytes = video::png_of(picture, (target_ / name).string());
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   std::ofstream out(file, std::ios::binary);

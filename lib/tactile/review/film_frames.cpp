@@ -31,7 +31,7 @@ FilmFrames::FilmFrames(const RunFolder& run, const std::function<void()>& advanc
     if (advance) advance();
     cv::Mat grey;
     if (!film.grey(widest_picture, grey)) continue;
-    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, jpeg_quality);
+    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, jpeg_quality, run.video().string());
     if (std::fwrite(jpeg.data(), 1, jpeg.size(), pictures_.get()) != jpeg.size())
       throw Error(run.name() + ": the film's pictures do not fit into the folder of temporary files; expected room there");
     by_container.push_back(frame->us);

@@ -121,7 +121,8 @@ std::string RunEvents::picture_before(CameraTime end, microseconds history, int 
     const int wide = std::min(width, moment.counts.cols);
     const int high = std::max(1, moment.counts.rows * wide / moment.counts.cols);
     const cv::Mat small = pictures::fitted_picture(moment.counts, {wide, high});
-    png = video::png_of(pictures::false_colours(small, meter.result().counts, pictures::ColourScale::root));
+    png = video::png_of(pictures::false_colours(small, meter.result().counts, pictures::ColourScale::root),
+                        "the picture of events");
   });
   return {png.begin(), png.end()};
 }

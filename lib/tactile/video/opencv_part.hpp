@@ -11,8 +11,8 @@
 
 namespace tactile::video {
 
-/// What `tactile-opencv.so` provides: cameras and the formats of pictures. It is loaded at the first use, because OpenCV loads
-/// 200 libraries for them, which takes a quarter of a second.
+/// What `tactile-opencv.so` provides: cameras and the formats of pictures. It is loaded at the first use, because OpenCV loads 80
+/// libraries for them, which takes 0.2 s.
 struct OpenCvPart {
   std::unique_ptr<VideoSource> (*open_video_source)(const std::string& source);
   /// @param extension  of the format, ".png"

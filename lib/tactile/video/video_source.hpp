@@ -37,7 +37,7 @@ class VideoSource {
 
 /// Silences the messages of OpenCV and libavformat in the process. A URL may take 5 s to answer, here and for every frame.
 /// @param source  a device's number ("0") or path ("/dev/video0"), a file, or a URL
-/// @throws Error  if it cannot be opened
+/// @throws Error  if it cannot be opened, or the part that opens it cannot be loaded (core/loaded_part.hpp)
 std::unique_ptr<VideoSource> open_video_source(const std::string& source);
 
 }  // namespace tactile::video

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <ATen/core/ivalue.h>  // as in lenet_module.hpp
+#include <ATen/core/ivalue.h>  // clang 14 needs it before torch.h, which uses a vector of an incomplete type
 #include <torch/torch.h>
 
 #include <algorithm>

@@ -25,9 +25,8 @@ struct FittedTemporal {
 /// @param training  seed, epochs, batch, learning rate, schedule, optimizer and class weights are used
 /// @param progress  called after each epoch; an exception from it ends the training
 /// @param on_epoch  called after each epoch with all epochs so far; may be empty
-/// @throws Error    if there is no sample or not as many features for each, if an option is out of its range, or if the loss is
-/// no
-///                  longer finite
+/// @throws Error    if there is no sample or not as many features for each, if an option is out of its range, if the loss is no
+///                  longer finite, or if libtorch cannot be loaded
 FittedTemporal fit_temporal(std::span<const float> features, std::span<const Touch> truth, const TemporalOptions& options = {},
                             const TrainingOptions& training = {}, const ProgressCallback& progress = {},
                             const std::function<void(const std::vector<EpochResult>& finished)>& on_epoch = {});

@@ -20,10 +20,10 @@ class TrainerOnTorch;
 /// The network on libtorch, which is loaded for the first one.
 class LeNet {
  public:
-  /// With libtorch's default initialisation for this seed. @throws Error  as `lenet_layers`
+  /// With libtorch's default initialisation for this seed. @throws Error  as `lenet_layers`, or if libtorch cannot be loaded
   LeNet(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options = {});
 
-  /// @throws Error  if the weights have other shapes, or as `lenet_layers`
+  /// @throws Error  if the weights have other shapes, or as the other constructor
   LeNet(events::SensorSize input, const Weights& weights, const LeNetOptions& options = {});
   ~LeNet();
   LeNet(LeNet&&) noexcept;

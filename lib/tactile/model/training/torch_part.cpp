@@ -1,5 +1,6 @@
 #include "tactile/model/torch/torch_part.hpp"
 
+#include <cstddef>
 #include <tuple>
 
 #include "tactile/core/loaded_part.hpp"
@@ -9,21 +10,27 @@
 #include "tactile/model/training/blas_threads.hpp"
 #include "tactile/model/training/fused_convolutions.hpp"
 #include "tactile/model/training/optimizer_steps.hpp"
+#include "tactile/model/training/torch_version.hpp"
 #include "tactile/model/training/training.hpp"
 
 namespace tactile::model {
 namespace {
 
-// The part calls functions of the program that loads it. These keep their files in each such program.
+// The part calls functions of the program that loads it. These keep in each such program the files that it calls: at least one
+// function of each.
 [[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &check_shapes,
                                               &heatmap_count, &verdict_of, &standardise, &prepare_blas, &take_step,
-                                              &FusedConvolutions::make_kept, &learning_rate_at);
+                                              &weights_of_classes, &moment_shapes, &FusedConvolutions::make_kept,
+                                              &learning_rate_at);
 
 }  // namespace
 
 const TorchPart& torch_part() {
-  static const auto& part = *static_cast<const TorchPart*>(load_part("tactile-torch.so", "tactile_torch_part"));
+  static const auto& part =
+      *static_cast<const TorchPart*>(load_part("tactile-torch.so", "tactile_torch_part", std::size_t{512} << 20));
   return part;
 }
+
+void load_libtorch() { torch_part(); }
 
 }  // namespace tactile::model
