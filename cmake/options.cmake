@@ -10,9 +10,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(tactile_options INTERFACE
     -Wno-maybe-uninitialized -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
-if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CMAKE_UNITY_BUILD)
   # Files are compiled together: a name of one may be a local name of another.
-  target_compile_options(tactile_options INTERFACE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
+  target_compile_options(tactile_options INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage> -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
 endif()
 if(TACTILE_SANITIZE)
   target_compile_options(tactile_options INTERFACE -fsanitize=${TACTILE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
