@@ -135,6 +135,41 @@ TEST(SqliteBagReader, GivesTheSameFromADamagedFileWhenRewound) {
   EXPECT_GT(read, 100);
 }
 
+TEST(SqliteBagReader, EndsWhereADamagedFileGivesItsPagesAgainAndAgain) {
+  const test::TemporaryFolder folder;
+  // Of three inner pages, every entry of the first leads to the second, of the second to the third, and of the third to one leaf.
+  write_whole(folder / "damage.py", R"(
+import sqlite3, sys
+c = sqlite3.connect('many.db3', isolation_level=None)
+c.execute('PRAGMA page_size=512'); c.execute('VACUUM')
+c.execute('BEGIN')
+topic = c.execute('SELECT id FROM topics').fetchone()[0]
+c.executemany('INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)', [(topic, i, bytes(100)) for i in range(4000)])
+c.execute('COMMIT'); c.close()
+data = bytearray(open('many.db3', 'rb').read())
+root = [p for p in range(1, len(data) // 512) if data[512 * p] == 5]
+number = lambda at, size: int.from_bytes(data[at:at + size], 'big')
+entries = lambda page: [512 * page + 8] + [512 * page + number(512 * page + 12 + 2 * i, 2) for i in range(number(512 * page + 3, 2))]
+children = lambda page: [number(at, 4) - 1 for at in entries(page)]
+inner = [p for p in root if all(data[512 * child] == 13 for child in children(p))][:3]
+assert len(inner) == 3
+leaf = children(inner[2])[0]
+for page, child in zip(inner, inner[1:] + [leaf]):
+    for at in entries(page):
+        data[at:at + 4] = (child + 1).to_bytes(4, 'big')
+open('many.db3', 'wb').write(data)
+)");
+  std::filesystem::copy_file(bags / "mono.db3", folder / "many.db3");
+  const auto made = test::run_shell("/usr/bin/python3 damage.py", folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto bag = open_bag(folder / "many.db3");
+  std::uint64_t bytes = 0;
+  while (const auto message = bag->next()) bytes += message->data.size();
+  EXPECT_LE(bytes, bag->file_size());
+  EXPECT_GT(bytes, bag->file_size() / 2);
+  EXPECT_EQ(bag->problems().broken_chunks, 1U);
+}
+
 TEST(SqliteBagReader, ReadsTheLogOfAKilledRecorder) {
   const test::TemporaryFolder folder;
   // The process ends without closing the file, so its newest message is in the write-ahead log alone.

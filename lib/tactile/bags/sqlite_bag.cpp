@@ -63,6 +63,9 @@ struct SqliteBagReader::State {
     const std::uint64_t page = (byte_at(16) << 8 | byte_at(17)) == 1 ? 65'536 : byte_at(16) << 8 | byte_at(17);
     const std::uint64_t pages = byte_at(28) << 24 | byte_at(29) << 16 | byte_at(30) << 8 | byte_at(31);
     missing_bytes = pages * page > file.size() ? pages * page - file.size() : 0;
+    std::error_code no_log;
+    const std::uintmax_t log = fs::file_size(path.string() + "-wal", no_log);  // rows that are not in the file yet
+    most_bytes = file.size() + (no_log ? 0 : log);
     restart();
   }
 
@@ -74,6 +77,8 @@ struct SqliteBagReader::State {
   std::uint64_t missing_bytes = 0;  ///< of the pages that the file's header counts
   std::int64_t newest_row = 0;
   std::uint64_t given_bytes = 0;
+  std::uint64_t most_bytes = 0;  ///< of all rows
+  std::uint64_t row_bytes = 0;   ///< that the rows so far take in the file, at least
   int checks = 0, errors = 0;
   bool is_done = false;
   BagProblems problems;
@@ -142,7 +147,7 @@ struct SqliteBagReader::State {
     select = prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ?1 ORDER BY rowid");
     problems = {.truncated_bytes = missing_bytes};
     newest_row = std::numeric_limits<std::int64_t>::min();
-    given_bytes = 0;
+    given_bytes = row_bytes = 0;
     errors = 0;
     is_done = false;
     seek();
@@ -171,12 +176,25 @@ struct SqliteBagReader::State {
       if (result == SQLITE_ROW) {
         step = 1;
         newest_row = sqlite3_column_int64(select.get(), 0);
+        if (takes_more_than_the_file(select.get())) {
+          ++problems.broken_chunks;
+          is_done = true;
+          return std::nullopt;
+        }
         if (const auto message = message_of(select.get())) return message;
       } else if (result == SQLITE_DONE || !pass_over_error(step)) {
         is_done = true;
       }
     }
     return std::nullopt;
+  }
+
+  /// Pages of a damaged file may be given again and again: a file of 100 kB then has a million rows.
+  bool takes_more_than_the_file(sqlite3_stmt* row) {
+    constexpr std::uint64_t least_row = 4;
+    row_bytes += least_row;
+    if (sqlite3_column_type(row, 3) == SQLITE_BLOB) row_bytes += static_cast<std::uint64_t>(sqlite3_column_bytes(row, 3));
+    return row_bytes > most_bytes;
   }
 
   std::optional<BagMessage> message_of(sqlite3_stmt* row) {
