@@ -177,11 +177,10 @@ model::ModelSettings settings_of(const model::ModelBundle& first, const windows:
   return training == 0 ? settings : with_training(settings, dataset, training);
 }
 
-/// The two models and, of each, as many further trainings as requested; trains what is missing.
+/// The two models and, of each, the further trainings up to `count`; trains what is missing.
 UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
-                               const model::ModelBundle& seen, const model::ModelBundle& held_out) {
+                               const model::ModelBundle& seen, const model::ModelBundle& held_out, unsigned count) {
   const model::EngineKind engine = model::engine_named(args.engine);
-  const unsigned count = args.trainings.value_or(experiments::usual_trainings(dataset));
   std::vector<windows::SplitOptions> splits;
   for (unsigned training = 0; training < count; ++training) {
     for (const model::ModelBundle& first : {seen, held_out}) splits.push_back(settings_of(first, dataset, training).split);
@@ -249,7 +248,7 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   spdlog::info("evaluating {} and {}{}", held_out.folder.string(), seen.folder.string(),
                known && !known->why.empty() ? fmt::format("; {} is {}", known->bundle.name(), known->why) : "");
 
-  const UnseenTrainings trainings = open_trainings(args, common, dataset, seen, held_out);
+  const UnseenTrainings trainings = open_trainings(args, common, dataset, seen, held_out, count);
   const evaluation::EvaluationOptions options = options_of(args, common);
   const results::UnseenComparison comparison =
       evaluation::compare_unseen(dataset, trainings.pairs, options, progress_line(common));
