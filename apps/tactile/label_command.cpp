@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <opencv2/core/types.hpp>
+#include <utility>
 
 #include "camera_time.hpp"
 #include "command.hpp"
@@ -40,6 +42,7 @@ struct LabelArguments {
   std::string roi;
   std::string robot_columns;
   std::string mask;
+  std::string session;
   LabelExchangeArguments exchange;
   LabelEditArguments edits;
 };
@@ -127,6 +130,38 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   return outcome;
 }
 
+/// Writes the session into run.json of all runs, or of none if one has no run.json.
+void set_session(const std::vector<RunFolder>& runs, const std::string& session) {
+  std::vector<std::pair<RunFolder, RunInfo>> changed;
+  for (const RunFolder& run : runs) {
+    if (!is_there(run.info()))
+      throw Error("--session: " + run.name() + " has no run.json; expected a run that 'tactile import' or 'tactile record' made");
+    RunInfo info = read_run_info(run);
+    if (info.session == session) continue;
+    info.session = session;
+    changed.emplace_back(run, std::move(info));
+  }
+  for (const auto& [run, info] : changed) write_run_info(run, info);
+  spdlog::info("session '{}': {} of {} runs changed", session, changed.size(), runs.size());
+}
+
+/// The robot log or film of one recording may lie beside another: then both runs have the same file.
+void warn_of_shared_files(const std::vector<LabelledRun>& runs) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> runs_of;  // by file and hash
+  for (const LabelledRun& labelled : runs) {
+    const nlohmann::json inputs = labelled.labels.provenance.value("inputs", nlohmann::json::object());
+    for (const fs::path& file : {labelled.run.robot(), labelled.run.video()}) {
+      const std::string name = file.filename().string();
+      if (const std::string hash = inputs.value(name, ""); !hash.empty()) runs_of[{name, hash}].push_back(labelled.run.name());
+    }
+  }
+  for (const auto& [file, sharing] : runs_of) {
+    if (sharing.size() > 1)
+      spdlog::warn("{} have the same {}; this is right only if it contains all of these runs", fmt::join(sharing, ", "),
+                   file.first);
+  }
+}
+
 /// Of the labels that are there.
 Outcome read_runs(std::vector<RunFolder> runs, bool camera_time) {
   std::vector<std::string> without;
@@ -158,7 +193,7 @@ std::vector<std::string> other_work(const LabelArguments& arguments) {
         std::pair{"--summary", arguments.summary}, std::pair{"--compare-truth", arguments.compare_truth},
         std::pair{"--force", arguments.force}, std::pair{"--strict", arguments.strict},
         std::pair{"--roi", !arguments.roi.empty()}, std::pair{"--robot-columns", !arguments.robot_columns.empty()},
-        std::pair{"--mask", !arguments.mask.empty()}}) {
+        std::pair{"--mask", !arguments.mask.empty()}, std::pair{"--session", !arguments.session.empty()}}) {
     if (is_given) options.emplace_back(option);
   }
   return options;
@@ -181,9 +216,11 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
       return label_all(common, arguments, {unlabelled.begin(), unlabelled.end()}).failures;
     });
   }
+  if (!arguments.session.empty()) set_session(runs, arguments.session);
   Outcome outcome = arguments.summary ? read_runs(runs, arguments.camera_time) : label_all(common, arguments, runs);
   outcome.failures.insert(outcome.failures.end(), found.unreadable.begin(), found.unreadable.end());
   const std::vector<LabelledRun>& labelled = outcome.labelled;
+  warn_of_shared_files(labelled);
   nlohmann::json json = {
       {"runs", runs_json(labelled)}, {"kept", outcome.kept}, {"failed", outcome.failures}, {"misnamed", found.misnamed}};
   std::string text = labelled.empty() ? "" : runs_table(labelled, arguments.summary);
@@ -224,6 +261,11 @@ void add_label_command(CLI::App& app) {
       .excludes(summary);
   add_robot_columns_option(command, arguments->robot_columns).excludes(summary);
   add_mask_option(command, arguments->mask).excludes(summary);
+  command
+      .add_option("--session", arguments->session,
+                  "Write this session into run.json of the runs: they share their clocks, so one clock is fitted to all")
+      .type_name("NAME")
+      .excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
           .excludes(summary);

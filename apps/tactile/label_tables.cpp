@@ -202,8 +202,8 @@ std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   };
   if (std::count_if(runs.begin(), runs.end(), is_alone) < 2) return {};
   return wrapped(
-             "Runs that were recorded without a restart of camera and controller share their clocks. Give them the same session "
-             "in run.json; then one clock is fitted to all of them.") +
+             "Runs that were recorded without a restart of camera and controller share their clocks. Label such runs "
+             "together with --session NAME: then one clock is fitted to all of them, and is more accurate.") +
          "\n";
 }
 

@@ -274,8 +274,25 @@ TEST(ClockAnchors, AnImuThatLeavesTwoTimesForbidsAThird) {
   EXPECT_TRUE(says(agrees, "arm and IMU is ambiguous"));
   ASSERT_NE(first_of(agrees, AnchorKind::first_shear), nullptr);
   EXPECT_NEAR(error_ms(*first_of(agrees, AnchorKind::first_shear)), 0.0, 5.0);
+  ASSERT_NE(first_of(agrees, AnchorKind::imu), nullptr) << "the skin decides which of the two it is";
+  EXPECT_NEAR(error_ms(*first_of(agrees, AnchorKind::imu)), 0.0, 1.0);
+  EXPECT_TRUE(agrees.contradictions.empty());
   session.rate = rate_with_slip_at(3.4);
   EXPECT_TRUE(session.anchors().anchors.empty());
+}
+
+TEST(ClockAnchors, AnImuThatFeltAnotherLiftContradictsTheLog) {
+  MadeArm arm, felt;
+  arm.lift(2.4, 0.7, 0.08);
+  felt.lift(2.4, 1.1, 0.05);
+  Session session = press_and_slip(arm, 2.4, 0.7, 0.01, -0.9, 4.0);
+  session.imu = felt_by(arm, 0, 4.5);
+  EXPECT_TRUE(session.anchors().contradictions.empty());
+  session.imu = felt_by(felt, 0, 4.5);
+  const FoundAnchors found = session.anchors();
+  ASSERT_EQ(found.contradictions.size(), 1U);
+  EXPECT_EQ(found.contradictions[0].key, "imu-unlike-arm");
+  EXPECT_EQ(first_of(found, AnchorKind::imu), nullptr);
 }
 
 TEST(ClockAnchors, AnImuMatchesAnArmThatSpeedsUpSlowly) {

@@ -120,6 +120,27 @@ TEST_F(LabelCommand, KeepsLabelsThatAPersonConfirmedUnlessForced) {
   EXPECT_FALSE(is_confirmed());
 }
 
+TEST_F(LabelCommand, NamesRunsWithTheSameRobotLog) {
+  ASSERT_EQ(run_tactile("label --no-pictures --strict", folder.path()).exit_code, 0);
+  std::filesystem::copy_file(folder / "data/usb-hub/01/robot.csv", folder / "data/fan/01/robot.csv",
+                             std::filesystem::copy_options::overwrite_existing);
+  const auto result = run_tactile("label --no-pictures --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("fan/01, usb-hub/01 have the same robot.csv"), std::string::npos) << result.err;
+}
+
+TEST_F(LabelCommand, GivesRunsASession) {
+  const auto alone = run_tactile("label --no-pictures --session monday data/fan/01 data/usb-hub/01 --json", folder.path());
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  for (const char* run : {"fan/01", "usb-hub/01"})
+    EXPECT_EQ(nlohmann::json::parse(read_text(folder / "data" / run / "run.json"))["session"], "monday");
+  std::filesystem::remove(folder / "data/usb-hub/01/run.json");
+  const auto refused = run_tactile("label --no-pictures --session tuesday", folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("usb-hub/01 has no run.json"), std::string::npos) << refused.err;
+  EXPECT_EQ(nlohmann::json::parse(read_text(folder / "data/fan/01/run.json"))["session"], "monday") << "none is changed";
+}
+
 TEST_F(LabelCommand, NamesARunThatCannotBeReadAndLabelsTheOthers) {
   write_whole(folder.path() / "data/fan/01/robot.csv", "");
   const auto result = run_tactile("label", folder.path());

@@ -60,6 +60,7 @@ struct LagMatch {
 struct FoundAnchors {
   std::vector<ClockAnchor> anchors;     ///< by kind, then time
   std::vector<Doubt> doubts;            ///< what could not be used, and why
+  std::vector<Doubt> contradictions;    ///< why log and recording may not belong together
   std::optional<LagMatch> imu, events;  ///< the first search, where it was possible
 };
 

@@ -22,7 +22,10 @@ void add_content_anchors(AnchorSearch& search) {
   std::optional<double> shift_s;
   if (!search.inputs.imu.empty()) shift_s = add_imu_anchors(search, *motion);
   EventAnchors events(search);
-  if (!shift_s && events.has_motion()) shift_s = events.match();
+  if (!shift_s && events.has_motion()) {
+    shift_s = events.match();
+    if (shift_s && !search.left_by_imu_s.empty()) add_imu_anchors_near(search, *shift_s);
+  }
   if (shift_s) {
     events.add_anchors(*shift_s);
   } else if (events.has_commands()) {

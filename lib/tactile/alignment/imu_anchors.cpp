@@ -246,6 +246,42 @@ Doubt refusal_of(const std::optional<CoarseMatch>& coarse, const AnchorOptions& 
   return {};
 }
 
+/// How far a shift may be off, and how much of a motion's speed the IMU may leave unexplained.
+struct MotionLimits {
+  double reach_s = 0, most_unexplained = 0;
+};
+
+/// Adds an anchor for each stretch of motion that the IMU explains.
+/// @return the shift of the first; nothing if there is none
+std::optional<double> add_explained_motions(AnchorSearch& search, const ImuVelocity& velocity, double first_shift_s,
+                                            const MotionLimits& limits) {
+  // From the window nearest to the recording's middle outwards: a drift moves the later ones away.
+  std::vector<Window> windows = windows_of(search.inputs, search.origins);
+  KnownShifts known{.first_s = first_shift_s, .first_at_s = 0.5 * (velocity.begin_s() + velocity.end_s()) - first_shift_s};
+  std::sort(windows.begin(), windows.end(), [&](const Window& a, const Window& b) {
+    return std::abs(a.middle_s - known.first_at_s) < std::abs(b.middle_s - known.first_at_s);
+  });
+  constexpr double widest_drift = 200e-6, widest_s = 0.005;
+  constexpr double floor_s = 200e-6;
+  // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms
+  // more.
+  constexpr double common_s = 500e-6;
+  for (const Window& window : windows) {
+    const KnownShifts::Nearest near = known.nearest(window.middle_s);
+    const std::vector<TimedSpeed> rows = speeds_in(window, search.inputs.robot, search.origins);
+    const auto cost = [&](double shift_s) { return unexplained(rows, velocity, shift_s); };
+    const LowestPoint best = lowest_point(cost, near.shift_s, limits.reach_s + widest_drift * near.distance_s, 1e-3);
+    if (!(best.value < limits.most_unexplained) || !(best.curvature > 0)) continue;
+    // Twice the deviation of the least squares: their residual is the integral of noise, which wanders.
+    const double sigma_s =
+        std::hypot(floor_s, 2.0 * std::sqrt(2.0 * best.value / static_cast<double>(rows.size() - 6) / best.curvature));
+    if (sigma_s > widest_s) continue;
+    known.found.emplace_back(window.middle_s, best.at);
+    search.add(window.middle_s, best.at, sigma_s, AnchorKind::imu, common_s);
+  }
+  return known.found.empty() ? std::nullopt : std::optional(known.found.front().second);
+}
+
 }  // namespace
 
 std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& motion) {
@@ -259,34 +295,22 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
     if (coarse && coarse->match.likeness >= search.options.least_likeness) search.left_by_imu_s = coarse->as_good_s;
     return std::nullopt;
   }
-
-  // From the window nearest to the recording's middle outwards: a drift moves the later ones away.
-  std::vector<Window> windows = windows_of(search.inputs, search.origins);
-  KnownShifts known{.first_s = coarse->shift_s, .first_at_s = 0.5 * (velocity.begin_s() + velocity.end_s()) - coarse->shift_s};
-  std::sort(windows.begin(), windows.end(), [&](const Window& a, const Window& b) {
-    return std::abs(a.middle_s - known.first_at_s) < std::abs(b.middle_s - known.first_at_s);
-  });
-  constexpr double widest_drift = 200e-6, reach_s = 0.012, most_unexplained = 0.25, widest_s = 0.005;
-  constexpr double floor_s = 200e-6;
-  // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms
-  // more.
-  constexpr double common_s = 500e-6;
-  for (const Window& window : windows) {
-    const KnownShifts::Nearest near = known.nearest(window.middle_s);
-    const std::vector<TimedSpeed> rows = speeds_in(window, search.inputs.robot, search.origins);
-    const auto cost = [&](double shift_s) { return unexplained(rows, velocity, shift_s); };
-    const LowestPoint best = lowest_point(cost, near.shift_s, reach_s + widest_drift * near.distance_s, 1e-3);
-    if (!(best.value < most_unexplained) || !(best.curvature > 0)) continue;
-    // Twice the deviation of the least squares: their residual is the integral of noise, which wanders.
-    const double sigma_s =
-        std::hypot(floor_s, 2.0 * std::sqrt(2.0 * best.value / static_cast<double>(rows.size() - 6) / best.curvature));
-    if (sigma_s > widest_s) continue;
-    known.found.emplace_back(window.middle_s, best.at);
-    search.add(window.middle_s, best.at, sigma_s, AnchorKind::imu, common_s);
-  }
-  if (!known.found.empty()) return known.found.front().second;
+  const std::optional<double> shift_s =
+      add_explained_motions(search, velocity, coarse->shift_s, {.reach_s = 0.012, .most_unexplained = 0.25});
+  if (shift_s) return shift_s;
   search.found.doubts.push_back(doubt("imu-too-short", "no motion of the arm lies whole within the IMU's samples"));
   return std::nullopt;
+}
+
+void add_imu_anchors_near(AnchorSearch& search, double shift_s) {
+  // Where the log is the recording's own, less than 0.05 stays unexplained; where it is of another run with such a lift, mostly
+  // more than 0.1.
+  constexpr MotionLimits limits{.reach_s = 0.05, .most_unexplained = 0.1};
+  const ImuMotion imu = imu_motion(search.inputs.imu);
+  if (add_explained_motions(search, ImuVelocity(imu, search.origins), shift_s, limits)) return;
+  search.found.contradictions.push_back(
+      doubt("imu-unlike-arm",
+            "the camera's IMU measured another motion than the robot log contains: the log may be of another recording"));
 }
 
 }  // namespace tactile::alignment

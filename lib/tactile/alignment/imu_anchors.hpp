@@ -13,4 +13,8 @@ namespace tactile::alignment {
 /// @return the clocks' shift [s], if it was found
 std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& motion);
 
+/// Decides a match that was ambiguous, once the events give the shift: an IMU that explains no motion of the arm there
+/// contradicts the log.
+void add_imu_anchors_near(AnchorSearch& search, double shift_s);
+
 }  // namespace tactile::alignment

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace tactile::alignment {
 namespace {
@@ -84,7 +85,8 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
                                           .host_from_camera = run.host_from_camera,
                                           .coarse = run.coarse_offsets[i]},
                                          options.anchors);
-      clocks[r].doubts.insert(clocks[r].doubts.end(), found.doubts.begin(), found.doubts.end());
+      std::ranges::move(found.doubts, std::back_inserter(clocks[r].doubts));
+      std::ranges::move(found.contradictions, std::back_inserter(clocks[r].contradictions));
       ClockFitOptions fit = options.fit;
       fit.middle_us = middle_us(piece);
       ClockFit fitted = found.anchors.empty() ? ClockFit{} : fit_clock(found.anchors, first_us(piece), fit);

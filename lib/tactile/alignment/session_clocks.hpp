@@ -22,6 +22,7 @@ struct RobotClocks {
   std::vector<std::optional<FittedClock>> pieces;  ///< of each of the run's pieces; nothing where it could not be related
   std::vector<std::vector<ClockAnchor>> anchors;   ///< of each piece, by this run itself
   std::vector<Doubt> doubts;                       ///< why a clock could not be related
+  std::vector<Doubt> contradictions;               ///< why log and recording may not belong together
 };
 
 /// Relates the robot's clocks of runs that share them (or of one run). Each piece is fitted by its own anchors first. Then

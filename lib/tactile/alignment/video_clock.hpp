@@ -7,6 +7,7 @@
 
 #include "tactile/alignment/clock_fit.hpp"
 #include "tactile/alignment/motion_energy.hpp"
+#include "tactile/core/doubt.hpp"
 
 namespace tactile::alignment {
 
@@ -15,13 +16,15 @@ struct VideoClockOptions {
   microseconds search{5'000'000};                     ///< to either side of that; else everywhere where the two overlap
   double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed at the best offset
   double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best offset
-  double most_disagreement_us = 60'000;               ///< refused if start and stop of a motion place the film further apart
+  double most_disagreement_us = 60'000;               ///< start and stop of a motion that place the film further apart
+                                                      ///< contradict the log
 };
 
 /// The video's clock, or why it could not be found.
 struct VideoClockFit {
   std::optional<FittedClock> clock;
   std::string refused;               ///< a sentence, empty if there is a clock
+  Doubt contradiction;               ///< why the film may be of another recording than the robot log; empty if nothing shows it
   double likeness = 0;               ///< at the best offset, -1 to 1
   double ambiguity = 0;              ///< best likeness over the next best; 99 where there is no other
   std::vector<ClockAnchor> anchors;  ///< the middle of each motion, or its start or end

@@ -50,6 +50,7 @@ class Labeller {
     labels_.remarks = signals_.remarks;
     // A doubt does not matter where another anchor gives the clock, or where there is nothing to place.
     for (const Doubt& one : clocks_.doubts) a_clock_is_refused() ? flag(one) : labels_.remarks.push_back(one.words);
+    for (const Doubt& one : clocks_.contradictions) flag(one);
     if (signals_.has_robot && !lifts_are_known() && !moves_.rises) {
       flag(doubt("robot-log-no-lift",
                  "the robot log has no lift, but only {:.2f} s of the recording's {:.2f} s: press and slip are distinguished by "
@@ -279,6 +280,10 @@ class Labeller {
     }
     if (!signals_.video) return;
     alignment::VideoClockFit fit = fit_film_clock(signals_, clocks_, options_.video_clock);
+    if (!fit.contradiction.empty()) {
+      flag(fit.contradiction);
+      return;
+    }
     if (!fit.clock) {
       labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
       return;

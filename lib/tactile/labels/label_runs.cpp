@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Increases with every change that gives the same files other labels.
-constexpr int method_version = 10;
+constexpr int method_version = 11;
 
 /// Runs that are labelled together because they share their clocks: those of a session, or one alone.
 struct Group {

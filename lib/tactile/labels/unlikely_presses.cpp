@@ -23,7 +23,8 @@ std::vector<LabelFlag> unlikely_presses(const Labels& labels) {
     if (!was_released)
       flags.push_back(
           flag_of(doubt("press-after-press",
-                        "it follows a press without a release between them: the object may have turned or slipped in part"),
+                        "it follows a press without a release between them: the object may have turned or slipped in part, or "
+                        "this is the rest of that press (then reject it)"),
                   i));
   }
   return flags;
