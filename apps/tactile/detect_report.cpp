@@ -52,6 +52,10 @@ std::string latency_text(const detect::DetectionSummary& summary) {
   return text + "\n" + text_table({answers ? "from closed to verdict [us]" : "work [us]", "ticks", ""}, bars);
 }
 
+double percentage(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
 std::string verdicts_text(const detect::VerdictCounts& counts) {
@@ -73,6 +77,10 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
   lines.emplace_back("ticks", summary.plays ? fmt::format("{} reported, none skipped; no deadline for a replay", ticks.reported)
                                             : fmt::format("{} reported, {} skipped, {} more than a tick late: {:.3f} % missed",
                                                           ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
+  if (summary.counts.incomplete > 0)
+    lines.emplace_back("incomplete", fmt::format("{}, {:.3f} %: events of their history are missing",
+                                                 counted(summary.counts.incomplete, "tick"),
+                                                 percentage(summary.counts.incomplete, ticks.reported)));
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
   if (summary.detector.gate)
     lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,
@@ -85,10 +93,15 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
 void add_events(const detect::DetectionSummary& summary, Lines& lines) {
   const detect::LiveCounts& counts = summary.counts;
   std::string events = fmt::format("{} in {}", counts.events, counted(counts.packets, "packet"));
-  if (counts.late_events > 0) events += fmt::format(", {} too late", counts.late_events);
+  const std::uint64_t arrived = counts.events + counts.late_events + counts.lost_events;
+  if (counts.late_events > 0)
+    events += fmt::format(", {} too late ({:.3f} %)", counts.late_events, percentage(counts.late_events, arrived));
   if (counts.lost_events > 0)
-    events += fmt::format(", {} dropped ({} incomplete)", counts.lost_events, counted(counts.incomplete, "tick"));
+    events += fmt::format(", {} dropped ({:.3f} %)", counts.lost_events, percentage(counts.lost_events, arrived));
   lines.emplace_back("events", events);
+  // A few late events in a whole session are worth no longer delay.
+  if (100 * counts.late_events > arrived && summary.needed_slack)
+    lines.emplace_back("", fmt::format("with --slack-us {} most of them would be in time", summary.needed_slack->count()));
   const capture::LostElements unsound = summary.drops.total();
   if (unsound.packets + unsound.events > 0)
     lines.emplace_back("unsound", fmt::format("{}, {}", counted(unsound.packets, "packet"), counted(unsound.events, "event")));
@@ -160,6 +173,7 @@ nlohmann::json events_json(const detect::DetectionSummary& summary) {
   const capture::LostElements unsound = summary.drops.total();
   return {{"counted", summary.counts.events},
           {"late", summary.counts.late_events},
+          {"needed_slack_us", summary.needed_slack ? nlohmann::json(summary.needed_slack->count()) : nlohmann::json()},
           {"dropped", summary.counts.lost_events},
           {"packets", summary.counts.packets},
           {"longest_packet_us", summary.longest_packet.count()},

@@ -21,9 +21,22 @@ TEST(LiveDetector, ReportsManyLateEvents) {
   const auto count = std::count_if(live.faults.begin(), live.faults.end(),
                                    [](const DetectionFault& fault) { return fault.kind == "late events"; });
   ASSERT_EQ(count, 1) << "in three seconds";
-  EXPECT_NE(live.faults.back().text.find("--slack-us"), std::string::npos) << live.faults.back().text;
+  EXPECT_NE(live.faults.back().text.find("try --slack-us 7000"), std::string::npos) << live.faults.back().text;
+  EXPECT_EQ(live.detector.late_events().needed_slack(), 7ms) << "5 ms more than the slack of 2 ms";
   EXPECT_NE(live.faults.back().text.find("up to 5.0 ms after"), std::string::npos) << live.faults.back().text;
   EXPECT_TRUE(live.reported.back().incomplete);
+}
+
+TEST(LateEvents, NeedTheSlackThatMostOfThemWaitFor) {
+  LateEvents late(2ms, 500ms, [](const DetectionFault&) {});
+  EXPECT_EQ(late.needed_slack(), std::nullopt);
+  const auto add = [&](std::int64_t delay_us) {
+    const events::Event event{.t = camera_time(1'000'000 - delay_us), .x = 0, .y = 0, .on = true};
+    late.add({&event, 1}, 1, camera_time(1'000'000), HostTime{1s});
+  };
+  for (int i = 0; i < 500; ++i) add(3'200);
+  add(400'000);
+  EXPECT_EQ(late.needed_slack(), 6ms) << "2 + 3.2 ms; one that came 0.4 s late does not count";
 }
 
 TEST(LiveDetector, IgnoresAFewLateEvents) {

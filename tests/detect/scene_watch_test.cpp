@@ -47,6 +47,22 @@ struct Watched {
   }
 };
 
+TEST(SceneWatch, MeasuresNoWindowThatLacksEvents) {
+  Watched watched;
+  const auto add_with_losses = [&](std::uint64_t lost_each_second) {
+    for (std::int64_t s = 0; s < 6; ++s) {
+      watched.add(noise(10'000, s * second, (s + 1) * second));
+      watched.watch.lose(lost_each_second);
+    }
+    watched.watch.restart();
+  };
+  add_with_losses(20'000);
+  EXPECT_TRUE(watched.lines.empty()) << "what is left looks like a quieter scene";
+  EXPECT_LE(watched.watch.summary().windows, 1U) << "the first window was full before the first loss";
+  add_with_losses(100);
+  EXPECT_EQ(watched.lines.size(), 1U) << "1 % changes nothing";
+}
+
 TEST(SceneWatch, PrintsOneLineWhenTheSceneLeavesAndOneWhenItReturns) {
   Watched watched;
   watched.add(noise(33'000, 0, 3 * second));

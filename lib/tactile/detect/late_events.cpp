@@ -31,7 +31,11 @@ bool RepeatedFault::is_due_again(HostTime at) {
 
 void LateEvents::add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported,
                      HostTime at) {
-  if (late > 0 && last_reported) latest_ = std::max(latest_, between(events.front().t, *last_reported));
+  if (late > 0 && last_reported) {
+    const microseconds delay = between(events.front().t, *last_reported);
+    latest_ = std::max(latest_, delay);
+    delays_.add(delay);
+  }
   if (window_begin_ == HostTime{}) window_begin_ = at;
   window_events_ += events.size();
   window_late_ += late;
@@ -40,13 +44,18 @@ void LateEvents::add(std::span<const events::Event> events, std::size_t late, co
     report_(
         {"late events",
          fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left out; "
-                     "expected a source that sends in time, or a slack (--slack-us) that is longer than {:.1f} ms by this time",
-                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), in_ms(slack_)),
+                     "expected a source that sends in time, or a longer slack: try --slack-us {}",
+                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), needed_slack()->count()),
          at});
   }
   window_begin_ = at;
   window_events_ = window_late_ = 0;
   latest_ = {};
+}
+
+std::optional<microseconds> LateEvents::needed_slack() const {
+  if (delays_.count() == 0) return std::nullopt;
+  return std::chrono::ceil<std::chrono::milliseconds>(slack_ + delays_.percentile(0.99));
 }
 
 std::optional<std::string> LateEvents::all_late(HostTime at) {

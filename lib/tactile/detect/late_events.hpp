@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "tactile/detect/deadline_monitor.hpp"
 #include "tactile/detect/detection_fault.hpp"
 #include "tactile/events/event.hpp"
 
@@ -37,6 +38,10 @@ class LateEvents {
   /// @param last_reported  the last tick with a verdict, if any
   void add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported, HostTime at);
 
+  /// The slack with which 99 % of the packets with late events would have been in time, in whole milliseconds; nothing if no
+  /// event was late.
+  std::optional<microseconds> needed_slack() const;
+
   void in_time() { all_late_since_.reset(); }  ///< an event was in time
   /// All events of a packet were late. @return  a sentence, or an empty text, once this has lasted for `limit`
   std::optional<std::string> all_late(HostTime at);
@@ -48,7 +53,8 @@ class LateEvents {
   std::optional<HostTime> all_late_since_;
   HostTime window_begin_{};  ///< the following three are counted from here
   std::uint64_t window_events_ = 0, window_late_ = 0;
-  microseconds latest_{0};  ///< largest delay after the last reported tick
+  microseconds latest_{0};      ///< largest delay after the last reported tick
+  DurationHistogram delays_{};  ///< of all packets with late events, so as `latest_`
 };
 
 /// Events that were read late because others waited before them.

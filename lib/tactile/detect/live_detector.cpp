@@ -81,6 +81,7 @@ void LiveDetector::take(const capture::QueuedPacket& packet) {
 
 void LiveDetector::drop(const capture::CameraPacket& packet, HostTime at) {
   counts_.lost_events += packet.events.size();
+  if (options_.scene != nullptr) options_.scene->lose(packet.events.size());
   backlog_.dropped(packet.more_came, at);
 }
 
@@ -133,6 +134,7 @@ void LiveDetector::take_live(std::span<const events::Event> events, HostTime at)
   late_events_.add(events, late, clock_.last_reported(), at);
   const auto lacks_events_until = [this](CameraTime t) { hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), t); };
   if (late > 0) lacks_events_until(after(events[late - 1].t, 1us));
+  if (options_.scene != nullptr) options_.scene->lose(late);
   const std::span<const events::Event> in_time = events.subspan(late);
   if (in_time.empty()) {
     if (const auto text = late_events_.all_late(at)) restart("late", *text, at);
@@ -154,6 +156,7 @@ void LiveDetector::note_lost(std::uint64_t events_so_far) {
     fault_({"lost", "events arrive faster than they can be counted: some are dropped, and verdicts without them are marked",
             host_now()});
   counts_.lost_events += events_so_far - lost_in_queue_;
+  if (options_.scene != nullptr) options_.scene->lose(events_so_far - lost_in_queue_);
   lost_in_queue_ = events_so_far;
   lost_pending_ = true;
 }

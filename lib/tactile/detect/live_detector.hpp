@@ -86,6 +86,7 @@ class LiveDetector {
 
   const LiveCounts& counts() const { return counts_; }
   const DeadlineMonitor& deadlines() const { return deadlines_; }
+  const LateEvents& late_events() const { return late_events_; }
   const TickClock& clock() const { return clock_; }
 
  private:

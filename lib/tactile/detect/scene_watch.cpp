@@ -21,9 +21,14 @@ void SceneWatch::add(std::span<const events::Event> events) {
   }
 }
 
+void SceneWatch::lose(std::uint64_t events) {
+  if (!is_full_.load(std::memory_order_acquire)) lost_ += events;
+}
+
 void SceneWatch::restart() {
   if (is_full_.load(std::memory_order_acquire)) return;  // a full window is still of one stream
   window_.clear();
+  lost_ = 0;
   pauses_ = false;
   next_begin_.reset();
 }
@@ -40,6 +45,8 @@ void SceneWatch::finish() {
 }
 
 void SceneWatch::measure() {
+  constexpr std::uint64_t one_of = 20;
+  if (one_of * std::exchange(lost_, 0) > window_.events().size()) return window_.clear();
   const characterise::Scene scene = characterise::scene_of(window_.events(), window_.seconds(), options_.sensor, options_.mask);
   window_.clear();
   ++summary_.windows;

@@ -41,6 +41,9 @@ class SceneWatch {
 
   /// Events ascending in time, inside the sensor.
   void add(std::span<const events::Event> events);
+  /// So many events of the stream are missing at this point. A window that lacks more than 5 % is not measured: it would show a
+  /// quieter scene. By the thread that adds.
+  void lose(std::uint64_t events);
   /// The next events may have any time. By the thread that adds.
   void restart();
 
@@ -59,6 +62,7 @@ class SceneWatch {
   characterise::SceneState state_;
   SceneSummary summary_;
   characterise::SceneWindow window_;  ///< of the thread that measures while `is_full_`, else of the one that adds
+  std::uint64_t lost_ = 0;            ///< events that the window lacks; of the same thread
   std::atomic<bool> is_full_{false};
   bool pauses_ = false;                   ///< so as `window_`
   std::optional<CameraTime> next_begin_;  ///< of the thread that adds: events before it do not count
