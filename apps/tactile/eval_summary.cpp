@@ -43,6 +43,15 @@ std::string baselines_not_below(const results::Evaluation& evaluation) {
   return names;
 }
 
+/// Empty unless decisions over several ticks may help.
+std::string advice_on_alarms(const results::Evaluation& evaluation) {
+  constexpr double many_per_min = 10;
+  const bool decides_over_ticks = evaluation.confirm != "1/1" || evaluation.alarm_cost.has_value();
+  const double per_min = evaluation.network.false_alarms.outside_labels_per_min.value;
+  if (decides_over_ticks || !(per_min >= many_per_min)) return {};
+  return "For fewer false alarms with a longer delay, try --filter or --confirm 3/5.\n";
+}
+
 }  // namespace
 
 std::string heading_of(const results::Evaluation& evaluation) {
@@ -85,7 +94,8 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
                                                     speed->us_p50, speed->us_p99));
   }
   return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + wrapped(comparison_with_baselines(evaluation)) + "\n" +
-         "In brackets: 95 % intervals. --verbose prints all tables.\n";
+         advice_on_alarms(evaluation) +
+         "In brackets: 95 % intervals. --verbose prints all tables, --run one run over time.\n";
 }
 
 }  // namespace tactile::cli

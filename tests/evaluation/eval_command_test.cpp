@@ -275,7 +275,7 @@ TEST(EvalCommand, JudgesAModelOnWhatTheDatasetHasBecome) {
   const fs::path data = trained.folder / "data";
   // A label is put right, of a run that nothing was learned from: another dataset.
   auto labels = read_json(data / "fan/02/labels.json");
-  labels.at("intervals")[0]["confirmed"] = true;
+  labels.at("intervals")[0]["end_us"] = labels.at("intervals")[0]["end_us"].get<std::int64_t>() - 2'000;
   write_json(data / "fan/02/labels.json", labels);
   windows::write_dataset(data, data / "dataset.h5", {}, 1);
   const auto judged = run_tactile("eval --json", trained.folder.path());

@@ -353,7 +353,13 @@ TEST(Evaluation, HasCalibrationOfEveryTickOfASureClass) {
 TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {
   const Trained trained;
   const windows::Dataset dataset(trained.file);
-  std::ofstream(trained.folder / "data/usb-hub/02/labels.json", std::ios::app) << "\n";
+  const std::filesystem::path file = trained.folder / "data/usb-hub/02/labels.json";
+  labels::Labels labels = labels::read_labels(file);
+  labels.intervals[0].confirmed = true;
+  labels::write_labels(file, labels);
+  EXPECT_NO_THROW(windows::check_unchanged(dataset, static_cast<std::uint32_t>(dataset.runs().size() - 1))) << "its touches are the same";
+  labels.intervals[0].end.at = labels.intervals[0].end.high = after(labels.intervals[0].end.at, 1us);
+  labels::write_labels(file, labels);
   try {
     evaluate(dataset, model::Classifier(trained.bundle.folder, 1), test_runs(dataset), {.threads = 1});
     ADD_FAILURE() << "no error";

@@ -199,16 +199,23 @@ TEST(LabelRun, FlagsATouchThatTheRecordingBeginsWithin) {
 
 TEST(LabelRun, FlagsABurstAfterTheSlipThatNoLabelExplains) {
   const test::TemporaryFolder data;
-  const auto flags_with = [&](std::string name, test::MadeBurst further) {
+  const auto labels_with = [&](std::string name, test::MadeBurst further) {
     test::MadeRun made = press_and_slip;
     made.length_us = 4'000'000;
     made.bursts.push_back(further);
-    return label_run(write_made_run(data.path(), made, made_lift(1'500'000, 500'000, 0.06, 5, 4'000'000), name)).flags;
+    return label_run(write_made_run(data.path(), made, made_lift(1'500'000, 500'000, 0.06, 5, 4'000'000), name));
   };
-  const std::vector<LabelFlag> flags = flags_with("01", {3'000'000, 3'300'000});
-  ASSERT_EQ(flags.size(), 1U);
-  EXPECT_EQ(flags.front().reason, "no label explains the burst of events from 3.00 s to 3.30 s");
-  EXPECT_TRUE(flags_with("02", {3'000'000, 3'060'000}).empty()) << "a tip that touches once more";
+  const auto names_bursts = [](const Labels& labels) {
+    return std::count(labels.remarks.begin(), labels.remarks.end(),
+                      "bursts of events without a label: 3.00 s to 3.06 s (after the slip)");
+  };
+  const Labels flagged = labels_with("01", {3'000'000, 3'300'000});
+  ASSERT_EQ(flagged.flags.size(), 1U);
+  EXPECT_EQ(flagged.flags.front().reason, "no label explains the burst of events from 3.00 s to 3.30 s");
+  EXPECT_EQ(names_bursts(flagged), 0);
+  const Labels brief = labels_with("02", {3'000'000, 3'060'000});
+  EXPECT_TRUE(brief.flags.empty()) << "a tip that touches once more";
+  EXPECT_EQ(names_bursts(brief), 1) << test::told_by(brief);
 }
 
 TEST(LabelRun, FlagsALiftThatTheObjectFollows) {

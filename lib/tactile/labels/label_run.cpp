@@ -31,6 +31,23 @@ const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
   return nearest == moves.lifts.end() ? nullptr : &*nearest;
 }
 
+/// Why a burst of this kind gets no label; null if it gets one.
+const char* why_unlabelled(BurstKind kind) {
+  switch (kind) {
+    case BurstKind::tap:
+      return "a sync tap";
+    case BurstKind::brief:
+      return "too short or small for a touch";
+    case BurstKind::after:
+      return "after the slip";
+    case BurstKind::press:
+    case BurstKind::slip:
+    case BurstKind::release:
+      break;
+  }
+  return nullptr;
+}
+
 void cut_overlaps(std::vector<LabelledInterval>& intervals) {
   for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
     alignment::UncertainTime& end = intervals[i].end;
@@ -123,10 +140,14 @@ class Labeller {
     if (unlogged) slips_in = std::vector{unlogged->move};
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
     if (!signals_.has_robot) flag(no_robot_log(unlogged));
+    std::vector<std::string> unlabelled;
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
         flag_if_unlogged(bursts[i]);
-      if (kinds[i] == BurstKind::after || kinds[i] == BurstKind::brief) flag_if_unexplained(i, bursts, kinds);
+      const char* why = why_unlabelled(kinds[i]);
+      if (why != nullptr && !flag_if_unexplained(i, bursts, kinds) && !bursts[i].slow)
+        unlabelled.push_back(fmt::format("{:.2f} s to {:.2f} s ({})", seconds_of(signals_.rate.begin_of(bursts[i].begin)),
+                                         seconds_of(signals_.rate.begin_of(bursts[i].end)), why));
       if (kinds[i] == BurstKind::release) {
         labels_.releases.push_back({Touch::none, signals_.rate.begin_of(bursts[i].begin), signals_.rate.begin_of(bursts[i].end)});
       } else if (kinds[i] == BurstKind::press) {
@@ -141,6 +162,9 @@ class Labeller {
         if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end, stop.has_value());
       }
     }
+    // A person who sees a burst in the picture must know why it has no label.
+    if (!unlabelled.empty())
+      labels_.remarks.push_back(fmt::format("bursts of events without a label: {}", fmt::join(unlabelled, ", ")));
   }
 
   /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long. A
@@ -162,7 +186,7 @@ class Labeller {
 
   /// A burst that moves the skin like a press, but is none, may be a touch without a label. A tip that springs back or touches
   /// once more is shorter, or smaller, than a press.
-  void flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
+  bool flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
     const alignment::Burst& burst = bursts[i];
     double pressed = 0;
     std::size_t press_bins = 0;
@@ -175,10 +199,14 @@ class Labeller {
     const bool is_short = kinds[i] == BurstKind::after ? between(begin, end) < options_.touches.longest_recontact
                                                        : 2 * (burst.end - burst.begin) < press_bins;
     const bool is_faint = burst.slow || burst.events < 0.5 * pressed;
-    if (is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return;
-    flag(doubt("burst-unexplained", "no label explains the burst of events from {:.2f} s to {:.2f} s",
-               1e-3 * in_ms(between(signals_.rate.begin, begin)), 1e-3 * in_ms(between(signals_.rate.begin, end))));
+    const bool is_tap = kinds[i] == BurstKind::tap;
+    if (is_tap || is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return false;
+    flag(doubt("burst-unexplained", "no label explains the burst of events from {:.2f} s to {:.2f} s", seconds_of(begin),
+               seconds_of(end)));
+    return true;
   }
+
+  double seconds_of(CameraTime t) const { return 1e-3 * in_ms(between(signals_.rate.begin, t)); }
 
   /// A burst after the log's end may be the slip of a lift that was not logged.
   void flag_if_unlogged(const alignment::Burst& burst) {

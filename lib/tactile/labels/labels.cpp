@@ -10,6 +10,8 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_text.hpp"
+#include "tactile/core/sha256.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/label_json.hpp"
 
@@ -176,6 +178,18 @@ std::vector<TouchInterval> unclear_motion(const Labels& labels) {
   for (const LabelledInterval& interval : labels.intervals)
     if (interval.end.high > interval.end.at) unclear.push_back({Touch::none, interval.end.at, interval.end.high});
   return unclear;
+}
+
+std::string touches_sha256(const Labels& labels) {
+  nlohmann::json intervals = nlohmann::json::array(), releases = nlohmann::json::array();
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
+    const LabelledInterval& interval = labels.intervals[i];
+    intervals.push_back({name_of(interval.touch), us_of(interval.start.at), us_of(interval.start.low), us_of(interval.start.high),
+                         us_of(interval.end.at), us_of(interval.end.low), us_of(interval.end.high),
+                         labels.interval_is_flagged(i)});
+  }
+  for (const TouchInterval& release : labels.releases) releases.push_back({us_of(release.start), us_of(release.end)});
+  return sha256_of(json_text({{"flagged", labels.run_is_flagged()}, {"intervals", intervals}, {"releases", releases}}));
 }
 
 void name_intervals(std::vector<LabelledInterval>& intervals) {

@@ -10,6 +10,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
+#include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
 namespace tactile::windows {
@@ -347,18 +348,23 @@ std::vector<std::uint8_t> Dataset::read_heatmaps(const std::string& name, std::s
 void check_unchanged(const Dataset& dataset, std::uint32_t run_index) {
   const DatasetRun& run = dataset.runs()[run_index];
   const RunFolder folder{dataset.run_folder(run_index), run.object, run.run};
-  for (const auto& [file, hash] :
-       {std::pair(folder.events(), run.events_sha256), std::pair(folder.labels(), run.labels_sha256)}) {
+  for (const fs::path& file : {folder.events(), folder.labels()}) {
     if (!fs::exists(file)) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " is missing; " + dataset.file().string() +
                   " was made from it. 'tactile windows DATA --out " + shell_word(dataset.file().string()) +
                   "' finds runs that have moved");
     }
-    if (sha256_of_file(file) != hash) {
+    const bool same = file == folder.events() ? sha256_of_file(file) == run.events_sha256 : has_labels(run, folder);
+    if (!same) {
       throw Error(run.object + "/" + run.run + ": " + file.string() + " has changed since " + dataset.file().string() +
                   " was made; run 'tactile windows' again");
     }
   }
+}
+
+bool has_labels(const DatasetRun& run, const RunFolder& folder) {
+  return labels::touches_sha256(labels::read_labels(folder.labels())) == run.labels_sha256 ||
+         sha256_of_file(folder.labels()) == run.labels_sha256;  // datasets of version 0.1
 }
 
 std::string name_of(const DatasetRun& run) { return run.object + "/" + run.run; }

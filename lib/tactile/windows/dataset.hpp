@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/run_folder.hpp"
 #include "tactile/events/event.hpp"
 #include "tactile/windows/sample.hpp"
 
@@ -28,7 +29,7 @@ struct DatasetRun {
   std::uint64_t first_event = 0;
   std::uint64_t events = 0;
   std::string events_sha256;
-  std::string labels_sha256;
+  std::string labels_sha256;  ///< `labels::touches_sha256`; in datasets of version 0.1, of the file
   std::optional<RecordingFacts> recording;  ///< datasets of earlier versions have none
 };
 
@@ -88,6 +89,9 @@ class Dataset {
 
 /// @throws Error  that names the run, if its events or labels differ from those that the dataset was made from
 void check_unchanged(const Dataset& dataset, std::uint32_t run_index);
+
+/// Whether the labels of the run in `folder` are those that the dataset was made from. @throws Error  if they cannot be read
+bool has_labels(const DatasetRun& run, const RunFolder& folder);
 
 /// "fan/01"
 std::string name_of(const DatasetRun& run);
