@@ -99,7 +99,7 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
         fmt::format("; predicted in at least {} of the last {} ticks", decision.confirmation.needed, decision.confirmation.of);
   }
   picture.remarks.push_back(settings + ".");
-  if (picture.has_labels) picture.remarks.push_back(results::words_of(prediction.false_alarms, picture.has_truth));
+  if (picture.has_labels) picture.remarks.push_back(results::words_of(prediction.false_alarms));
   return picture;
 }
 

@@ -73,6 +73,10 @@ std::string check_run_number(const std::string& text) {
 
 /// The recordings in a folder of loose ones, as DV and other programs save them, by name. A bag or a run is one recording.
 std::vector<std::string> recordings_at(const std::string& place) {
+  for (const char* extension : {".mp4", ".avi", ".mkv", ".mov"}) {
+    if (conversion::lower_extension(place) == extension)
+      throw Error(place + ": is a film; expected a recording, with its film as --video or under the same name");
+  }
   if (!fs::is_directory(place) || bags::is_bag(place) || is_there(run_folder_at(place).events())) return {place};
   std::vector<std::string> found;
   for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
@@ -101,9 +105,12 @@ void check_free(const RunFolder& run, const splitting::SplitSource& source) {
 struct ImportedRun {
   std::string recording;
   splitting::SplitRun made;
+  std::string robot, film;  ///< the files that were taken; empty if there is none
   RecordingReport report;
   std::vector<std::string> lacks;  ///< "robot log", "IMU", "film"
 };
+
+std::string text_of(const std::optional<fs::path>& file) { return file ? file->string() : std::string(); }
 
 ReportOptions as_info_check() {
   ReportOptions options;
@@ -139,6 +146,7 @@ ImportedRun import_one(const std::string& recording, const ImportCommandArgument
   std::optional<ConvertedSource> converted;
   if (needs_conversion(recording)) converted.emplace(recording, args.splitting.data, common);
   splitting::SplitSource source = converted ? converted->source() : splitting::split_source_at(recording);
+  splitting::take_devices_of_same_name(source, recording);
   set_devices(source, args.splitting);
   if (names.first_run) {
     const std::string id = run_id_of(*names.first_run);
@@ -152,7 +160,12 @@ ImportedRun import_one(const std::string& recording, const ImportCommandArgument
       {.data = args.splitting.data, .objects = {names.object}, .first_run = names.first_run, .session = args.splitting.session},
       progress_line(common));
   warn_of_losses(recording, result.problems);
-  ImportedRun imported{.recording = recording, .made = std::move(result.runs.front()), .report = {}, .lacks = {}};
+  ImportedRun imported{.recording = recording,
+                       .made = std::move(result.runs.front()),
+                       .robot = text_of(source.robot),
+                       .film = text_of(source.video),
+                       .report = {},
+                       .lacks = {}};
   const RunFolder& run = imported.made.run;
   imported.report = examine({run.name(), run.events(), run}, as_info_check(), common.threads, progress_line(common));
   imported.lacks = lacks_of(imported.report);
@@ -166,6 +179,8 @@ nlohmann::json json_of(const ImportCommandArguments& args, const RunNames& names
     all.push_back({{"recording", run.recording},
                    {"run", run.made.run.name()},
                    {"folder", run.made.run.folder.string()},
+                   {"robot", run.robot.empty() ? nlohmann::json() : nlohmann::json(run.robot)},
+                   {"film", run.film.empty() ? nlohmann::json() : nlohmann::json(run.film)},
                    {"kept", run.made.is_kept},
                    {"events", run.made.events},
                    {"bytes", run.made.bytes},
@@ -184,11 +199,13 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
   std::map<std::vector<std::string>, std::vector<std::string>> runs_lacking;
   for (const ImportedRun& run : runs) {
     const std::string name = run.made.run.name();
-    rows.push_back({name, run.recording, run.made.is_kept ? "was imported before, and is kept" : ""});
+    const auto named = [](const std::string& file) { return file.empty() ? "-" : fs::path(file).filename().string(); };
+    rows.push_back({name, run.recording, named(run.robot), named(run.film),
+                    run.made.is_kept ? "was imported before, and is kept" : ""});
     reports.push_back(run.report);
     if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
   }
-  text += text_table({"run", "from", ""}, rows) + "\n" + summary_of(reports, as_info_check());
+  text += text_table({"run", "from", "robot log", "film", ""}, rows) + "\n" + summary_of(reports, as_info_check());
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
   const fs::path object = fs::path(args.splitting.data) / names.object;

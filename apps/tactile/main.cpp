@@ -50,5 +50,5 @@ int main(int argc, char** argv) {
   const Program program = program_of(command).value_or(Program::all);  // --version, too: it names every library
   if (program == Program::tactile)
     return run_program(static_cast<int>(words.size()), arguments.data(), commands_of<Program::tactile>());
-  return hand_over_to("tactile-all", arguments.data());
+  return hand_over_to_all(arguments.data());
 }

@@ -160,7 +160,8 @@ std::filesystem::path folder_of(const char* program) {
 
 }  // namespace
 
-int hand_over_to(const char* program, char** argv) {
+int hand_over_to_all(char** argv) {
+  constexpr const char* program = "tactile-all";
   open_missing_streams();
   hold_signals();
   std::error_code failed;

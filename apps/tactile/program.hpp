@@ -13,9 +13,8 @@ namespace tactile::cli {
 /// @param libraries  the lines that --version prints after the first; none if null
 int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std::string (*libraries)() = nullptr);
 
-/// Starts another tactile program in place of this one, with the same arguments. It is in the folder of this program, as after a
-/// build, or in `../libexec/tactile` from there, as after an installation. Returns only if that fails: 1, after printing the
-/// reason.
-int hand_over_to(const char* program, char** argv);
+/// Starts `tactile-all` in place of this program, with the same arguments. It is in the folder of this program, as after a build,
+/// or in `../libexec/tactile` from there, as after an installation. Returns only if that fails: 1, after printing the reason.
+int hand_over_to_all(char** argv);
 
 }  // namespace tactile::cli

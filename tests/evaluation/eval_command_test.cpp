@@ -174,7 +174,7 @@ TEST(EvalCommand, ShowsRunsOverTimeAsTableAndPictures) {
   EXPECT_EQ(outcome.at("first_event_us"), us_of(test::events_in_file(trained.folder / "data/fan/02/events.aedat4").front().t));
   EXPECT_EQ(outcome.at("false_alarms").at("count"), json.at("runs").at(0).at("false_alarms"));
   const auto alarms = results::JsonView(outcome.at("false_alarms"), "fan-02.json").get<results::FalseAlarms>();
-  const std::string words = results::words_of(alarms, true), picture = read_text(trained.bundle.folder / "runs/fan-02.svg");
+  const std::string words = results::words_of(alarms), picture = read_text(trained.bundle.folder / "runs/fan-02.svg");
   EXPECT_GT(alarms.outside_labels_time, microseconds{0});
   EXPECT_NE(picture.find(words.substr(0, words.find(';'))), std::string::npos) << words;
   EXPECT_TRUE(read_json(trained.bundle.folder / "runs/new-07.json").at("false_alarms").is_null());

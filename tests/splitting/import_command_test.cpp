@@ -109,6 +109,7 @@ TEST_F(ImportCommand, TakesWhatConvertReadsAndFoldersOfRecordings) {
   EXPECT_EQ(empty.exit_code, 1);
   EXPECT_NE(empty.err.find("empty: has no recording"), std::string::npos) << empty.err;
   EXPECT_EQ(run("import nowhere.aedat4 --object cup").exit_code, 1);
+  EXPECT_NE(run("import cam.mp4 --object cup").err.find("cam.mp4: is a film; expected a recording"), std::string::npos);
 }
 
 TEST_F(ImportCommand, TakesRobotLogAndFilmAndNamesWhatIsLacking) {
@@ -141,6 +142,31 @@ TEST_F(ImportCommand, TakesRobotLogAndFilmAndNamesWhatIsLacking) {
   EXPECT_EQ(json.at("runs").at(0).at("lacks"), nlohmann::json({"robot log", "IMU", "film"}));
   const auto alone = run("import recordings/dv-events-only.aedat4 --object cup --out third");
   EXPECT_NE(alone.out.find("cup/01 has no robot log, no IMU and no film."), std::string::npos) << alone.out;
+}
+
+TEST_F(ImportCommand, FindsRobotLogAndFilmOfTheSameName) {
+  ASSERT_EQ(run("simulate sim --preset tiny --objects fan --runs 2").exit_code, 0);
+  fs::create_directory(folder / "loose");
+  for (const char* number : {"01", "02"}) {
+    const fs::path from = folder / "sim/fan" / number, to = folder / "loose" / (std::string("take-") + number);
+    fs::copy_file(from / "events.aedat4", to.string() + ".aedat4");
+    fs::copy_file(from / "robot.csv", to.string() + ".robot.csv");
+    fs::copy_file(from / "video.mp4", to.string() + ".mp4");
+    fs::copy_file(from / "video.csv", to.string() + ".csv");
+  }
+  const auto runs = json_of("import loose --object fan").at("runs");
+  ASSERT_EQ(runs.size(), 2U);
+  EXPECT_EQ(runs.at(1).at("robot"), "loose/take-02.robot.csv");
+  EXPECT_EQ(runs.at(1).at("film"), "loose/take-02.mp4");
+  for (const char* file : {"robot.csv", "video.mp4", "video.csv"})
+    EXPECT_EQ(sha256_of_file(run_folder("fan/02") / file), sha256_of_file(folder / "sim/fan/02" / file)) << file;
+
+  // A table of the same name is a robot log only if it has one's times.
+  fs::rename(folder / "loose/take-01.robot.csv", folder / "loose/take-01.csv");
+  fs::remove(folder / "loose/take-01.mp4");
+  EXPECT_EQ(json_of("import loose/take-01.aedat4 --object fan --out log").at("runs").at(0).at("robot"), "loose/take-01.csv");
+  fs::copy_file(folder / "sim/fan/01/video.csv", folder / "loose/take-01.csv", fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(json_of("import loose/take-01.aedat4 --object fan --out times").at("runs").at(0).at("robot").is_null());
 }
 
 TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {

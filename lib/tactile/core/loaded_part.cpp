@@ -2,13 +2,13 @@
 
 #include <dlfcn.h>
 #include <fmt/core.h>
-#include <sys/mman.h>
 
 #include <filesystem>
 #include <string>
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/machine.hpp"
 
 namespace tactile {
 
@@ -26,19 +26,13 @@ std::filesystem::path program_folder(const char* file) {
   return program.parent_path();
 }
 
-void check_room(const char* file, std::size_t room) {
-  void* const place = ::mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (place == MAP_FAILED)
-    throw Error(
-        fmt::format("{}: cannot be loaded within the limit on memory; it needs {} MB more (ulimit -v)", file, room >> 20));
-  ::munmap(place, room);
-}
-
 }  // namespace
 
 void* load_part(const char* file, const char* symbol, std::size_t room) {
   const std::filesystem::path path = program_folder(file) / file;
-  check_room(file, room);
+  if (!has_room_for(room))
+    throw Error(
+        fmt::format("{}: cannot be loaded within the limit on memory; it needs {} MB more (ulimit -v)", file, room >> 20));
   // RTLD_GLOBAL: `model::prepare_blas` looks for OpenBLAS among all symbols.
   void* const part = ::dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
   void* const object = part == nullptr ? nullptr : ::dlsym(part, symbol);

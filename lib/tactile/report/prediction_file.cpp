@@ -97,7 +97,7 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
     settings += fmt::format("; filtered with an alarm cost of {:g}", *alarm_cost);
   picture.remarks.push_back(settings + ".");
   if (const results::JsonView alarms = outcome["false_alarms"]; alarms && alarms["outside_labels"])
-    picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>(), picture.has_truth));
+    picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>()));
 }
 
 }  // namespace tactile::report

@@ -158,12 +158,13 @@ void from_json(const JsonView& json, FalseAlarms& of_run) {
             .labelled_time = minutes_in(json["labelled_min"])};
 }
 
-std::string words_of(const FalseAlarms& of_run, bool knows_motion) {
+std::string words_of(const FalseAlarms& of_run) {
   const auto counted = [](std::uint64_t episodes, std::optional<double> per_min) {
     return std::to_string(episodes) + (per_min ? fmt::format(" ({:.1f} per minute)", *per_min) : "");
   };
   std::string words = "False alarms outside labels: " + counted(of_run.outside_labels, of_run.outside_labels_per_min());
-  if (const auto per_min = of_run.outside_motion_per_min(); knows_motion && per_min)
+  // Without the run's true motion there is no time outside of it.
+  if (const auto per_min = of_run.outside_motion_per_min())
     words += "; without unlabelled motion: " + counted(of_run.outside_motion, per_min);
   if (const auto share = of_run.none_in_alarm_share()) words += fmt::format("; {:.1f} % of none time in alarm", 100 * *share);
   return words + ". Episodes of the wrong class: " + counted(of_run.wrong_class, of_run.wrong_class_per_min()) + ".";

@@ -73,8 +73,7 @@ void from_json(const JsonView& json, FalseAlarms& of_run);  ///< files of older 
 
 /// Of one run, in sentences: episodes outside labels, the same without unlabelled motion, the share of none time in alarm, and
 /// episodes of the wrong class. A rate or share of a time that is 0 is left out.
-/// @param knows_motion  the run's true motion is known; without, the second form would repeat the first, and is left out
-std::string words_of(const FalseAlarms& of_run, bool knows_motion);
+std::string words_of(const FalseAlarms& of_run);
 
 double in_minutes(microseconds time);
 

@@ -1,5 +1,7 @@
 #include "tactile/splitting/split_source.hpp"
 
+#include <algorithm>
+#include <initializer_list>
 #include <string_view>
 
 #include "tactile/core/error.hpp"
@@ -15,12 +17,12 @@ void take_if_there(std::optional<fs::path>& place, const fs::path& file) {
   if (is_file(file)) place = file;
 }
 
-/// Whether it is a table with the times of a film's frames.
-bool has_film_times(const fs::path& file) {
+/// Whether it is a table with these columns.
+bool has_columns(const fs::path& file, std::initializer_list<std::string_view> names) {
   if (!is_file(file)) return false;
   try {
-    const TableFile table(file, {.name = "the times of a film's frames", .header = "index,pts_us", .ends_in_any_bytes = true});
-    return table.find("index") && table.find("pts_us");
+    const TableFile table(file, {.name = "a table", .header = "names of columns", .ends_in_any_bytes = true});
+    return std::all_of(names.begin(), names.end(), [&](std::string_view name) { return table.find(name).has_value(); });
   } catch (const Error&) {
     return false;  // another file that has this name by chance
   }
@@ -49,11 +51,20 @@ SplitSource split_source_at(const fs::path& what) {
   return source;
 }
 
+void take_devices_of_same_name(SplitSource& source, const fs::path& recording) {
+  for (const char* extension : {".robot.csv", ".csv"}) {
+    const fs::path log = fs::path(recording).replace_extension(extension);
+    if (!source.robot && log != recording && has_columns(log, {"timestamp"})) source.robot = log;
+  }
+  if (const fs::path film = fs::path(recording).replace_extension(".mp4"); !source.video && is_file(film))
+    set_video(source, film);
+}
+
 void set_video(SplitSource& source, const fs::path& video) {
   if (!is_file(video)) throw Error(video.string() + ": no such file; expected a film");
   source.video = video;
   const fs::path times = fs::path(video).replace_extension(".csv");
-  source.video_times = has_film_times(times) ? std::optional(times) : std::nullopt;
+  source.video_times = has_columns(times, {"index", "pts_us"}) ? std::optional(times) : std::nullopt;
 }
 
 std::string session_of(const SplitSource& source, const events::RecordingReader& recording, const std::string& sha256) {

@@ -1,13 +1,13 @@
 #include "tactile/model/training/blas_threads.hpp"
 
 #include <dlfcn.h>
-#include <sys/mman.h>
 
 #include <cstddef>
 #include <mutex>
 #include <string>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/machine.hpp"
 
 namespace tactile::model {
 namespace {
@@ -31,13 +31,11 @@ void check_room_for_blas(unsigned threads) {
   const std::scoped_lock lock(guard);
   if (threads <= checked) return;
   const std::size_t bytes = (threads - checked) * (std::size_t{256} << 20);
-  void* const room = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED) {
+  if (!has_room_for(bytes)) {
     throw Error("memory: there is no room for another " + std::to_string(bytes >> 20) + " MB, which the network takes on " +
                 std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
                 "; expected a higher limit (ulimit -v), or fewer --threads");
   }
-  ::munmap(room, bytes);
   checked = threads;
 }
 
