@@ -78,9 +78,9 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
                                             : fmt::format("{} reported, {} skipped, {} more than a tick late: {:.3f} % missed",
                                                           ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
   if (summary.counts.incomplete > 0)
-    lines.emplace_back("incomplete", fmt::format("{}, {:.3f} %: events of their history are missing",
-                                                 counted(summary.counts.incomplete, "tick"),
-                                                 percentage(summary.counts.incomplete, ticks.reported)));
+    lines.emplace_back(
+        "incomplete", fmt::format("{}, {:.3f} %: events of their history are missing", counted(summary.counts.incomplete, "tick"),
+                                  percentage(summary.counts.incomplete, ticks.reported)));
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
   if (summary.detector.gate)
     lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,

@@ -200,8 +200,8 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
   for (const ImportedRun& run : runs) {
     const std::string name = run.made.run.name();
     const auto named = [](const std::string& file) { return file.empty() ? "-" : fs::path(file).filename().string(); };
-    rows.push_back({name, run.recording, named(run.robot), named(run.film),
-                    run.made.is_kept ? "was imported before, and is kept" : ""});
+    rows.push_back(
+        {name, run.recording, named(run.robot), named(run.film), run.made.is_kept ? "was imported before, and is kept" : ""});
     reports.push_back(run.report);
     if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
   }

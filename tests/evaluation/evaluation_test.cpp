@@ -357,7 +357,8 @@ TEST(Evaluation, StopsWhereARunHasChangedAndNamesIt) {
   labels::Labels labels = labels::read_labels(file);
   labels.intervals[0].confirmed = true;
   labels::write_labels(file, labels);
-  EXPECT_NO_THROW(windows::check_unchanged(dataset, static_cast<std::uint32_t>(dataset.runs().size() - 1))) << "its touches are the same";
+  EXPECT_NO_THROW(windows::check_unchanged(dataset, static_cast<std::uint32_t>(dataset.runs().size() - 1)))
+      << "its touches are the same";
   labels.intervals[0].end.at = labels.intervals[0].end.high = after(labels.intervals[0].end.at, 1us);
   labels::write_labels(file, labels);
   try {

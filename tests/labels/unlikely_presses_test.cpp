@@ -21,9 +21,10 @@ TEST(UnlikelyPresses, AreShorterThanAPressOrFollowOneWithoutARelease) {
   const std::vector<LabelFlag> flags = unlikely_presses(labels);
   ASSERT_EQ(flags.size(), 2U);
   EXPECT_EQ(flags[0].interval_index, 1U);
-  EXPECT_EQ(flags[0].reason,
-            "it follows a press without a release between them: the object may have turned or slipped in part, or this is the rest "
-            "of that press (then reject it)");
+  EXPECT_EQ(
+      flags[0].reason,
+      "it follows a press without a release between them: the object may have turned or slipped in part, or this is the rest "
+      "of that press (then reject it)");
   EXPECT_EQ(flags[1].interval_index, 3U) << "after a slip the object may have left";
   EXPECT_EQ(flags[1].reason, "the press lasts 6 ms; expected 20 ms or more");
 }

@@ -26,15 +26,15 @@ TEST(FalseAlarmTable, IsReadBackAsItIsWritten) {
 
 TEST(FalseAlarms, OfARunAreReadBackAndSaidInThreeForms) {
   FalseAlarms alarms{.alarms = 1,
-                           .after_intervals = 2,
-                           .none_time = 20s,
-                           .outside_labels = 3,
-                           .outside_labels_time = 40s,
-                           .outside_motion = 2,
-                           .outside_motion_time = 24s,
-                           .none_in_alarm = 500ms,
-                           .wrong_class = 4,
-                           .labelled_time = 10s};
+                     .after_intervals = 2,
+                     .none_time = 20s,
+                     .outside_labels = 3,
+                     .outside_labels_time = 40s,
+                     .outside_motion = 2,
+                     .outside_motion_time = 24s,
+                     .none_in_alarm = 500ms,
+                     .wrong_class = 4,
+                     .labelled_time = 10s};
   const nlohmann::json json = alarms;
   EXPECT_EQ(json.at("outside_labels"), 3);
   const FalseAlarms read = JsonView(json, "run.json").get<FalseAlarms>();

@@ -133,7 +133,8 @@ TEST_F(GrowingDataset, IsTheSameAfterALabelWasConfirmedOrAnEditUndone) {
   const fs::path labelled = data() / "fan/03/labels.json";
   labels::Labels labels = labels::read_labels(labelled);
   labels.intervals[0].confirmed = true;
-  labels.history.entries.push_back({.who = "ada", .when = "2026-01-01T00:00:00Z", .what = "moved and moved back", .why = {}, .change = {}});
+  labels.history.entries.push_back(
+      {.who = "ada", .when = "2026-01-01T00:00:00Z", .what = "moved and moved back", .why = {}, .change = {}});
   labels::write_labels(labelled, labels);
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_EQ(summary.outcome, DatasetSummary::Outcome::unchanged);

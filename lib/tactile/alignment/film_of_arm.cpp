@@ -357,10 +357,11 @@ class ArmMatch {
     }
     if (motions.empty()) return "the film shows neither start nor stop of the arm's motion";
     if (apart > options_.most_disagreement_us) {
-      fit.contradiction = doubt("film-unlike-arm",
-                                "a motion in the film and the arm's in the robot log differ by {:.0f} ms in length: one of the two "
-                                "may be of another recording",
-                                1e-3 * apart);
+      fit.contradiction =
+          doubt("film-unlike-arm",
+                "a motion in the film and the arm's in the robot log differ by {:.0f} ms in length: one of the two "
+                "may be of another recording",
+                1e-3 * apart);
       return fit.contradiction.words;
     }
     for (const MotionFit& motion : motions) {

@@ -38,8 +38,8 @@ struct Labels {
 /// lies near them.
 std::vector<TouchInterval> unclear_motion(const Labels& labels);
 
-/// The SHA-256 of what learning and judging use of the labels: `touches_sha256` in docs/format/runs.md. Equal labels have the same,
-/// whoever found them, and whatever edits led to them.
+/// The SHA-256 of what learning and judging use of the labels: `touches_sha256` in docs/format/runs.md. Equal labels have the
+/// same, whoever found them, and whatever edits led to them.
 std::string touches_sha256(const Labels& labels);
 
 /// Gives every interval without an id one: its class and the least free number from 1, in order.

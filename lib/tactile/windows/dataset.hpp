@@ -29,7 +29,7 @@ struct DatasetRun {
   std::uint64_t first_event = 0;
   std::uint64_t events = 0;
   std::string events_sha256;
-  std::string labels_sha256;  ///< `labels::touches_sha256`; in datasets of version 0.1, of the file
+  std::string labels_sha256;                ///< `labels::touches_sha256`; in datasets of version 0.1, of the file
   std::optional<RecordingFacts> recording;  ///< datasets of earlier versions have none
 };
 

@@ -94,8 +94,7 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   const std::string name = run.folder.name();
   if (stored.events_sha256 != run.events_sha256)
     differences.push_back(name + ": events.aedat4 has changed since the dataset was made");
-  if (!has_labels(stored, run.folder))
-    differences.push_back(name + ": labels.json has changed since the dataset was made");
+  if (!has_labels(stored, run.folder)) differences.push_back(name + ": labels.json has changed since the dataset was made");
   compare_samples(dataset, stored_index, run, differences);
   compare_intervals(dataset, stored_index, run, differences);
   StoredEvents events(dataset, stored_index);
