@@ -27,7 +27,7 @@ export const SORT_KEYS = {
   length: (run) => run.length_s ?? null,
   rate: (run) => run.rate_mean_per_s ?? null,
   flags: (run) => run.open_flags ?? 0,
-  clock: (run) => run.clocks?.robot_residual_ms ?? null,
+  clock: (run) => run.clocks?.robot_interval_ms ?? null,
   press: (run) => onsetOf(run, "press"),
   slip: (run) => onsetOf(run, "slip"),
 };

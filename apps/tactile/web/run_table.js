@@ -200,7 +200,7 @@ export class RunTable {
       ),
       cell("Press at", onset("press")),
       cell("Slip at", onset("slip")),
-      cell("Robot clock", run.clocks?.robot_residual_ms != null ? `${shortNumber(run.clocks.robot_residual_ms)} ms` : "–"),
+      cell("Robot clock", run.clocks?.robot_interval_ms != null ? `±${shortNumber(run.clocks.robot_interval_ms)} ms` : "–"),
       cell(
         "Flags",
         open.length
