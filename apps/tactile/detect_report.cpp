@@ -99,9 +99,9 @@ void add_events(const detect::DetectionSummary& summary, Lines& lines) {
   if (counts.lost_events > 0)
     events += fmt::format(", {} dropped ({:.3f} %)", counts.lost_events, percentage(counts.lost_events, arrived));
   lines.emplace_back("events", events);
-  // A few late events in a whole session are worth no longer delay.
-  if (100 * counts.late_events > arrived && summary.needed_slack)
-    lines.emplace_back("", fmt::format("with --slack-us {} most of them would be in time", summary.needed_slack->count()));
+  // A few late events are no reason to delay every verdict.
+  if (100 * counts.late_events > arrived && summary.proposed_slack)
+    lines.emplace_back("", fmt::format("with --slack-us {} most of them would be in time", summary.proposed_slack->count()));
   const capture::LostElements unsound = summary.drops.total();
   if (unsound.packets + unsound.events > 0)
     lines.emplace_back("unsound", fmt::format("{}, {}", counted(unsound.packets, "packet"), counted(unsound.events, "event")));
@@ -112,8 +112,12 @@ void add_events(const detect::DetectionSummary& summary, Lines& lines) {
 }
 
 void add_scene(const detect::DetectionSummary& summary, Lines& lines) {
-  if (!summary.scene || summary.scene->windows == 0) return;
+  if (!summary.scene) return;
   const detect::SceneSummary& scene = *summary.scene;
+  if (scene.windows == 0) {
+    if (scene.skipped > 0) lines.emplace_back("scene", "not measured, because too many events were late or dropped");
+    return;
+  }
   const std::string seen = "in " + counted(scene.windows, "look");
   lines.emplace_back("scene", scene.left == 0
                                   ? "as in the training runs " + seen
@@ -125,6 +129,7 @@ nlohmann::json scene_json(const std::optional<detect::SceneSummary>& scene) {
   if (!scene) return nullptr;
   return {{"training", scene->training},
           {"windows", scene->windows},
+          {"skipped", scene->skipped},
           {"left", scene->left},
           {"returned", scene->returned},
           {"is_outside", scene->is_outside},
@@ -173,7 +178,7 @@ nlohmann::json events_json(const detect::DetectionSummary& summary) {
   const capture::LostElements unsound = summary.drops.total();
   return {{"counted", summary.counts.events},
           {"late", summary.counts.late_events},
-          {"needed_slack_us", summary.needed_slack ? nlohmann::json(summary.needed_slack->count()) : nlohmann::json()},
+          {"proposed_slack_us", summary.proposed_slack ? nlohmann::json(summary.proposed_slack->count()) : nlohmann::json()},
           {"dropped", summary.counts.lost_events},
           {"packets", summary.counts.packets},
           {"longest_packet_us", summary.longest_packet.count()},

@@ -94,7 +94,8 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
                                                     speed->us_p50, speed->us_p99));
   }
   return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + wrapped(comparison_with_baselines(evaluation)) + "\n" +
-         advice_on_alarms(evaluation) + "In brackets: 95 % intervals. --verbose prints all tables, --run one run over time.\n";
+         advice_on_alarms(evaluation) +
+         "In brackets: 95 % intervals. --verbose prints all tables, --run fan/02 a run over time.\n";
 }
 
 }  // namespace tactile::cli

@@ -75,7 +75,7 @@ std::string check_run_number(const std::string& text) {
 std::vector<std::string> recordings_at(const std::string& place) {
   for (const char* extension : {".mp4", ".avi", ".mkv", ".mov"}) {
     if (conversion::lower_extension(place) == extension)
-      throw Error(place + ": is a film; expected a recording, with its film as --video or under the same name");
+      throw Error(place + ": is a film; expected a recording, with its film as --video");
   }
   if (!fs::is_directory(place) || bags::is_bag(place) || is_there(run_folder_at(place).events())) return {place};
   std::vector<std::string> found;
@@ -105,12 +105,10 @@ void check_free(const RunFolder& run, const splitting::SplitSource& source) {
 struct ImportedRun {
   std::string recording;
   splitting::SplitRun made;
-  std::string robot, film;  ///< the files that were taken; empty if there is none
+  std::string robot, film;  ///< the files that were taken, or the bag that has them; empty if there is none
   RecordingReport report;
   std::vector<std::string> lacks;  ///< "robot log", "IMU", "film"
 };
-
-std::string text_of(const std::optional<fs::path>& file) { return file ? file->string() : std::string(); }
 
 ReportOptions as_info_check() {
   ReportOptions options;
@@ -160,10 +158,14 @@ ImportedRun import_one(const std::string& recording, const ImportCommandArgument
       {.data = args.splitting.data, .objects = {names.object}, .first_run = names.first_run, .session = args.splitting.session},
       progress_line(common));
   warn_of_losses(recording, result.problems);
+  const auto name_of = [&](const std::optional<fs::path>& file) {
+    const bool is_in_bag = file && converted && file->parent_path() == source.recording.parent_path();
+    return is_in_bag ? recording : file ? file->string() : std::string();
+  };
   ImportedRun imported{.recording = recording,
                        .made = std::move(result.runs.front()),
-                       .robot = text_of(source.robot),
-                       .film = text_of(source.video),
+                       .robot = name_of(source.robot),
+                       .film = name_of(source.video),
                        .report = {},
                        .lacks = {}};
   const RunFolder& run = imported.made.run;

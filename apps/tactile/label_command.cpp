@@ -130,19 +130,20 @@ Outcome label_all(const CommonArguments& common, const LabelArguments& arguments
   return outcome;
 }
 
-/// Writes the session into run.json of all runs, or of none if one has no run.json.
+/// Writes the session into run.json of the runs; into none if one has no run.json.
 void set_session(const std::vector<RunFolder>& runs, const std::string& session) {
   std::vector<std::pair<RunFolder, RunInfo>> changed;
+  std::vector<std::string> before;
   for (const RunFolder& run : runs) {
     if (!is_there(run.info()))
       throw Error("--session: " + run.name() + " has no run.json; expected a run that 'tactile import' or 'tactile record' made");
     RunInfo info = read_run_info(run);
     if (info.session == session) continue;
-    info.session = session;
+    before.push_back(fmt::format("{} '{}'", run.name(), std::exchange(info.session, session)));
     changed.emplace_back(run, std::move(info));
   }
   for (const auto& [run, info] : changed) write_run_info(run, info);
-  spdlog::info("session '{}': {} of {} runs changed", session, changed.size(), runs.size());
+  if (!before.empty()) spdlog::info("session is now '{}'; it was: {}", session, fmt::join(before, ", "));
 }
 
 /// The robot log or film of one recording may lie beside another: then both runs have the same file.
@@ -206,6 +207,8 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
   const RunsBelow found = runs_in(arguments.places);
   const std::vector<RunFolder>& runs = found.runs;
   if (arguments.edits.edits_labels()) return go_through_history(common, arguments.edits, found, !arguments.no_pictures);
+  if (!arguments.session.empty() && (arguments.exchange.imports() || arguments.exchange.exports()))
+    throw Error("--session: labels runs; expected it without --import and --export");
   if (arguments.exchange.imports()) {
     return import_labels(
         common, arguments.exchange, found,
@@ -248,7 +251,7 @@ void add_label_command(CLI::App& app) {
   auto arguments = std::make_shared<LabelArguments>();
   Command command = add_command(app, "label", "Align the clocks of runs, and find the begin and end of press and slip",
                                 [arguments](const CommonArguments& common) { run_label(common, *arguments); });
-  command.add_option("data", arguments->places, "Folders of runs, or single runs").show_default();
+  const Option data = command.add_option("data", arguments->places, "Folders of runs, or single runs").show_default();
   const Option compare_truth =
       command.add_flag("--compare-truth", arguments->compare_truth, "Print errors against truth.json, for simulated runs");
   const Option summary = command.add_flag(
@@ -265,6 +268,8 @@ void add_label_command(CLI::App& app) {
       .add_option("--session", arguments->session,
                   "Write this session into run.json of the runs: they share their clocks, so one clock is fitted to all")
       .type_name("NAME")
+      .check(Check{[](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, "a name"})
+      .needs(data)  // without it, all runs would get one session
       .excludes(summary);
   const Option force =
       command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")

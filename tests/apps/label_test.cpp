@@ -135,10 +135,12 @@ TEST_F(LabelCommand, GivesRunsASession) {
   for (const char* run : {"fan/01", "usb-hub/01"})
     EXPECT_EQ(nlohmann::json::parse(read_text(folder / "data" / run / "run.json"))["session"], "monday");
   std::filesystem::remove(folder / "data/usb-hub/01/run.json");
-  const auto refused = run_tactile("label --no-pictures --session tuesday", folder.path());
+  const auto refused = run_tactile("label data --no-pictures --session tuesday", folder.path());
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("usb-hub/01 has no run.json"), std::string::npos) << refused.err;
   EXPECT_EQ(nlohmann::json::parse(read_text(folder / "data/fan/01/run.json"))["session"], "monday") << "none is changed";
+  for (const char* wrong : {"label --session tuesday", "label data --session ''", "label data --session tuesday --export l.csv"})
+    EXPECT_NE(run_tactile(wrong, folder.path()).exit_code, 0) << wrong;
 }
 
 TEST_F(LabelCommand, NamesARunThatCannotBeReadAndLabelsTheOthers) {

@@ -10,6 +10,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
+#include "tactile/windows/older_dataset.hpp"
 #include "tactile/windows/older_heatmaps.hpp"
 #include "tactile/windows/run_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -139,6 +140,21 @@ TEST_F(GrowingDataset, IsTheSameAfterALabelWasConfirmedOrAnEditUndone) {
   const DatasetSummary summary = write_dataset(data(), file());
   EXPECT_EQ(summary.outcome, DatasetSummary::Outcome::unchanged);
   EXPECT_EQ(summary.manifest_hash, before);
+}
+
+TEST_F(GrowingDataset, KnowsTheLabelsOfADatasetOfVersion01ByTheFile) {
+  const Dataset dataset(file());
+  DatasetRun run = dataset.runs()[0];
+  const RunFolder folder = run_folder_at(data() / name_of(run));
+  EXPECT_TRUE(has_labels(run, folder));
+  run.labels_sha256 = sha256_of_file(folder.labels());
+  EXPECT_TRUE(has_labels(run, folder)) << "as version 0.1 stored it";
+  run.labels_sha256 = dataset.runs()[2].labels_sha256;
+  EXPECT_FALSE(has_labels(run, folder));
+  const OlderDataset older(dataset);
+  ASSERT_NE(older.run_of(folder, run.events_sha256), nullptr);
+  EXPECT_EQ(name_of(*older.run_of(folder, run.events_sha256)), name_of(run));
+  EXPECT_EQ(older.run_of(folder, dataset.runs()[1].events_sha256), nullptr) << "another recording";
 }
 
 TEST_F(GrowingDataset, ReadsOnlyAnotherRecordingOfARun) {

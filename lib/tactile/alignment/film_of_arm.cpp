@@ -360,7 +360,7 @@ class ArmMatch {
       fit.contradiction =
           doubt("film-unlike-arm",
                 "a motion in the film and the arm's in the robot log differ by {:.0f} ms in length: one of the two "
-                "may be of another recording",
+                "may be of another recording, or the film lacks frames",
                 1e-3 * apart);
       return fit.contradiction.words;
     }

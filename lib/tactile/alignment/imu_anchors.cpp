@@ -251,10 +251,15 @@ struct MotionLimits {
   double reach_s = 0, most_unexplained = 0;
 };
 
+/// What the IMU says of the arm's motions.
+struct ExplainedMotions {
+  std::optional<double> shift_s;  ///< of the first one that it explains
+  bool contradicts = false;       ///< one lies whole within the IMU's samples, and is not explained
+};
+
 /// Adds an anchor for each stretch of motion that the IMU explains.
-/// @return the shift of the first; nothing if there is none
-std::optional<double> add_explained_motions(AnchorSearch& search, const ImuVelocity& velocity, double first_shift_s,
-                                            const MotionLimits& limits) {
+ExplainedMotions add_explained_motions(AnchorSearch& search, const ImuVelocity& velocity, double first_shift_s,
+                                       const MotionLimits& limits) {
   // From the window nearest to the recording's middle outwards: a drift moves the later ones away.
   std::vector<Window> windows = windows_of(search.inputs, search.origins);
   KnownShifts known{.first_s = first_shift_s, .first_at_s = 0.5 * (velocity.begin_s() + velocity.end_s()) - first_shift_s};
@@ -266,11 +271,13 @@ std::optional<double> add_explained_motions(AnchorSearch& search, const ImuVeloc
   // A sample is stamped up to a quarter of a millisecond late, and the low-pass filter of the sensor delays it by about 1 ms
   // more.
   constexpr double common_s = 500e-6;
+  bool contradicts = false;
   for (const Window& window : windows) {
     const KnownShifts::Nearest near = known.nearest(window.middle_s);
     const std::vector<TimedSpeed> rows = speeds_in(window, search.inputs.robot, search.origins);
     const auto cost = [&](double shift_s) { return unexplained(rows, velocity, shift_s); };
     const LowestPoint best = lowest_point(cost, near.shift_s, limits.reach_s + widest_drift * near.distance_s, 1e-3);
+    contradicts = contradicts || (best.value >= limits.most_unexplained && best.value < 1);  // 1: samples lack
     if (!(best.value < limits.most_unexplained) || !(best.curvature > 0)) continue;
     // Twice the deviation of the least squares: their residual is the integral of noise, which wanders.
     const double sigma_s =
@@ -279,7 +286,8 @@ std::optional<double> add_explained_motions(AnchorSearch& search, const ImuVeloc
     known.found.emplace_back(window.middle_s, best.at);
     search.add(window.middle_s, best.at, sigma_s, AnchorKind::imu, common_s);
   }
-  return known.found.empty() ? std::nullopt : std::optional(known.found.front().second);
+  if (known.found.empty()) return {.shift_s = {}, .contradicts = contradicts};
+  return {.shift_s = known.found.front().second, .contradicts = contradicts};
 }
 
 }  // namespace
@@ -295,9 +303,8 @@ std::optional<double> add_imu_anchors(AnchorSearch& search, const ArmMotion& mot
     if (coarse && coarse->match.likeness >= search.options.least_likeness) search.left_by_imu_s = coarse->as_good_s;
     return std::nullopt;
   }
-  const std::optional<double> shift_s =
-      add_explained_motions(search, velocity, coarse->shift_s, {.reach_s = 0.012, .most_unexplained = 0.25});
-  if (shift_s) return shift_s;
+  constexpr MotionLimits limits{.reach_s = 0.012, .most_unexplained = 0.25};
+  if (const auto shift_s = add_explained_motions(search, velocity, coarse->shift_s, limits).shift_s) return shift_s;
   search.found.doubts.push_back(doubt("imu-too-short", "no motion of the arm lies whole within the IMU's samples"));
   return std::nullopt;
 }
@@ -307,7 +314,8 @@ void add_imu_anchors_near(AnchorSearch& search, double shift_s) {
   // more than 0.1.
   constexpr MotionLimits limits{.reach_s = 0.05, .most_unexplained = 0.1};
   const ImuMotion imu = imu_motion(search.inputs.imu);
-  if (add_explained_motions(search, ImuVelocity(imu, search.origins), shift_s, limits)) return;
+  const ExplainedMotions motions = add_explained_motions(search, ImuVelocity(imu, search.origins), shift_s, limits);
+  if (motions.shift_s || !motions.contradicts) return;
   search.found.contradictions.push_back(
       doubt("imu-unlike-arm",
             "the camera's IMU measured another motion than the robot log contains: the log may be of another recording"));

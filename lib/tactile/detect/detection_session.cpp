@@ -234,7 +234,7 @@ void DetectionSession::State::sum_up(const EventFeed& feed) {
   }
   summary.counts = detector.counts();
   summary.deadlines = detector.deadlines();
-  summary.needed_slack = detector.late_events().needed_slack();
+  summary.proposed_slack = detector.late_events().proposed_slack();
   summary.longest_packet = detector.clock().longest_packet();
   summary.drops = feed.drops();
   summary.reopened = feed.reopened();

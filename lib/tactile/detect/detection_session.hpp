@@ -59,7 +59,7 @@ struct DetectionSummary {
   LiveCounts counts;
   VerdictCounts verdicts;
   DeadlineMonitor deadlines{std::chrono::milliseconds(2)};
-  std::optional<microseconds> needed_slack;  ///< `LateEvents::needed_slack`
+  std::optional<microseconds> proposed_slack;  ///< `LateEvents::proposed_slack`
   microseconds longest_packet{0};
   capture::SourceDrops drops;
   std::uint64_t reopened = 0;

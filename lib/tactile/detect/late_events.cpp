@@ -30,22 +30,24 @@ bool RepeatedFault::is_due_again(HostTime at) {
 }
 
 void LateEvents::add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported,
-                     HostTime at) {
+                     microseconds waits, HostTime at) {
   if (late > 0 && last_reported) {
     const microseconds delay = between(events.front().t, *last_reported);
     latest_ = std::max(latest_, delay);
-    delays_.add(delay);
+    needed_.add(waits + delay);
   }
   if (window_begin_ == HostTime{}) window_begin_ = at;
   window_events_ += events.size();
   window_late_ += late;
   if (at - window_begin_ < share_window) return;
   if (100 * window_late_ > window_events_ && some_late_.occurred(at) > 0) {
+    const std::optional<microseconds> slack = proposed_slack();
     report_(
         {"late events",
          fmt::format("{} of {} events within {:.1f} s arrived up to {:.1f} ms after the verdict of their tick, and are left out; "
-                     "expected a source that sends in time, or a longer slack: try --slack-us {}",
-                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_), needed_slack()->count()),
+                     "expected a source that sends in time{}",
+                     window_late_, window_events_, in_s(at - window_begin_), in_ms(latest_),
+                     slack ? fmt::format(", or a longer slack: try --slack-us {}", slack->count()) : ""),
          at});
   }
   window_begin_ = at;
@@ -53,9 +55,11 @@ void LateEvents::add(std::span<const events::Event> events, std::size_t late, co
   latest_ = {};
 }
 
-std::optional<microseconds> LateEvents::needed_slack() const {
-  if (delays_.count() == 0) return std::nullopt;
-  return std::chrono::ceil<std::chrono::milliseconds>(slack_ + delays_.percentile(0.99));
+std::optional<microseconds> LateEvents::proposed_slack() const {
+  constexpr microseconds longest{50'000};
+  if (needed_.count() == 0) return std::nullopt;
+  const microseconds slack = std::chrono::ceil<std::chrono::milliseconds>(needed_.percentile(0.99));
+  return slack <= longest ? std::optional(slack) : std::nullopt;
 }
 
 std::optional<std::string> LateEvents::all_late(HostTime at) {

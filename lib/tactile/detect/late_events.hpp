@@ -28,33 +28,33 @@ class RepeatedFault {
 /// Events that arrive after the verdict of their tick.
 class LateEvents {
  public:
-  /// @param slack   of the ticks, for the text of the fault
-  /// @param limit   if all events are late for this long, the stream's delay has grown
-  LateEvents(microseconds slack, microseconds limit, ReportFault report)
-      : slack_(slack), limit_(limit), report_(std::move(report)) {}
+  /// @param limit  if all events are late for this long, the stream's delay has grown
+  LateEvents(microseconds limit, ReportFault report) : limit_(limit), report_(std::move(report)) {}
 
   /// Counts one packet. Reports a fault if more than 1 % of the events within a second were late.
   /// @param late           number of `events`, from the first on, that were late
   /// @param last_reported  the last tick with a verdict, if any
-  void add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported, HostTime at);
+  /// @param waits          how long ticks wait for late events at this time
+  void add(std::span<const events::Event> events, std::size_t late, const std::optional<CameraTime>& last_reported,
+           microseconds waits, HostTime at);
 
-  /// The slack with which 99 % of the packets with late events would have been in time, in whole milliseconds; nothing if no
-  /// event was late.
-  std::optional<microseconds> needed_slack() const;
+  /// The slack with which 99 % of the packets with late events would have been in time, in whole milliseconds. Nothing if no
+  /// event was late, or if it is above 50 ms: then the source stalls, and no slack helps.
+  std::optional<microseconds> proposed_slack() const;
 
   void in_time() { all_late_since_.reset(); }  ///< an event was in time
   /// All events of a packet were late. @return  a sentence, or an empty text, once this has lasted for `limit`
   std::optional<std::string> all_late(HostTime at);
 
  private:
-  const microseconds slack_, limit_;
+  const microseconds limit_;
   ReportFault report_;
   RepeatedFault some_late_, delay_grew_;
   std::optional<HostTime> all_late_since_;
   HostTime window_begin_{};  ///< the following three are counted from here
   std::uint64_t window_events_ = 0, window_late_ = 0;
   microseconds latest_{0};      ///< largest delay after the last reported tick
-  DurationHistogram delays_{};  ///< of all packets with late events, so as `latest_`
+  DurationHistogram needed_{};  ///< slack that each packet with late events needed
 };
 
 /// Events that were read late because others waited before them.

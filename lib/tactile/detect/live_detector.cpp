@@ -33,7 +33,7 @@ LiveDetector::LiveDetector(TickDetector detector, const LiveDetectorOptions& opt
       forget_(std::move(forget)),
       clock_(options.clock),
       deadlines_(options.clock.tick),
-      late_events_(options.clock.slack, options.late_for, fault_),
+      late_events_(options.late_for, fault_),
       backlog_(fault_) {}
 
 void LiveDetector::restart(const char* kind, const std::string& text, HostTime at) {
@@ -131,7 +131,7 @@ void LiveDetector::take_live(std::span<const events::Event> events, HostTime at)
   last_seen_ = last;
   const std::size_t late = clock_.too_late(events);
   counts_.late_events += late;
-  late_events_.add(events, late, clock_.last_reported(), at);
+  late_events_.add(events, late, clock_.last_reported(), clock_.waits(), at);
   const auto lacks_events_until = [this](CameraTime t) { hole_until_ = std::max(hole_until_.value_or(CameraTime::min()), t); };
   if (late > 0) lacks_events_until(after(events[late - 1].t, 1us));
   if (options_.scene != nullptr) options_.scene->lose(late);

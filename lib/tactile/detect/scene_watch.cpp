@@ -14,6 +14,7 @@ void SceneWatch::add(std::span<const events::Event> events) {
     if (std::exchange(pauses_, false)) next_begin_ = after(events.front().t, options_.pause);
     if (next_begin_ && events.back().t < *next_begin_) return;
     next_begin_.reset();
+    if (window_.events().empty()) lost_ = 0;
     events = events.subspan(window_.add(events));
     if (!window_.is_full()) return;
     is_full_.store(true, std::memory_order_release);
@@ -46,7 +47,10 @@ void SceneWatch::finish() {
 
 void SceneWatch::measure() {
   constexpr std::uint64_t one_of = 20;
-  if (one_of * std::exchange(lost_, 0) > window_.events().size()) return window_.clear();
+  if (one_of * lost_ > window_.events().size()) {
+    ++summary_.skipped;
+    return window_.clear();
+  }
   const characterise::Scene scene = characterise::scene_of(window_.events(), window_.seconds(), options_.sensor, options_.mask);
   window_.clear();
   ++summary_.windows;

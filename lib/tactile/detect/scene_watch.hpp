@@ -25,6 +25,7 @@ struct SceneWatchOptions {
 struct SceneSummary {
   characterise::SceneRanges training;
   std::uint64_t windows = 0;             ///< measured
+  std::uint64_t skipped = 0;             ///< not measured, because they lack events
   std::uint64_t left = 0, returned = 0;  ///< changes
   bool is_outside = false;               ///< at the end
   std::optional<characterise::Scene> last{};

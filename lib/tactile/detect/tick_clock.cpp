@@ -42,7 +42,7 @@ std::optional<CameraTime> TickClock::next_tick() const {
 }
 
 HostTime TickClock::closes_at(CameraTime tick) const {
-  const microseconds slack = std::max(options_.slack, longest_packet_);
+  const microseconds slack = waits();
   const microseconds silence = std::max(microseconds{0}, between(*last_event_, tick));
   const std::int64_t wait = saturating_add(slack.count(), silence.count() / 10'000);
   return HostTime{microseconds{saturating_add(us_of(line_.host_of(tick)), wait)}};
@@ -78,8 +78,8 @@ std::optional<DueTick> TickClock::newest(HostTime now) const {
   std::int64_t index = std::min(all_.count, full_ticks(*first_event_, until, options_.history, options_.tick).count) - 1;
   // The host's time closes no tick before its slack is over: first go back by this many ticks.
   if (host_closes() && all_.at(std::max(index, next_)) > *last_event_) {
-    const std::int64_t open = (std::max(options_.slack, longest_packet_) / options_.tick) + 1 +
-                              between(*last_event_, until).count() / 10'000 / options_.tick.count();
+    const std::int64_t open =
+        (waits() / options_.tick) + 1 + between(*last_event_, until).count() / 10'000 / options_.tick.count();
     const std::int64_t by_events = full_ticks(*first_event_, *last_event_, options_.history, options_.tick).count - 1;
     std::int64_t candidate = index;
     for (std::int64_t step = 0; step <= open + 1 && candidate > by_events && closes_at(all_.at(candidate)) > now; ++step)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -62,6 +63,7 @@ class TickClock {
   std::optional<CameraTime> last_event() const { return last_event_; }
   std::optional<CameraTime> last_reported() const { return last_reported_; }
   microseconds longest_packet() const { return longest_packet_; }
+  microseconds waits() const { return std::max(options_.slack, longest_packet_); }  ///< a tick, for late events
   const ArrivalLine& line() const { return line_; }
 
  private:

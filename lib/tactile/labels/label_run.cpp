@@ -163,8 +163,12 @@ class Labeller {
       }
     }
     // A person who sees a burst in the picture must know why it has no label.
-    if (!unlabelled.empty())
-      labels_.remarks.push_back(fmt::format("bursts of events without a label: {}", fmt::join(unlabelled, ", ")));
+    constexpr std::size_t most = 5;
+    if (unlabelled.empty()) return;
+    const std::size_t more = unlabelled.size() - std::min(most, unlabelled.size());
+    unlabelled.resize(unlabelled.size() - more);
+    labels_.remarks.push_back(fmt::format("bursts of events without a label: {}{}", fmt::join(unlabelled, ", "),
+                                          more > 0 ? fmt::format(", and {} more", more) : ""));
   }
 
   /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long. A
@@ -302,13 +306,20 @@ class Labeller {
     return alignment::UncertainTime{lift->end, before(lift->end, lift->uncertainty), after(lift->end, lift->uncertainty)};
   }
 
+  bool imu_confirms_log() const {
+    return std::any_of(clocks_.anchors.begin(), clocks_.anchors.end(), [](const std::vector<alignment::ClockAnchor>& anchors) {
+      return std::any_of(anchors.begin(), anchors.end(),
+                         [](const alignment::ClockAnchor& anchor) { return anchor.kind == alignment::AnchorKind::imu; });
+    });
+  }
+
   void relate_clocks() {
     for (const std::optional<alignment::FittedClock>& piece : clocks_.pieces) {
       if (piece) labels_.robot_clocks.push_back(*piece);
     }
     if (!signals_.video) return;
     alignment::VideoClockFit fit = fit_film_clock(signals_, clocks_, options_.video_clock);
-    if (!fit.contradiction.empty()) {
+    if (!fit.contradiction.empty() && !imu_confirms_log()) {
       flag(fit.contradiction);
       return;
     }
@@ -392,9 +403,13 @@ class Labeller {
                            [&](const LabelledInterval& interval) { return interval.touch == touch; });
     };
     const auto slips = static_cast<std::size_t>(count(Touch::slip)) + firm_lifts_;
-    if (moves_.all_placed && slips < moves_.lifts.size()) {
-      flag(doubt("lifts-without-slip", "{} of the {} lifts in the robot log {} without a slip: no burst of events lies in it",
-                 moves_.lifts.size() - slips, moves_.lifts.size(), moves_.lifts.size() - slips == 1 ? "is" : "are"));
+    // One log may contain several recordings.
+    const auto lifts = static_cast<std::size_t>(std::count_if(moves_.lifts.begin(), moves_.lifts.end(), [&](const ArmMove& lift) {
+      return lift.end >= signals_.rate.begin && lift.start <= signals_.rate.last;
+    }));
+    if (moves_.all_placed && slips < lifts) {
+      flag(doubt("lifts-without-slip", "{} of the {} lifts during the recording {} without a slip: no burst of events lies in it",
+                 lifts - slips, lifts, lifts - slips == 1 ? "is" : "are"));
     } else if (slips == 0 && lifts_are_known() && !moves_.rises) {
       labels_.remarks.emplace_back("no slip, and the robot log has no lift");
     } else if (slips == 0) {

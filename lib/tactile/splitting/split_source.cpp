@@ -1,8 +1,8 @@
 #include "tactile/splitting/split_source.hpp"
 
 #include <algorithm>
-#include <initializer_list>
 #include <string_view>
+#include <vector>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/runs_below.hpp"
@@ -17,15 +17,33 @@ void take_if_there(std::optional<fs::path>& place, const fs::path& file) {
   if (is_file(file)) place = file;
 }
 
-/// Whether it is a table with these columns.
-bool has_columns(const fs::path& file, std::initializer_list<std::string_view> names) {
-  if (!is_file(file)) return false;
+/// The names of a table's columns; none if it is no table: another file may have this name by chance.
+std::vector<std::string> columns_of(const fs::path& file) {
+  if (!is_file(file)) return {};
   try {
-    const TableFile table(file, {.name = "a table", .header = "names of columns", .ends_in_any_bytes = true});
-    return std::all_of(names.begin(), names.end(), [&](std::string_view name) { return table.find(name).has_value(); });
+    return TableFile(file, {.name = "a table", .header = "names of columns", .ends_in_any_bytes = true}).names();
   } catch (const Error&) {
-    return false;  // another file that has this name by chance
+    return {};
   }
+}
+
+bool has(const std::vector<std::string>& columns, std::string_view name) {
+  return std::find(columns.begin(), columns.end(), name) != columns.end();
+}
+
+bool has_film_times(const fs::path& file) {
+  const std::vector<std::string> columns = columns_of(file);
+  return has(columns, "index") && has(columns, "pts_us");
+}
+
+/// Whether it has times and any of the columns that motion follows from.
+bool is_robot_log(const fs::path& file) {
+  const std::vector<std::string> columns = columns_of(file);
+  const auto is_motion = [](const std::string& column) {
+    return column.starts_with("actual_TCP_") || column.starts_with("actual_q") || column.starts_with("target_TCP_") ||
+           column.starts_with("target_q");
+  };
+  return has(columns, "timestamp") && std::any_of(columns.begin(), columns.end(), is_motion);
 }
 
 }  // namespace
@@ -52,19 +70,20 @@ SplitSource split_source_at(const fs::path& what) {
 }
 
 void take_devices_of_same_name(SplitSource& source, const fs::path& recording) {
-  for (const char* extension : {".robot.csv", ".csv"}) {
-    const fs::path log = fs::path(recording).replace_extension(extension);
-    if (!source.robot && log != recording && has_columns(log, {"timestamp"})) source.robot = log;
-  }
-  if (const fs::path film = fs::path(recording).replace_extension(".mp4"); !source.video && is_file(film))
-    set_video(source, film);
+  fs::path name = recording.lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();  // "bag/" ends in an empty part
+  if (!fs::is_directory(name)) name.replace_extension();
+  const auto with = [&](const char* extension) { return fs::path(name).concat(extension); };
+  if (!source.robot) take_if_there(source.robot, with(".robot.csv"));
+  if (!source.robot && with(".csv") != recording && is_robot_log(with(".csv"))) source.robot = with(".csv");
+  if (!source.video && is_file(with(".mp4"))) set_video(source, with(".mp4"));
 }
 
 void set_video(SplitSource& source, const fs::path& video) {
   if (!is_file(video)) throw Error(video.string() + ": no such file; expected a film");
   source.video = video;
   const fs::path times = fs::path(video).replace_extension(".csv");
-  source.video_times = has_columns(times, {"index", "pts_us"}) ? std::optional(times) : std::nullopt;
+  source.video_times = has_film_times(times) ? std::optional(times) : std::nullopt;
 }
 
 std::string session_of(const SplitSource& source, const events::RecordingReader& recording, const std::string& sha256) {

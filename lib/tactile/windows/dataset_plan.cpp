@@ -311,7 +311,10 @@ RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options, const OlderD
             .error = {},
             .why_no_samples = has_no("labels of its present events")};
   }
-  run.labels_sha256 = labels::touches_sha256(labels);
+  // A dataset of version 0.1 has the hash of the file: it stays the same while the file does.
+  const DatasetRun* before = older == nullptr ? nullptr : older->run_of(run.folder, run.events_sha256);
+  run.labels_sha256 =
+      before != nullptr && has_labels(*before, run.folder) ? before->labels_sha256 : labels::touches_sha256(labels);
   if (!take_facts(run, older)) find_facts(run);
   std::string why = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
   if (run.sensor.width <= 0) why = "neither its recording nor run.json has the sensor's size";

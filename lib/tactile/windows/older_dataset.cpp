@@ -21,6 +21,13 @@ std::optional<RecordingFacts> OlderDataset::facts_of(const std::string& events_s
   return found == runs_of_recording_.end() ? std::nullopt : dataset_->runs()[found->second].recording;
 }
 
+const DatasetRun* OlderDataset::run_of(const RunFolder& run, const std::string& events_sha256) const {
+  const auto [begin, end] = runs_of_recording_.equal_range(events_sha256);
+  const auto found =
+      std::find_if(begin, end, [&](const auto& one) { return name_of(dataset_->runs()[one.second]) == run.name(); });
+  return found == end ? nullptr : &dataset_->runs()[found->second];
+}
+
 std::optional<std::uint32_t> OlderDataset::with_same_events(const std::string& events_sha256, std::span<const Sample> samples,
                                                             microseconds history) const {
   if (dataset_->sampling().history != history) return std::nullopt;

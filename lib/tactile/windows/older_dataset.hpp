@@ -39,6 +39,9 @@ class OlderDataset {
   std::optional<std::uint32_t> with_same_events(const std::string& events_sha256, std::span<const Sample> samples,
                                                 microseconds history) const;
 
+  /// The run of this name with the same recording; null if there is none.
+  const DatasetRun* run_of(const RunFolder& run, const std::string& events_sha256) const;
+
   std::uint64_t events_of(std::uint32_t run_index) const { return dataset_->runs()[run_index].events; }
 
   /// Passes the events of a run to `use`, from number `first` on. @throws UnusableDataset  if they cannot be read
