@@ -79,8 +79,9 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
                                                           ticks.reported, ticks.skipped, ticks.late, 100 * ticks.missed_share()));
   if (summary.counts.incomplete > 0)
     lines.emplace_back(
-        "incomplete", fmt::format("{}, {:.3f} %: events of their history are missing", counted(summary.counts.incomplete, "tick"),
-                                  percentage(summary.counts.incomplete, ticks.reported)));
+        "incomplete",
+        fmt::format("{}, {:.3f} %: judged without all events of their history; not counted as missed",
+                    counted(summary.counts.incomplete, "tick"), percentage(summary.counts.incomplete, ticks.reported)));
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
   if (summary.detector.gate)
     lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,
@@ -99,15 +100,18 @@ void add_events(const detect::DetectionSummary& summary, Lines& lines) {
   if (counts.lost_events > 0)
     events += fmt::format(", {} dropped ({:.3f} %)", counts.lost_events, percentage(counts.lost_events, arrived));
   lines.emplace_back("events", events);
-  // A few late events are no reason to delay every verdict.
-  if (100 * counts.late_events > arrived && summary.proposed_slack)
-    lines.emplace_back("", fmt::format("with --slack-us {} most of them would be in time", summary.proposed_slack->count()));
+  // A few late events are no reason to wait longer, unless many ticks lack them.
+  const bool many_are_late = 100 * counts.late_events > arrived || 20 * counts.incomplete > summary.deadlines.counts().reported;
+  if (many_are_late && summary.proposed_slack)
+    lines.emplace_back("", fmt::format("with --slack-us {} most of them would be in time; ticks wait up to {:g} ms for them",
+                                       summary.proposed_slack->count(), in_ms(*summary.proposed_slack)));
   const capture::LostElements unsound = summary.drops.total();
   if (unsound.packets + unsound.events > 0)
     lines.emplace_back("unsound", fmt::format("{}, {}", counted(unsound.packets, "packet"), counted(unsound.events, "event")));
   if (!summary.plays) lines.emplace_back("packets", fmt::format("{} at the longest", duration_text(summary.longest_packet)));
   std::string faults;
-  for (const auto& [kind, count] : summary.faults) faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", count, kind);
+  for (const auto& [kind, count] : summary.faults)
+    faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", kind, counted(count, "time"));
   lines.emplace_back("faults", faults.empty() ? "none" : faults);
 }
 

@@ -248,11 +248,16 @@ std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods) 
   }
   const bool has_lag =
       std::any_of(runs.begin(), runs.end(), [](const LabelledRun& labelled) { return lag_of(labelled.labels).has_value(); });
+  const bool has_negative_lag = std::any_of(runs.begin(), runs.end(), [](const LabelledRun& labelled) {
+    const auto lag = lag_of(labelled.labels);
+    return lag && *lag < 0us;
+  });
   const bool since_first = runs.front().zero == runs.front().first_event;
   std::string legend = fmt::format("Onsets in seconds {}, all other times in ms; ± is half of an onset's 95 % interval.",
                                    since_first ? "since a run's first event" : "of the camera's clock");
   if (!methods.legend().empty()) legend += " For a clock, ± is half of its offset's 95 % interval.";
-  if (has_lag) legend += " Lift to slip includes the robot clock's error. It is negative only because of this error.";
+  if (has_lag) legend += " Lift to slip includes the robot clock's error.";
+  if (has_negative_lag) legend += " A negative value is this error, or the robot log is of another recording.";
   return text + wrapped(legend) + "\n" + (with_methods ? methods.legend() : "") + advice_on_sessions(runs);
 }
 
@@ -262,7 +267,7 @@ std::string remarks_text(const std::vector<LabelledRun>& runs) {
     for (const std::string& remark : labelled.labels.remarks) runs_of[remark].push_back(labelled.run.name());
   }
   if (runs_of.empty()) return {};
-  std::string text = "Remarks, which need no check:\n";
+  std::string text = "Remarks:\n";
   for (const auto& [remark, names] : runs_of) text += wrapped(fmt::format("  {}: {}", fmt::join(names, ", "), remark), 4) + "\n";
   return text;
 }

@@ -166,7 +166,7 @@ TEST_F(SplitCommand, KeepsRunsThatItMadeAndRefusesToCutTheSameEventsTwice) {
   for (const char* other : {"split take --object fan --at 3", "split take --object usb-hub"}) {
     const test::CommandResult refused = run(other);
     EXPECT_EQ(refused.exit_code, 1);
-    EXPECT_NE(refused.err.find("fan/01, fan/02, fan/03 were cut from this recording before"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("fan/01, fan/02, fan/03 were made from this recording before"), std::string::npos) << refused.err;
   }
   EXPECT_EQ(test::hash_of(test::image_of(folder / "data")), before);
   // A run that was removed is made again.

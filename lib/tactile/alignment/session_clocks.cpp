@@ -119,7 +119,9 @@ std::vector<RobotClocks> robot_clocks_of(std::span<const RunSignals* const> runs
       clocks[r].pieces[0] = std::move(fitted.clock);
       if (g > 0)
         clocks[r].doubts.push_back(
-            doubt("clock-unlike-session", "the robot's clock differs from that of most runs of its session"));
+            doubt("clock-unlike-session",
+                  "the robot's clock does not agree with that of the session's other runs: was the camera or "
+                  "controller restarted between them, or is the robot log of another recording?"));
     }
   }
   return clocks;

@@ -124,8 +124,9 @@ void check_others(const fs::path& data, const std::map<nlohmann::json, RunFolder
   std::string names;
   for (const auto& [origin, run] : earlier) names += (names.empty() ? "" : ", ") + run.name();
   throw Error(fmt::format(
-      "{}: {} {} cut from this recording before, with other cuts, files or session, and would hold the same events twice; "
-      "expected another --out, or these runs removed; 'tactile label --session NAME' gives runs another session",
+      "{}: {} {} made from this recording before, with other cuts, another robot log, film or session; the same events would be "
+      "there twice. Expected another --out, or these runs removed, with the edits of their labels; 'tactile label --session "
+      "NAME' gives runs another session",
       data.string(), names, earlier.size() == 1 ? "was" : "were"));
 }
 
