@@ -302,18 +302,22 @@ TEST(Extremes, EventsAtTheEndsOfInt64AreLabelledAsAnywhere) {
     simulation::SimulationPhysics physics = plain_physics();
     physics.imu.share = 1;
     AlteredRun made(physics);
-    std::int64_t shift = 0;
+    std::uint64_t shift = 0;  // may be more than int64 holds; the sum is not
+    const auto move = [&shift](CameraTime& t) {
+      t = camera_time(static_cast<std::int64_t>(static_cast<std::uint64_t>(us_of(t)) + shift));
+    };
     made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>& imu) {
       const std::int64_t first = std::min(us_of(events.front().t), us_of(imu.front().t)),
                          last = std::max(us_of(events.back().t), us_of(imu.back().t));
-      shift = high ? std::numeric_limits<std::int64_t>::max() - 1 - last : std::numeric_limits<std::int64_t>::min() + 1 - first;
-      for (events::Event& e : events) e.t += microseconds{shift};
-      for (events::ImuSample& s : imu) s.t += microseconds{shift};
+      shift = high ? static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() - 1) - static_cast<std::uint64_t>(last)
+                   : static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::min() + 1) - static_cast<std::uint64_t>(first);
+      for (events::Event& e : events) move(e.t);
+      for (events::ImuSample& s : imu) move(s.t);
     });
     for (TrueInterval& i : made.truth.intervals) {
       if (!i.labelled) continue;
-      i.interval.start += microseconds{shift};
-      i.interval.end += microseconds{shift};
+      move(i.interval.start);
+      move(i.interval.end);
       i.first_event.reset();
       i.gross.reset();
     }
