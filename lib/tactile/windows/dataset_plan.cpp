@@ -313,8 +313,8 @@ RunOutcome plan_run(PlannedRun& run, const WindowsOptions& options, const OlderD
   }
   // A dataset of version 0.1 has the hash of the file: it stays the same while the file does.
   const DatasetRun* before = older == nullptr ? nullptr : older->run_of(run.folder, run.events_sha256);
-  run.labels_sha256 =
-      before != nullptr && has_labels(*before, run.folder) ? before->labels_sha256 : labels::touches_sha256(labels);
+  const bool is_of_file = before != nullptr && before->labels_sha256 == sha256_of_file(run.folder.labels());
+  run.labels_sha256 = is_of_file ? before->labels_sha256 : labels::touches_sha256(labels);
   if (!take_facts(run, older)) find_facts(run);
   std::string why = why_too_many(full_ticks(run.first_event, run.last_event, options.sampling.history, options.sampling.tick));
   if (run.sensor.width <= 0) why = "neither its recording nor run.json has the sensor's size";
