@@ -38,6 +38,7 @@ void add_report_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_judge_command(CLI::App& app);
+void add_stress_step_command(CLI::App& app);
 void add_pages_command(CLI::App& app);
 
 // Loading OpenCV and libav takes more time than some commands need. Therefore there are two programs. libtorch and most of OpenCV
@@ -83,6 +84,7 @@ consteval auto command_table() {
       CommandEntry{"export", Program::all, add_export_command},
       CommandEntry{"doctor", Program::all, add_doctor_command},
       CommandEntry{"judge", Program::all, add_judge_command},
+      CommandEntry{"stress-step", Program::all, add_stress_step_command},
       CommandEntry{"pages", Program::all, add_pages_command},
   };
 }

@@ -146,10 +146,7 @@ std::string false_alarms_text(const results::Evaluation& evaluation) {
   std::vector<Row> rows;
   const auto add_row = [&](const std::string& name, results::Figure FalseAlarmTable::*figure, double scale) {
     Row row{name, number(scale * (network.*figure).value), bounds(network.*figure, scale)};
-    for (const FalseAlarmTable* other : others) {
-      const double value = scale * (other->*figure).value;
-      row.push_back(std::isfinite(value) ? fmt::format("{:.1f}", value) : "-");
-    }
+    for (const FalseAlarmTable* other : others) row.push_back(results::value_text(other->*figure, scale, 1));
     rows.push_back(row);
   };
   const results::FalseAlarms& total = network.total;

@@ -8,7 +8,7 @@
 
 namespace tactile::cli {
 
-/// Where the trainings of an experiment run.
+/// Where the trainings and judgements of an experiment run.
 struct ExecutorArguments {
   std::string executor = "local";
   std::string sbatch;

@@ -79,10 +79,10 @@ class ClockMethods {
     return index < 26 ? std::string(1, static_cast<char>('a' + index)) : std::to_string(index + 1);
   }
 
-  /// "Clock a: lift start and end (92 runs)."
+  /// "Method a: lift start and end (92 runs)."
   std::string legend() const {
     std::string text;
-    for (const auto& [method, uses] : uses_) text += line("Clock " + letter_of(method), method, uses);
+    for (const auto& [method, uses] : uses_) text += line("Method " + letter_of(method), method, uses);
     return text;
   }
   /// The same for the video's clock.
@@ -255,7 +255,11 @@ std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods) 
   const bool since_first = runs.front().zero == runs.front().first_event;
   std::string legend = fmt::format("Onsets in seconds {}, all other times in ms; ± is half of an onset's 95 % interval.",
                                    since_first ? "since a run's first event" : "of the camera's clock");
-  if (!methods.legend().empty()) legend += " For a clock, ± is half of its offset's 95 % interval.";
+  if (!methods.legend().empty() && with_methods) {
+    legend += " For a clock, the letter is the method that found it, and ± is half of its offset's 95 % interval.";
+  } else if (!methods.legend().empty()) {
+    legend += " For a clock, ± is half of its offset's 95 % interval.";
+  }
   if (has_lag) legend += " Lift to slip includes the robot clock's error.";
   if (has_negative_lag) legend += " A negative value is this error, or the robot log is of another recording.";
   return text + wrapped(legend) + "\n" + (with_methods ? methods.legend() : "") + advice_on_sessions(runs);
@@ -347,7 +351,7 @@ std::string differences_table(const std::vector<LabelledRun>& runs) {
     for (std::string& cell : cells_of(measured(values))) row.push_back(std::move(cell));
     rows.push_back(std::move(row));
   }
-  return text_table({"onsets apart [ms]", "clock", "n", "median", "spread", "least", "largest"}, rows) +
+  return text_table({"onsets apart [ms]", "clock by", "n", "median", "spread", "least", "largest"}, rows) +
          wrapped(
              "Robot: when a stage command (press) or the lift (slip) began. Video: when the stage or the arm began to move. "
              "Their differences therefore include the lag from there to the onset. If a clock was fitted to events, its source "

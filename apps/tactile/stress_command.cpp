@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "eval_models.hpp"
+#include "executor_arguments.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
@@ -23,6 +25,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"
 #include "tactile/experiments/stress/stress.hpp"
+#include "tactile/experiments/stress/stress_judgements.hpp"
 #include "tactile/pictures/contact_sheet.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/pictures/recipe_sheet.hpp"
@@ -42,6 +45,7 @@ struct StressArguments {
   std::optional<unsigned> runs;
   std::uint64_t seed = 1;
   DecisionArguments decision;
+  ExecutorArguments executor;
   bool gate = false, quick = false, force = false, verbose = false, no_figures = false;
 };
 
@@ -109,6 +113,8 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   options.engine = model::engine_named(args.engine);
   options.seed = args.seed;
   options.force = args.force;
+  options.program = fs::read_symlink("/proc/self/exe");
+  options.slurm = slurm_of(args.executor);
   return options;
 }
 
@@ -267,12 +273,20 @@ void draw_recipes(const stress::StressOptions& options, const results::Stress& s
 void run(const StressArguments& args, const CommonArguments& common) {
   std::optional<windows::DatasetSummary> made;
   if (args.quiet.empty()) made = make_missing_dataset(args.data, false, common);
-  const stress::StressOptions options = options_of(args, common);
-  const stress::StressSummary summary = stress::run_stress(
-      options, [&] { return progress_line(common); }, log_step);
+  stress::StressOptions options = options_of(args, common);
   nlohmann::json models = nlohmann::json::array();
   for (const fs::path& model : options.models) models.push_back(model.string());
-  write_settings(common, options.out / "settings.json", {{"model", models.size() == 1 ? models.front() : models}});
+  const nlohmann::json decided = {{"model", models.size() == 1 ? models.front() : models}};
+  if (options.slurm) {
+    const fs::path settings = options.out / "slurm" / "settings.json";
+    write_settings(common, settings, decided);
+    options.task = [settings](const std::string& step) {
+      return std::vector<std::string>{"stress-step", step, "--config", settings.string(), "--threads", "1"};
+    };
+  }
+  const stress::StressSummary summary = stress::run_stress(
+      options, [&] { return progress_line(common); }, log_step);
+  write_settings(common, options.out / "settings.json", decided);
   nlohmann::json result = summary.stress;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
@@ -300,12 +314,7 @@ std::vector<std::string> world_names() {
   return names;
 }
 
-}  // namespace
-
-void add_stress_command(CLI::App& app) {
-  auto args = std::make_shared<StressArguments>();
-  Command command = add_command(app, "stress", "Worsen recordings more and more, and judge models on them",
-                                [args](const CommonArguments& common) { run(*args, common); });
+void add_options(Command& command, const std::shared_ptr<StressArguments>& args) {
   command.add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made").show_default();
   command
       .add_option("--recipe", args->recipes,
@@ -341,10 +350,32 @@ void add_stress_command(CLI::App& app) {
   add_decision_options(command, args->decision);
   command.add_flag("--gate", args->gate, "Report none without running the network while the events are likely to be background");
   add_engine_option(command, args->engine);
+  add_executor_options(command, args->executor);
   command.add_flag("--verbose", args->verbose, "Print every recipe, with all models and figures at its last severity");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_flag("--force", args->force, "Do every step again, also those that are done");
   command.add_option("--out", args->out, "Output folder").type_name("DIR").show_default();
+}
+
+}  // namespace
+
+void add_stress_command(CLI::App& app) {
+  auto args = std::make_shared<StressArguments>();
+  Command command = add_command(app, "stress", "Worsen recordings more and more, and judge models on them",
+                                [args](const CommonArguments& common) { run(*args, common); });
+  add_options(command, args);
+}
+
+void add_stress_step_command(CLI::App& app) {
+  auto args = std::make_shared<StressArguments>();
+  auto step = std::make_shared<std::string>();
+  Command command = add_command(app, "stress-step", "Do one step of a stress that runs on a cluster",
+                                [args, step](const CommonArguments& common) {
+                                  stress::do_step(stress::plan_stress(options_of(*args, common)), *step, progress_line(common));
+                                });
+  command.add_option("step", *step, "Name of the step").required();
+  add_options(command, args);
+  app.get_subcommand("stress-step")->group("");  // not in the help: only 'stress --executor slurm' starts it
 }
 
 }  // namespace tactile::cli

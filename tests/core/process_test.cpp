@@ -9,6 +9,7 @@
 #include <system_error>
 #include <thread>
 
+#include "support/comes_true.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -43,8 +44,8 @@ TEST(ChildProcess, EndsWithItsObject) {
   {
     const ChildProcess child(
         {.program = "sh", .arguments = {"-c", "echo $$ > '" + (folder / "pid").string() + "'; exec sleep 600"}});
-    while (!std::filesystem::exists(folder / "pid") || std::filesystem::file_size(folder / "pid") == 0)
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto pid = folder / "pid";
+    ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(pid) && std::filesystem::file_size(pid) > 0; }));
   }
   EXPECT_NE(::kill(static_cast<pid_t>(std::stol(read_text(folder / "pid"))), 0), 0);
 }

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "support/comes_true.hpp"
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -108,7 +109,7 @@ TEST_F(Processes, EndWhenTheProcessThatStartedThemIsKilled) {
     }
     ::_exit(0);
   }
-  while (!fs::exists(file("pid")) || fs::file_size(file("pid")) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(test::comes_true([&] { return fs::exists(file("pid")) && fs::file_size(file("pid")) > 0; }));
   const auto child = static_cast<pid_t>(std::stol(read_text(file("pid"))));
   EXPECT_TRUE(runs(child));
   ::kill(parent, SIGKILL);

@@ -184,5 +184,27 @@ TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
   EXPECT_FALSE(fs::exists(folder_ / "local/study/slurm"));
 }
 
+TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
+  const auto run = [this](const std::string& command) {
+    const auto result = test::run_tactile(command, folder_.path());
+    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+  };
+  for (const char* command :
+       {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows", "train --epochs 1"})
+    run(command);
+  // A recipe with its own seed, a simulated world and a quiet recording.
+  const std::string stress =
+      "stress --recipe noise:50 --world light-dim:90 --quiet-recording data/water-bottle/01/events.aedat4 --seed 7 --no-figures ";
+  std::map<std::string, nlohmann::json> stressed;
+  for (const std::string where : {"local", "slurm:short"}) {
+    run(stress + "--out " + where + " --executor " + where);
+    stressed[where] = read_json(folder_ / where / "stress.json").at("models");
+    EXPECT_EQ(stressed[where][0].at("curves").size(), 2U);
+  }
+  EXPECT_EQ(stressed.at("slurm:short"), stressed.at("local"));
+  EXPECT_TRUE(read_json(folder_ / "slurm:short/slurm/jobs.json").empty());
+  EXPECT_FALSE(fs::exists(folder_ / "local/slurm"));
+}
+
 }  // namespace
 }  // namespace tactile::experiments

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/training/checkpoint.hpp"
 #include "tactile/windows/write_dataset.hpp"
 
 namespace tactile::cli {
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 using test::run_tactile;
 
 const std::string arguments = "train --epochs 2 --batch 24 --validation 0.2 --save-every 0 --threads 1 --name mine";
-const std::string bundle = "models/mine", kept_state = "models/mine.training/last.safetensors";
+const std::string bundle = "models/mine", kept_folder = "models/mine.training", kept_state = kept_folder + "/last.safetensors";
 
 /// The files of the model in an image, by name; empty if the image has no model.
 test::FolderImage bundle_in(const test::FolderImage& image) {
@@ -82,6 +84,22 @@ TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
   EXPECT_GT(with_state, 5U);
   EXPECT_EQ(bundle_in(cut.after(journal->entries.size(), nullptr)), bundle_in(whole))
       << "the command has ended, but its model is not on the disk";
+
+  // Killed at any moment: the state that is there has all of its files, also while they are removed in the end.
+  std::size_t with_best = 0;
+  for (std::size_t entry = 0; entry < journal->entries.size(); ++entry) {
+    if (journal->entries[entry].kind != test::JournalEntry::Kind::names) continue;
+    const test::FolderImage image = cut.killed_after(entry + 1);
+    if (!image.contains(kept_state)) continue;
+    const test::TemporaryFolder place;
+    test::write_image(image, place.path());
+    const auto state = nlohmann::json::parse(model::read_metadata(place / kept_state).at("state"));
+    if (state.at("best").is_null()) continue;
+    ++with_best;
+    const fs::path best = model::CheckpointFolder::best_weights(place / kept_folder, state.at("best").at("epoch"));
+    EXPECT_TRUE(fs::exists(best)) << best << " after entry " << entry;
+  }
+  EXPECT_GT(with_best, 5U);
 
   const test::WrittenJournal unsynced = test::without_syncs(*journal);
   const test::PowerCut unsynced_cut(unsynced);

@@ -56,8 +56,11 @@ class PowerCut {
   }
 
   /// The folder after all entries, without a power cut.
-  FolderImage whole() const {
-    const States states = states_in_the_end();
+  FolderImage whole() const { return killed_after(journal_.entries.size()); }
+
+  /// The folder after the first `entries`, if the program is killed then and the machine goes on.
+  FolderImage killed_after(std::size_t entries) const {
+    const States states = written_after(entries);
     FolderImage image;
     add(states, 0, "", image);
     return image;
@@ -176,8 +179,8 @@ class PowerCut {
     state.content = std::move(content);
   }
 
-  States states_in_the_end() const {
-    States states = states_after(journal_.entries.size());
+  States written_after(std::size_t entries) const {
+    States states = states_after(entries);
     for (State& state : states) {
       for (const JournalEntry* entry : state.pending) apply(*entry, state);
     }
@@ -185,7 +188,7 @@ class PowerCut {
   }
 
   std::optional<std::size_t> node_in_the_end(const std::string& path) const {
-    const States states = states_in_the_end();
+    const States states = written_after(journal_.entries.size());
     std::size_t node = 0;
     for (const auto& part : std::filesystem::path(path)) {
       const auto found = states[node].names.find(part.string());

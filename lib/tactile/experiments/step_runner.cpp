@@ -169,7 +169,7 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
   }
   std::size_t ended = 0;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  const std::string_view what = !due.empty() && due.front()->arguments ? "trainings" : "judged models";
+  const std::string_view what = !due.empty() && due.front()->arguments ? "trainings" : "judgements";
   const ProcessesOptions how{
       .program = options_.program,
       .at_once = options_.threads,

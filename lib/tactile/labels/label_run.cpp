@@ -1,7 +1,6 @@
 #include "tactile/labels/label_run.hpp"
 
 #include <fmt/core.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/run_bursts.hpp"
 #include "tactile/labels/stage_presses.hpp"
+#include "tactile/labels/unlabelled_bursts.hpp"
 #include "tactile/labels/unlikely_presses.hpp"
 #include "tactile/labels/unlogged_lift.hpp"
 
@@ -29,23 +29,6 @@ const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
     return std::chrono::abs(between(a.start, slip.start.at)) < std::chrono::abs(between(b.start, slip.start.at));
   });
   return nearest == moves.lifts.end() ? nullptr : &*nearest;
-}
-
-/// Why a burst of this kind gets no label; null if it gets one.
-const char* why_unlabelled(BurstKind kind) {
-  switch (kind) {
-    case BurstKind::tap:
-      return "a sync tap";
-    case BurstKind::brief:
-      return "too short or small for a touch";
-    case BurstKind::after:
-      return "after the slip";
-    case BurstKind::press:
-    case BurstKind::slip:
-    case BurstKind::release:
-      break;
-  }
-  return nullptr;
 }
 
 void cut_overlaps(std::vector<LabelledInterval>& intervals) {
@@ -140,14 +123,10 @@ class Labeller {
     if (unlogged) slips_in = std::vector{unlogged->move};
     const std::vector<BurstKind> kinds = kinds_of(signals_.rate, bursts, slips_in, moves_.taps, undoes, options_.touches);
     if (!signals_.has_robot) flag(no_robot_log(unlogged));
-    std::vector<std::string> unlabelled;
+    const UnlabelledBursts unlabelled = unlabelled_bursts(signals_, clocks_, moves_, bursts, kinds, options_.touches);
+    for (const Doubt& one : unlabelled.doubts) flag(one);
+    if (!unlabelled.remark.empty()) labels_.remarks.push_back(unlabelled.remark);
     for (std::size_t i = 0; i < bursts.size(); ++i) {
-      if (kinds[i] != BurstKind::slip && !alignment::is_after_effect(bursts[i], signals_.rate, bursts))
-        flag_if_unlogged(bursts[i]);
-      const char* why = why_unlabelled(kinds[i]);
-      if (why != nullptr && !flag_if_unexplained(i, bursts, kinds) && !bursts[i].slow)
-        unlabelled.push_back(fmt::format("{:.2f} s to {:.2f} s ({})", seconds_of(signals_.rate.begin_of(bursts[i].begin)),
-                                         seconds_of(signals_.rate.begin_of(bursts[i].end)), why));
       if (kinds[i] == BurstKind::release) {
         labels_.releases.push_back({Touch::none, signals_.rate.begin_of(bursts[i].begin), signals_.rate.begin_of(bursts[i].end)});
       } else if (kinds[i] == BurstKind::press) {
@@ -162,13 +141,6 @@ class Labeller {
         if (!flag_if_firm(bursts[i], end.time)) add(Touch::slip, onset, end, stop.has_value());
       }
     }
-    // A person who sees a burst in the picture must know why it has no label.
-    constexpr std::size_t most = 5;
-    if (unlabelled.empty()) return;
-    const std::size_t more = unlabelled.size() - std::min(most, unlabelled.size());
-    unlabelled.resize(unlabelled.size() - more);
-    labels_.remarks.push_back(fmt::format("bursts of events without a label: {}{}", fmt::join(unlabelled, ", "),
-                                          more > 0 ? fmt::format(", and {} more", more) : ""));
   }
 
   /// Whether the object came along with the arm: the skin moves no further than it can shear, and the arm continues for long. A
@@ -186,46 +158,6 @@ class Labeller {
                "a trace",
                1e3 * *sheared, 1e3 * *whole));
     return true;
-  }
-
-  /// A burst that moves the skin like a press, but is none, may be a touch without a label. A tip that springs back or touches
-  /// once more is shorter, or smaller, than a press.
-  bool flag_if_unexplained(std::size_t i, const std::vector<alignment::Burst>& bursts, const std::vector<BurstKind>& kinds) {
-    const alignment::Burst& burst = bursts[i];
-    double pressed = 0;
-    std::size_t press_bins = 0;
-    for (std::size_t k = 0; k < bursts.size(); ++k) {
-      if (kinds[k] != BurstKind::press) continue;
-      pressed = std::max(pressed, bursts[k].events);
-      press_bins = std::max(press_bins, bursts[k].end - bursts[k].begin);
-    }
-    const CameraTime begin = signals_.rate.begin_of(burst.begin), end = signals_.rate.begin_of(burst.end);
-    const bool is_short = kinds[i] == BurstKind::after ? between(begin, end) < options_.touches.longest_recontact
-                                                       : 2 * (burst.end - burst.begin) < press_bins;
-    const bool is_faint = burst.slow || burst.events < 0.5 * pressed;
-    const bool is_tap = kinds[i] == BurstKind::tap;
-    if (is_tap || is_faint || is_short || lift_around(moves_.lifts, signals_.rate, burst) != nullptr) return false;
-    flag(doubt("burst-unexplained", "no label explains the burst of events from {:.2f} s to {:.2f} s", seconds_of(begin),
-               seconds_of(end)));
-    return true;
-  }
-
-  double seconds_of(CameraTime t) const { return 1e-3 * in_ms(between(signals_.rate.begin, t)); }
-
-  /// A burst after the log's end may be the slip of a lift that was not logged.
-  void flag_if_unlogged(const alignment::Burst& burst) {
-    std::optional<CameraTime> logged_until;
-    for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
-      if (!clocks_.pieces[i]) return;
-      const CameraTime end =
-          after(clocks_.pieces[i]->relation.camera_from(signals_.robot[i].log.states.back().t), clocks_.pieces[i]->uncertainty());
-      logged_until = std::max(logged_until.value_or(end), end);
-    }
-    const CameraTime begin = signals_.rate.begin_of(burst.begin);
-    if (!logged_until || begin <= *logged_until) return;
-    flag(doubt("burst-unlogged",
-               "the robot log ends {:.2f} s before the burst of events at {:.2f} s: whether the arm rose then is not known",
-               1e-3 * in_ms(between(*logged_until, begin)), 1e-3 * in_ms(between(signals_.rate.begin, begin))));
   }
 
   /// An onset or end in a gap is found at the gap's edge: it may lie anywhere within.

@@ -212,10 +212,18 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
     EXPECT_NE(finished_at(longer, redone), finished_at(first, redone)) << redone;
   EXPECT_NE(longer.at("histories")[0].at("models")[0].at("name"), first.at("histories")[0].at("models")[0].at("name"));
 
-  // Edited labels: another dataset, and models of the same names, which are replaced.
+  // A confirmed label changes nothing that is learned.
   const fs::path labels = folder / "data/plastic-container/02/labels.json";
   nlohmann::json edited = read_json(labels);
   for (auto& interval : edited.at("intervals")) interval["confirmed"] = true;
+  write_json(labels, edited);
+  const nlohmann::json confirmed = run_study(folder.path(), without_epochs + "--epochs 2");
+  EXPECT_EQ(confirmed.at("steps_done"), 0);
+  EXPECT_EQ(finished_at(confirmed, "windows"), finished_at(first, "windows"));
+
+  // A moved onset: another dataset, and models of the same names, which are replaced.
+  auto& onset = edited.at("intervals")[0].at("start_us");
+  onset = onset.get<std::int64_t>() + 500;
   write_json(labels, edited);
   const nlohmann::json relabelled = run_study(folder.path(), small);
   EXPECT_NE(relabelled.at("dataset").at("manifest_hash"), first.at("dataset").at("manifest_hash"));

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "model/small_data.hpp"
+#include "support/comes_true.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -70,15 +71,19 @@ TEST(TrainCommand, KilledAgainAndAgainComesToTheSameBitsByResuming) {
     {
       // A part that an earlier kill left is no sight of this one's writing.
       const std::set<std::string> left = parts_in(kept);
-      const test::RunningCommand training(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
-      const auto is_at_its_end = [&] { return fs::exists(folder / "models/mine"); };
+      test::RunningCommand training(arguments + std::string("--threads 1 --name mine --resume"), folder.path());
+      const auto is_at_its_end = [&] { return fs::exists(folder / "models/mine") || training.has_ended(); };
       const auto is_writing = [&] {
         const auto parts = parts_in(kept);
         return std::any_of(parts.begin(), parts.end(), [&](const std::string& part) { return left.count(part) == 0; });
       };
-      if (attempt % 3 != 0)
-        while (!is_writing() && !is_at_its_end()) std::this_thread::sleep_for(std::chrono::microseconds(50));
+      if (attempt % 3 != 0) {
+        ASSERT_TRUE(test::comes_true([&] { return is_writing() || is_at_its_end(); }, std::chrono::microseconds(50)));
+      }
       if (attempt % 3 != 1) std::this_thread::sleep_for(share(random) * lasted);
+      if (training.has_ended()) {
+        ASSERT_TRUE(fs::exists(folder / "models/mine")) << training.err();
+      }
     }
     if (fs::exists(folder / "models/mine")) {
       // It finished first: start again, because the kills are the test.
@@ -109,7 +114,7 @@ TEST(TrainCommand, AnInterruptedTrainingRequiresResumeOrForce) {
   const fs::path kept = folder / "models/mine.training";
   {
     const test::RunningCommand training(arguments + std::string("--threads 1 --name mine"), folder.path());
-    while (!CheckpointFolder::holds_state(kept)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(test::comes_true([&] { return CheckpointFolder::holds_state(kept); })) << training.err();
   }
   const auto refused = test::run_tactile(arguments + std::string("--threads 1 --name mine"), folder.path());
   EXPECT_EQ(refused.exit_code, 1);

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/evaluation/evaluation.hpp"
+#include "tactile/experiments/slurm.hpp"
 #include "tactile/experiments/stress/stress_series.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
@@ -24,8 +26,12 @@ struct StressOptions {
   std::optional<unsigned> runs{};                  ///< at most this many of each object
   evaluation::EvaluationOptions judging{};         ///< `threads` too
   model::EngineKind engine = model::EngineKind::fast;
-  std::uint64_t seed = 1;  ///< as that of the recipes of `series`
-  bool force = false;      ///< do again what is done
+  std::uint64_t seed = 1;                            ///< as that of the recipes of `series`
+  bool force = false;                                ///< do again what is done
+  std::filesystem::path program = "/proc/self/exe";  ///< takes the words of `task`
+  std::optional<experiments::SlurmOptions> slurm{};  ///< judge on a cluster; nothing: in this process
+  /// On a cluster: the words of a process that does one step by `do_step`, with these options.
+  std::function<std::vector<std::string>(const std::string& step)> task{};
 };
 
 /// A training, and the runs that it is judged on: those of `tactile eval`.

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "tactile/core/command_lock.hpp"
@@ -11,9 +10,8 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/experiment_json.hpp"
-#include "tactile/experiments/file_step.hpp"
-#include "tactile/experiments/stress/judge_runs.hpp"
 #include "tactile/experiments/stress/stress_figures.hpp"
+#include "tactile/experiments/stress/stress_judgements.hpp"
 #include "tactile/experiments/stress/stress_table.hpp"
 
 namespace tactile::stress {
@@ -23,99 +21,23 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr double most_lost = 0.05;
-constexpr double harmless = 0;
 
-/// What the runs of one step are: of the dataset, by labels or truth, or quiet ones.
-enum class Runs : std::uint8_t { by_labels, by_truth, quiet };
-
-/// Judges trainings in steps that are kept.
-class Judge {
- public:
-  Judge(const StressPlan& plan, experiments::StepRunner& runner) : plan_(plan), runner_(runner) {}
-
-  /// The outcomes of all trainings of a group. @param series  nothing: unchanged runs
-  std::vector<RunOutcome> outcomes(const StressGroup& group, const StressSeries* series, double severity, Runs runs) {
-    std::vector<RunOutcome> all;
-    for (std::size_t i = 0; i < group.trainings.size(); ++i) {
-      const fs::path file = run(group.trainings[i], series, severity, runs);
-      for (RunOutcome& outcome : read_outcomes(file, i)) all.push_back(std::move(outcome));
-    }
-    return all;
-  }
-
- private:
-  fs::path run(const StressTraining& training, const StressSeries* series, double severity, Runs runs) {
-    const std::string at = series ? fmt::format("{}-{:g}", series->name, severity) : runs == Runs::by_truth ? "truth" : "clean";
-    const std::string name = fmt::format("{}{}-{}", runs == Runs::quiet ? "quiet-" : "", training.bundle.name(), at);
-    const fs::path file = plan_.options.out / "judged" / (name + ".json");
-    const auto judge = [&, file, severity, runs](const ProgressCallback& progress) {
-      const JudgedBy by = runs == Runs::by_truth ? JudgedBy::truth : JudgedBy::labels;
-      write_outcomes(file, runs == Runs::quiet ? judged_quiet(plan_, training, series, severity, progress)
-                                               : judged_runs(plan_, training, series, severity, by, progress));
-    };
-    const std::string of = plan_.options.models.size() > 1 ? training.bundle.name() + ", " : "";
-    const std::string what = series ? fmt::format("{} {:g} {}", series->name, severity, series->unit)
-                                    : "unchanged, judged by their " + std::string(runs == Runs::by_truth ? "truth" : "labels");
-    if (!seen_.insert(name).second) return file;  // the unchanged runs begin every curve
-    runner_.run(experiments::file_step(name, inputs(training, series, severity, runs), file, judge,
-                                       fmt::format("{}{}: {}", of, runs == Runs::quiet ? "quiet recordings" : "runs", what)));
-    return file;
-  }
-
-  json inputs(const StressTraining& training, const StressSeries* series, double severity, Runs runs) const {
-    const evaluation::EvaluationOptions& judging = plan_.options.judging;
-    json of = {{"weights", training.description.weights_sha256},
-               {"confirm", text_of(judging.confirmation)},
-               {"alarm_cost", judging.alarm_cost ? json(*judging.alarm_cost) : json()},
-               {"temperature", experiments::hash_of_file(model::temperature_file(training.bundle))},
-               {"gate", judging.gate},
-               {"engine", name_of(plan_.options.engine)},
-               {"by", static_cast<int>(runs)},
-               {"series", series ? json_of(*series, severity) : json()}};
-    if (runs == Runs::quiet) {
-      of["files"] = json::array();
-      for (const fs::path& file : plan_.options.quiet) of["files"].push_back({file.filename().string(), hash_of(file)});
-    } else {
-      of["manifest"] = plan_.dataset->manifest_hash();
-      of["runs"] = names_of(*plan_.dataset, training.runs);
-      of["truth"] = experiments::truth_hashes(*plan_.dataset, training.runs);
-    }
-    return of;
-  }
-
-  /// Of a recording, computed once.
-  json hash_of(const fs::path& file) const {
-    auto& hash = hashes_[file];
-    if (hash.is_null()) hash = experiments::hash_of_file(file);
-    return hash;
-  }
-
-  const StressPlan& plan_;
-  experiments::StepRunner& runner_;
-  std::set<std::string> seen_;  ///< steps that were run or found done
-  mutable std::map<fs::path, json> hashes_;
-};
-
-results::StressCurve curve_of(const StressPlan& plan, Judge& judge, const StressGroup& group, const StressSeries& series,
-                              bool is_quiet) {
-  const bool is_world = !series.world.empty();
-  const Runs runs = is_quiet ? Runs::quiet : is_world ? Runs::by_truth : Runs::by_labels;
-  std::vector<double> severities{harmless};
-  std::vector<std::vector<RunOutcome>> outcomes{judge.outcomes(group, nullptr, harmless, runs)};
-  for (const double severity : series.severities) {
-    severities.push_back(severity);
-    outcomes.push_back(judge.outcomes(group, &series, severity, runs));
-  }
+results::StressCurve curve_of(const StressPlan& plan, const StressGroup& group, const PlannedCurve& curve) {
+  const StressSeries& series = *curve.series;
+  const std::vector<double> severities = severities_of(series);
+  std::vector<std::vector<RunOutcome>> outcomes;
+  for (const double severity : severities) outcomes.push_back(outcomes_of(plan, judgements_at(group, curve, severity)));
   const results::BootstrapOptions& bootstrap = plan.options.judging.bootstrap;
   return {.name = series.name,
-          .is_world = is_world,
+          .is_world = !series.world.empty(),
           .unit = series.unit,
           .meaning = series.meaning,
           .points = points_of(severities, outcomes, plan.options.judging.threads, bootstrap),
           .holds = holds_up_to(severities, outcomes, most_lost, bootstrap)};
 }
 
-results::StressedModel model_of(const StressPlan& plan, Judge& judge, const StressGroup& group) {
+/// The figures of a group whose judgements are done.
+results::StressedModel model_of(const StressPlan& plan, const StressGroup& group) {
   results::StressedModel model{.name = group.name};
   std::set<std::string> runs;
   for (const StressTraining& training : group.trainings) {
@@ -123,13 +45,10 @@ results::StressedModel model_of(const StressPlan& plan, Judge& judge, const Stre
     for (const std::uint32_t run : training.runs) runs.insert(name_of(plan.dataset->runs()[run]));
   }
   model.runs.assign(runs.begin(), runs.end());
-  for (const StressSeries& series : plan.options.series) {
-    if (!runs.empty()) model.curves.push_back(curve_of(plan, judge, group, series, false));
-    if (!plan.options.quiet.empty() && series.world.empty()) model.quiet.push_back(curve_of(plan, judge, group, series, true));
-  }
-  if (!runs.empty()) {
-    for (const RunOutcome& outcome : judge.outcomes(group, nullptr, harmless, Runs::by_labels))
-      model.close_ticks += outcome.close_ticks;
+  for (const PlannedCurve& curve : curves_of(plan, group))
+    (curve.runs == JudgedRuns::quiet ? model.quiet : model.curves).push_back(curve_of(plan, group, curve));
+  if (has_runs(group)) {
+    for (const RunOutcome& outcome : outcomes_of(plan, unchanged_runs(group))) model.close_ticks += outcome.close_ticks;
   }
   return model;
 }
@@ -198,13 +117,14 @@ StressSummary run_stress(const StressOptions& requested, const experiments::NewP
   const CommandLock lock(options.out, "tactile stress");
   if (options.force) fs::remove_all(options.out / "steps");
   experiments::StepRunner runner({.folder = options.out,
-                                  .program = "/proc/self/exe",
+                                  .program = options.program,
                                   .threads = options.judging.threads,
                                   .new_progress = new_progress,
-                                  .on_step = on_step});
-  Judge judge(plan, runner);
+                                  .on_step = on_step,
+                                  .slurm = options.slurm});
+  runner.run_side_by_side(steps_of(plan));
   std::vector<results::StressedModel> models;
-  for (const StressGroup& group : plan.groups) models.push_back(model_of(plan, judge, group));
+  for (const StressGroup& group : plan.groups) models.push_back(model_of(plan, group));
   const results::Stress stress = result_of(plan, std::move(models), runner);
   write_whole(options.out / "stress.csv", stress_csv(stress));
   write_whole(options.out / "stress.json", json_text(json(stress), 2) + "\n");

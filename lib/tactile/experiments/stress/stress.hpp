@@ -18,7 +18,7 @@ struct StressSummary {
 
 /// Worsens runs by each series at each severity, and judges the models on them. Events are changed while they are read: no
 /// changed recording is stored. Runs of simulated worlds are kept in `out/worlds`. Keeps all that is done and unchanged; an
-/// interrupted call resumes. Writes `out/stress.json` and `out/stress.csv`.
+/// interrupted call resumes. On a cluster each judgement is a task. Writes `out/stress.json` and `out/stress.csv`.
 /// @throws Error  as `plan_stress`, or if another process works in the same folder, or a step fails
 StressSummary run_stress(const StressOptions& options, const experiments::NewProgress& new_progress = {},
                          const experiments::StepCallback& on_step = {});

@@ -17,6 +17,7 @@
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/labels/label_runs.hpp"
+#include "tactile/labels/labels.hpp"
 #include "tactile/simulation/simulate.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -110,13 +111,18 @@ std::vector<RunFolder> runs_to_study(const fs::path& data, PreparedData& prepare
   return below.runs;
 }
 
-/// The hash of each run's labels, null if it has none; null if no run has labels.
+/// The hash of each run's labels as datasets know them, null if there are none that can be read; null if no run has labels.
 json hashes_of_labels(const std::vector<RunFolder>& runs) {
   json hashes;
   bool any = false;
   for (const RunFolder& run : runs) {
-    hashes[run.name()] = experiments::hash_of_file(run.labels());
-    any = any || !hashes[run.name()].is_null();
+    json& hash = hashes[run.name()];
+    try {
+      if (is_there(run.labels())) hash = labels::touches_sha256(labels::read_labels(run.labels()));
+    } catch (const Error&) {
+      // 'windows' names the run and the reason.
+    }
+    any = any || !hash.is_null();
   }
   return any ? hashes : json();
 }

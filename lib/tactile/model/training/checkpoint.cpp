@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 constexpr const char* format_name = "tactile training 1";
 
 fs::path last_file(const fs::path& folder) { return folder / "last.safetensors"; }
-std::string best_name(unsigned epoch) { return fmt::format("best-{:04}.safetensors", epoch); }
 
 nlohmann::json state_json(const TrainingState& state) {
   nlohmann::json json = {{"epoch", state.epoch},
@@ -88,16 +87,20 @@ fs::path CheckpointFolder::beside(const fs::path& bundle) { return bundle.string
 
 bool CheckpointFolder::holds_state(const fs::path& folder) { return fs::exists(last_file(folder)); }
 
+fs::path CheckpointFolder::best_weights(const fs::path& folder, unsigned epoch) {
+  return folder / fmt::format("best-{:04}.safetensors", epoch);
+}
+
 void CheckpointFolder::save(const nlohmann::json& task, const TrainingState& state) {
-  if (state.best && !fs::exists(folder_ / best_name(state.best->epoch))) {
-    write_weights(folder_ / best_name(state.best->epoch), state.best->weights,
+  if (state.best && !fs::exists(best_weights(folder_, state.best->epoch))) {
+    write_weights(best_weights(folder_, state.best->epoch), state.best->weights,
                   {{"epoch", std::to_string(state.best->epoch)}, {"loss", fmt::format("{}", state.best->loss)}});
   }
   Weights all = state.weights;
   all.insert(all.end(), state.optimizer.moments.begin(), state.optimizer.moments.end());
   write_weights(last_file(folder_), all, {{"format", format_name}, {"task", task.dump()}, {"state", state_json(state).dump()}});
 
-  const std::string kept = state.best ? best_name(state.best->epoch) : "";
+  const std::string kept = state.best ? best_weights(folder_, state.best->epoch).filename().string() : "";
   for (const auto& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();
     std::error_code ignored;
@@ -130,18 +133,19 @@ std::optional<TrainingState> CheckpointFolder::load(const nlohmann::json& task, 
   state.weights = std::move(all);
   if (const auto best = member<nlohmann::json>(json, "best", where); !best.is_null()) {
     const auto epoch = member<unsigned>(best, "epoch", where);
-    state.best = BestEpoch{epoch, member<double>(best, "loss", where), read_weights(folder_ / best_name(epoch), parameters)};
+    state.best = BestEpoch{epoch, member<double>(best, "loss", where), read_weights(best_weights(folder_, epoch), parameters)};
   }
   return state;
 }
 
 void CheckpointFolder::clear() {
   std::error_code failed;
-  fs::remove(last_file(folder_), failed);  // first: the other files depend on it
-  for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path(), failed);
+  fs::remove(last_file(folder_), failed);  // first: it refers to the other files
+  for (const auto& entry : fs::directory_iterator(folder_, failed)) fs::remove_all(entry.path(), failed);
 }
 
 void CheckpointFolder::remove() {
+  clear();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
 }

@@ -24,6 +24,7 @@ class CheckpointFolder {
 
   static std::filesystem::path beside(const std::filesystem::path& bundle);  ///< "models/mine" -> "models/mine.training"
   static bool holds_state(const std::filesystem::path& folder);
+  static std::filesystem::path best_weights(const std::filesystem::path& folder, unsigned epoch);
 
   /// @param task  identifies the training; a state is only loaded by the same training
   void save(const nlohmann::json& task, const TrainingState& state);
@@ -32,7 +33,7 @@ class CheckpointFolder {
   /// @throws Error  if it belongs to another task, or is damaged
   std::optional<TrainingState> load(const nlohmann::json& task, const LeNetLayers& layers, OptimizerKind optimizer) const;
 
-  void clear();   ///< removes the saved state
+  void clear();   ///< removes the saved state, the file that refers to others first
   void remove();  ///< removes the folder
 
  private:
