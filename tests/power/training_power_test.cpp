@@ -33,6 +33,16 @@ test::FolderImage bundle_in(const test::FolderImage& image) {
   return files;
 }
 
+/// The entry of the journal that removes the name for good.
+std::size_t removal_of(const std::string& name, const test::WrittenJournal& journal) {
+  std::size_t removal = 0;
+  for (std::size_t entry = 0; entry < journal.entries.size(); ++entry) {
+    for (const auto& [changed, node] : journal.entries[entry].names) removal = changed == name && !node ? entry : removal;
+  }
+  EXPECT_GT(removal, 0U) << name;
+  return removal;
+}
+
 TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
   const test::TemporaryFolder folder;
   const fs::path lab = folder / "lab";
@@ -100,6 +110,8 @@ TEST(TrainingAfterPowerCut, LeavesACompleteModelOrNoneAndResumes) {
     EXPECT_TRUE(fs::exists(best)) << best << " after entry " << entry;
   }
   EXPECT_GT(with_best, 5U);
+  // Whatever the order of names in the folder.
+  EXPECT_LT(removal_of("last.safetensors", *journal), removal_of("history.csv", *journal));
 
   const test::WrittenJournal unsynced = test::without_syncs(*journal);
   const test::PowerCut unsynced_cut(unsynced);
