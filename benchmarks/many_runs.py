@@ -22,6 +22,7 @@ RUN_US = 300_000
 TOUCH_US = 1000 * int(os.environ.get("TOUCH_MS", "12"))
 FIRST_US = 1_000_000
 RUNS_OF_OBJECT = 99
+RUNS_OF_RECORDING = 20 * RUNS_OF_OBJECT
 COMMANDS = {
     "windows": ["windows", "--guard-ms", "10"],
     "heatmaps": ["heatmaps", "--th", "10"],
@@ -31,11 +32,11 @@ COMMANDS = {
 
 
 def write_recording(file, runs):
-    """One recording of all runs: noise everywhere, more of it during a press, and in another place during a slip."""
-    draw = random.Random(1)
+    """One recording of these runs: noise everywhere, more of it during a press, and in another place during a slip."""
+    draw = random.Random(runs.start)
     with open(file, "w", encoding="utf-8") as out:
         out.write("t,x,y,p\n")
-        for run in range(runs):
+        for run in runs:
             begin = FIRST_US + run * RUN_US
             for ms in range(1, RUN_US // 1000):
                 at = begin + 1000 * ms
@@ -57,16 +58,21 @@ def interval(name, touch, start):
     }
 
 
-def make_runs(tactile, folder, runs):
+def make_runs(tactile, folder, count):
     folder.mkdir(parents=True)
+    for first in range(0, count, RUNS_OF_RECORDING):
+        make_runs_of_recording(tactile, folder, range(first, min(count, first + RUNS_OF_RECORDING)))
+
+
+def make_runs_of_recording(tactile, folder, runs):
     write_recording(folder / "all.csv", runs)
-    objects = [f"object-{run // RUNS_OF_OBJECT + 1}" for run in range(runs)]
-    settings = {"object": objects, "at": [1e-6 * RUN_US * run - 0.0005 for run in range(1, runs)]}
+    objects = [f"object-{run // RUNS_OF_OBJECT + 1}" for run in range(runs.stop)]
+    settings = {"object": objects[runs.start:], "at": [1e-6 * RUN_US * run - 0.0005 for run in range(1, len(runs))]}
     (folder / "split.json").write_text(json.dumps(settings))
     here = {"cwd": folder, "check": True, "stdout": subprocess.DEVNULL}
-    subprocess.run([tactile, "convert", "all.csv", "all.aedat4", "--size", "80x80", "--quiet"], **here)
+    subprocess.run([tactile, "convert", "all.csv", "all.aedat4", "--size", "80x80", "--quiet", "--force"], **here)
     subprocess.run([tactile, "split", "all.aedat4", "--config", "split.json", "--quiet"], **here)
-    for run in range(runs):
+    for run in runs:
         begin = FIRST_US + run * RUN_US
         intervals = [interval("press-1", "press", begin + 120_000), interval("slip-1", "slip", begin + 200_000)]
         labels = {"intervals": intervals, "releases": [], "rejected": [], "flags": [], "remarks": [], "clocks": {}, "provenance": {}}

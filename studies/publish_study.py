@@ -9,6 +9,8 @@ import pathlib
 import shutil
 import sys
 
+from page_text import wrapped
+
 PICTURES = ("accuracy-by-history", "detection-curve", "delays", "over-time", "unseen", "variance")
 TRADE_PICTURES = ("trade-accuracy", "trade-delay")
 CURVE_MS = (0, 10, 20, 50, 100, 200, 500)
@@ -65,15 +67,21 @@ def reduced_trade(trade):
 
 
 def claims_part(study):
-    rows = []
+    items = []
     for claim in study["claims"]:
-        reason = f"{claim['verdict']} ({claim['why']})" if claim["why"] else claim["verdict"]
         words = claim["in_words"] or "Not measured."
         if claim["measured"]["low"] is not None and claim["measured"]["high"] is not None:
             side = "above" if claim["asked"] == "above" else "below"
             words += f" Figure: {figure(claim['measured'], 1, 2)} {claim['unit']}, claimed {side} {claim['limit']:g}."
-        rows.append((str(PAPER[claim["id"]]), claim["paper"], " ".join(filter(None, (words, claim["note"]))), reason))
-    return table(("figure", "the paper", "measured", "the claim"), rows, "---")
+        reason = f" Why: {claim['why']}." if claim["why"] else ""
+        items.append(claim_item(f"Figure {PAPER[claim['id']]}", claim, " ".join(filter(None, (words, claim["note"]))) + reason))
+    return "\n".join(items) + "\n"
+
+
+def claim_item(head, claim, words):
+    """A claim of the paper, its outcome, and what was measured."""
+    verdict = "does not hold" if claim["verdict"] == "does not" else claim["verdict"]
+    return f"- {head}, **{verdict}**. The paper: *{claim['paper']}.* {words}"
 
 
 def histories_part(study):
@@ -246,7 +254,7 @@ def page(folder):
         f"    scripts/publish-study {repeating(settings, trade)}\n"
         "    scripts/publish-study STUDY TRADE    # this page from folders that exist\n",
     ]
-    return "\n".join(part for part in parts if part)
+    return wrapped("\n".join(part for part in parts if part))
 
 
 def publish(study_folder, trade_folder, docs):

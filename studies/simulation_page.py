@@ -1,9 +1,9 @@
-"""Writes the tables of docs/simulation.md from the folder of scripts/simulation-study.
+"""Writes the tables of docs/simulation.md and docs/simulation/*.md from the folder of scripts/simulation-study.
 
-    simulation_page.py TACTILE FOLDER DOCS [PART]    reads PART of FOLDER (all by default), writes DOCS/simulation/tables.json and the tables of the page
-    simulation_page.py --page DOCS                   prints the page with the tables that DOCS/simulation/tables.json gives; a test compares it with the page
+    simulation_page.py TACTILE FOLDER DOCS [PART]    reads PART of FOLDER (all by default), writes DOCS/simulation/tables.json and the tables of the pages
+    simulation_page.py --check DOCS                  fails if a page has other tables than DOCS/simulation/tables.json gives
 
-The page is DOCS/simulation.md. A table is what lies between `<!-- table: NAME -->` and `<!-- end -->`. Other parts stay as they are in tables.json.
+The pages are DOCS/simulation.md and DOCS/simulation/*.md. A table is what lies between `<!-- table: NAME -->` and `<!-- end -->`. Other parts stay as they are in tables.json.
 """
 
 import json
@@ -12,7 +12,8 @@ import pathlib
 import re
 import sys
 
-from publish_study import PAPER, figure, number, table
+from page_text import wrapped
+from publish_study import PAPER, claim_item, figure, number, table
 
 FITTED = 8  # the simulation was calibrated to this figure; the others are predictions
 WORST_LABELS_MS = ("press_onset", "press_end", "slip_onset", "slip_end", "robot_clock", "video_clock")
@@ -195,13 +196,14 @@ def sensors_text(tables):
 
 
 def claims_text(tables):
-    rows = []
+    items = []
     for claim in tables["study"]["claims"]:
         words = claim["in_words"] or "Not measured."
         if claim["id"].endswith("-delay"):
             words = f"{claim['id'].split('-')[0].capitalize()}: {words[0].lower()}{words[1:]}"
-        rows.append((f"{PAPER[claim['id']]}, {'fitted' if PAPER[claim['id']] == FITTED else 'predicted'}", claim["paper"], words, claim["verdict"]))
-    return table(("figure", "the paper", "simulated", "the claim"), rows, "---")
+        kind = "fitted" if PAPER[claim["id"]] == FITTED else "predicted"
+        items.append(claim_item(f"Figure {PAPER[claim['id']]}, {kind}", claim, words))
+    return "\n".join(items) + "\n"
 
 
 def histories_text(tables):
@@ -268,21 +270,26 @@ BLOCKS = {"about": about_text, "events": events_text, "sensors": sensors_text, "
           "worlds": worlds_text, "labels": labels_text}
 
 
-def page(docs):
+def pages(docs):
+    """The pages with their tables, by file."""
     tables = read(docs / "simulation" / "tables.json")
-    text = (docs / "simulation.md").read_text()
+    texts = {file: file.read_text() for file in (docs / "simulation.md", *sorted((docs / "simulation").glob("*.md")))}
     block = re.compile(r"(<!-- table: (.+?) -->\n\n).*?(<!-- end -->)", re.DOTALL)
-    names = [match[2] for match in block.finditer(text)]
+    names = [match[2] for text in texts.values() for match in block.finditer(text)]
     if sorted(names) != sorted(BLOCKS):
-        sys.exit(f"docs/simulation.md has the tables {sorted(names)}; expected each of {sorted(BLOCKS)} once")
-    if "\n| ---" in block.sub("", text):
-        sys.exit("docs/simulation.md has a table that no block makes; expected each table between '<!-- table: NAME -->' and '<!-- end -->'")
-    return block.sub(lambda match: match[1] + BLOCKS[match[2]](tables) + "\n" + match[3], text)
+        sys.exit(f"the pages have the tables {sorted(names)}; expected each of {sorted(BLOCKS)} once")
+    for file, text in texts.items():
+        if "\n| ---" in block.sub("", text):
+            sys.exit(f"{file} has a table that no block makes; expected each table between '<!-- table: NAME -->' and '<!-- end -->'")
+    return {file: block.sub(lambda match: match[1] + wrapped(BLOCKS[match[2]](tables)) + "\n" + match[3], text)
+            for file, text in texts.items()}
 
 
 def main():
-    if len(sys.argv) == 3 and sys.argv[1] == "--page":
-        sys.stdout.write(page(pathlib.Path(sys.argv[2])))
+    if len(sys.argv) == 3 and sys.argv[1] == "--check":
+        for file, text in pages(pathlib.Path(sys.argv[2])).items():
+            if text != file.read_text():
+                sys.exit(f"{file}: a table differs from docs/simulation/tables.json; expected what this script makes of it")
         return
     if len(sys.argv) not in (4, 5):
         sys.exit(__doc__)
@@ -292,7 +299,8 @@ def main():
     tables = gather(tactile, folder, part, read(file) if file.exists() else {})
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(json.dumps(tables, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
-    (docs / "simulation.md").write_text(page(docs))
+    for page, text in pages(docs).items():
+        page.write_text(text)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ struct DetectArguments {
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, mask, page;
   RobotArguments robot;
-  bool no_real_time = false, no_rehearsal = false, awake = false, camera_time = false;
+  bool no_real_time = false, no_rehearsal = false, awake = false, camera_time = false, verbose = false;
   bool record = false;
   std::string out = "data", object = "unnamed", run;
 };
@@ -185,7 +185,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   summary.ticks_left_out += reader.not_kept();
   const DetectModel used{.name = bundle.name(), .engine = args.engine, .precision = args.precision};
   const std::string drawn = draw(args, summary, used.name, reader.kept());
-  print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used) + drawn);
+  print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used, args.verbose) + drawn);
   if (summary.failure) std::rethrow_exception(summary.failure);
   if (!args.plot.empty() && reader.kept().empty())
     throw Error(args.plot + ": there is no tick to draw; expected a stream longer than the history");
@@ -241,6 +241,7 @@ void add_source_options(Command& command, DetectArguments& args) {
 }
 
 void add_real_time_options(Command& command, DetectArguments& args) {
+  command.add_flag("--verbose", args.verbose, "Print every part of a tick's time, and how it is distributed");
   command.add_flag("--no-real-time", args.no_real_time,
                    "Do not use real-time priority and locked memory; default: used for live sources, where permitted");
   command.add_flag("--no-rehearsal", args.no_rehearsal,

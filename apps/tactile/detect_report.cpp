@@ -91,6 +91,17 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
         "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
 }
 
+/// What matters of a tick's time: all of it where verdicts have a deadline, else the work alone.
+void add_latency(const detect::DetectionSummary& summary, Lines& lines) {
+  const detect::DurationHistogram& time = summary.plays ? summary.deadlines.work() : summary.deadlines.whole();
+  if (time.count() == 0) return;
+  const auto us = [](std::chrono::nanoseconds ns) { return 1e-3 * static_cast<double>(ns.count()); };
+  lines.emplace_back(summary.plays ? "work" : "latency",
+                     fmt::format("{:.0f} us (median), {:.0f} us (99 %), {:.0f} us (highest) {}", us(time.percentile(0.5)),
+                                 us(time.percentile(0.99)), us(time.max()),
+                                 summary.plays ? "for rendering, network and output" : "from a tick's end to its verdict"));
+}
+
 void add_events(const detect::DetectionSummary& summary, Lines& lines) {
   const detect::LiveCounts& counts = summary.counts;
   std::string events = fmt::format("{} in {}", counts.events, counted(counts.packets, "packet"));
@@ -217,9 +228,10 @@ void add_latencies(const detect::DeadlineMonitor& deadlines, nlohmann::json& jso
 
 }  // namespace
 
-std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model) {
+std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model, bool all) {
   Lines lines;
   add_ticks(summary, lines);
+  add_latency(summary, lines);
   add_events(summary, lines);
   add_scene(summary, lines);
   add_outputs(summary, lines);
@@ -227,7 +239,7 @@ std::string text_of(const detect::DetectionSummary& summary, const DetectModel& 
   lines.emplace_back("engine", model.engine + ", " + model.precision);
   lines.emplace_back("ended", summary.ended);
   std::string text = fmt::format("{}{}, predicted by {}\n", summary.source, summary.simulated ? " (simulated)" : "", model.name) +
-                     text_list(lines) + latency_text(summary);
+                     text_list(lines) + (all ? latency_text(summary) : "");
   if (summary.ticks_left_out > 0)
     text += fmt::format("\n{} could not be written fast enough, and are missing in the files\n",
                         counted(summary.ticks_left_out, "tick"));

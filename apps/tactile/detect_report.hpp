@@ -12,7 +12,8 @@ struct DetectModel {
   std::string name, engine, precision;
 };
 
-std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model);
+/// @param all  also every part of a tick's time, and how it is distributed
+std::string text_of(const detect::DetectionSummary& summary, const DetectModel& model, bool all);
 nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectModel& model);
 
 }  // namespace tactile::cli

@@ -174,7 +174,10 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
   std::vector<std::pair<std::string, std::string>> lines{
       {"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
       {"CPU features", fmt::format("{}", fmt::join(features, ", "))}};
-  for (const LibraryVersion& library : library_versions()) lines.emplace_back(library.name, library.version);
+  std::string libraries;
+  for (const LibraryVersion& library : library_versions())
+    libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", library.name, library.version);
+  lines.emplace_back("libraries", libraries);
   lines.insert(lines.end(),
                {{"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
                 {"timer step", fmt::format("{:.0f} ns", step_ns)},

@@ -29,6 +29,7 @@
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
+#include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/split_remarks.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -65,7 +66,6 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, const
 fs::path result_file(const fs::path& usual, const EvalArguments& args, const evaluation::EvaluationOptions& options,
                      const windows::Dataset& dataset) {
   std::string name = usual.stem().string();
-  if (options.of_another_dataset) name += "-on-" + dataset.manifest_hash().substr(0, 8);
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
   if (options.alarm_cost) name += fmt::format("-filter-{:g}", *options.alarm_cost);
@@ -105,13 +105,13 @@ nlohmann::json json_of_learning(const windows::Dataset& dataset, const model::Mo
 std::string sentence_on_learning(const model::ModelBundle& bundle, const windows::Dataset& dataset,
                                  const model::ModelDescription& model, std::size_t judged) {
   const std::size_t left_out = model::learned_runs_of(dataset, model).size();
-  const auto runs = [](std::size_t count) { return fmt::format("{} run{}", count, count == 1 ? "" : "s"); };
   return fmt::format(
-      "{} learned from {} of {} with manifest {}. The dataset now has manifest {}: of its {}, the model is judged on {} that it "
-      "has not seen. {} that it learned from {} left out.",
-      bundle.name(), runs(model.learned_from.size()), model.dataset, model.manifest_hash.substr(0, 8),
-      dataset.manifest_hash().substr(0, 8), runs(dataset.runs().size()), judged, left_out == 0 ? "No run" : runs(left_out),
-      left_out > 1 ? "are" : "is");
+      "{} learned from manifest {} of {}. On the present one, {}, it is judged on {} that it has not seen, of {}; {} left out.",
+      bundle.name(), model.manifest_hash.substr(0, 8), model.dataset, dataset.manifest_hash().substr(0, 8),
+      counted(judged, "run"), dataset.runs().size(),
+      left_out == 0   ? "none is"
+      : left_out == 1 ? "1 is"
+                      : fmt::format("{} are", left_out));
 }
 
 /// Measures how long a tick takes, on the first test run, and keeps it for `tactile models`.
@@ -154,8 +154,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   json["learned_from"] = json_of_learning(dataset, classifier.model());
-  const std::string written =
-      write_result(result_file(bundle.evaluation(), args, options, dataset), json, evaluation, common, bundle);
+  const fs::path usual = model::evaluation_on(bundle, classifier.model().manifest_hash, hash);
+  const std::string written = write_result(result_file(usual, args, options, dataset), json, evaluation, common, bundle);
   const std::string learning = options.of_another_dataset
                                    ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
                                    : "";

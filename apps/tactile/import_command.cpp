@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "converted_source.hpp"
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
 #include "recording_report.hpp"
 #include "splitting_arguments.hpp"
 #include "tactile/bags/bag.hpp"
@@ -197,17 +198,23 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
   std::string text;
   for (const Renamed& name : names.renamed) text += fmt::format("'{}' is named {}.\n", name.given, name.used);
   std::vector<std::vector<std::string>> rows;
-  std::vector<RecordingReport> reports;
+  std::size_t healthy = 0;
   std::map<std::vector<std::string>, std::vector<std::string>> runs_lacking;
   for (const ImportedRun& run : runs) {
     const std::string name = run.made.run.name();
     const auto named = [](const std::string& file) { return file.empty() ? "-" : fs::path(file).filename().string(); };
-    rows.push_back(
-        {name, run.recording, named(run.robot), named(run.film), run.made.is_kept ? "was imported before, and is kept" : ""});
-    reports.push_back(run.report);
+    const events::RecordingHealth& health = run.report.health;
+    healthy += health.healthy() ? 1 : 0;
+    const bool lacks_times = run.report.has_film && !run.report.video;
+    rows.push_back({name, named(run.recording), named(run.robot), named(run.film) + (lacks_times ? ", no times" : ""),
+                    duration_text(health.duration()), std::to_string(run.made.events),
+                    !health.healthy()  ? "SICK: " + health.reasons.front()
+                    : run.made.is_kept ? "imported before"
+                                       : ""});
     if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
   }
-  text += text_table({"run", "from", "robot log", "film", ""}, rows) + "\n" + summary_of(reports, as_info_check());
+  text += text_table({"run", "from", "robot log", "film", "length", "events", ""}, rows) +
+          fmt::format("{} of {} healthy\n", healthy, runs.size());
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
   const fs::path object = fs::path(args.splitting.data) / names.object;
@@ -230,14 +237,23 @@ void import_recordings(const ImportCommandArguments& args, const CommonArguments
   RunNames next = names;
   std::vector<ImportedRun> runs;
   bool healthy = true;
+  std::vector<std::string> errors;
   for (const std::string& recording : recordings) {
-    runs.push_back(import_one(recording, args, next, common));
+    try {
+      runs.push_back(import_one(recording, args, next, common));
+    } catch (const Error& e) {  // the others are imported nevertheless
+      errors.emplace_back(e.what());
+      continue;
+    }
     if (next.first_run) ++*next.first_run;
     const ImportedRun& run = runs.back();
     for (const std::string& reason : run.report.health.reasons) spdlog::error("{}: {}", run.made.run.name(), reason);
     healthy = healthy && run.report.health.healthy();
   }
-  print_result(common, json_of(args, names, runs), text_of(args, names, runs));
+  nlohmann::json result = json_of(args, names, runs);
+  result["errors"] = errors;
+  if (!runs.empty()) print_result(common, result, text_of(args, names, runs));
+  end_with(errors);
   if (!healthy) throw CheckFailed{};
 }
 

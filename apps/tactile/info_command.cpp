@@ -131,7 +131,7 @@ void add_info_command(CLI::App& app) {
   command.add_option("--gap-ms", args->report.gap_ms, "Report gaps without data longer than this [ms]")
       .check(in_range(std::int64_t{1}, std::int64_t{3'600'000}))
       .show_default();
-  command.add_flag("--verbose", args->report.verbose, "Show each of several recordings in full");
+  command.add_flag("--verbose", args->report.verbose, "Show all that is measured of the events, and each of several recordings");
   add_camera_time_option(command, args->report.camera_time);
   command.add_flag("--check", args->report.check,
                    "Check files against their SHA-256, or packets against their checksums; exit with 2 and log why if a run is "

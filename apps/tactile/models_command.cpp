@@ -35,6 +35,7 @@ struct ModelsArguments {
   std::string action = "list";
   std::vector<std::string> names;
   std::string models = "models";
+  bool verbose = false;
 };
 
 std::uint64_t bytes_below(const fs::path& folder) {
@@ -82,9 +83,20 @@ std::vector<std::pair<std::string, std::string>> figures_of(const json& entry) {
 
 std::string shown_value(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
+/// "data/dataset.h5, 1a2b3c4d"
+std::string dataset_text(const json& of) {
+  return shown_value(of.at("dataset")) + ", " + of.at("manifest_hash").get<std::string>().substr(0, 8);
+}
+
+/// Whether the newest results are of another state of the data than that which the model learned from.
+bool is_judged_on_other_data(const json& entry) {
+  return !entry.at("eval").is_null() && entry.at("eval").at("manifest_hash") != entry.at("trained").at("manifest_hash");
+}
+
 std::string list_text(const json& list, const std::string& models) {
   if (list.empty()) return models + ": no model; 'tactile train' makes one\n";
   std::vector<std::vector<std::string>> rows;
+  bool any_on_other = false;
   for (const json& entry : list) {
     if (!entry.at("error").is_null()) {
       rows.push_back({entry.at("name"), "", "", "", "", shown_value(entry.at("error"))});
@@ -92,10 +104,12 @@ std::string list_text(const json& list, const std::string& models) {
     }
     const auto figures = figures_of(entry);
     rows.push_back({entry.at("name"), figures[0].second, figures[1].second, figures[2].second, figures[5].second,
-                    entry.at("pinned").get<bool>() ? "pinned" : ""});
+                    std::string(entry.at("pinned").get<bool>() ? "pinned " : "") + (is_judged_on_other_data(entry) ? "*" : "")});
+    any_on_other = any_on_other || is_judged_on_other_data(entry);
   }
   return text_table({"model", "accuracy [%]", "press [ms]", "slip [ms]", "alarms/min", ""}, rows) +
-         "In brackets: 95 % intervals; -: 'tactile eval --model NAME' has not judged it.\n";
+         "In brackets: 95 % intervals; -: 'tactile eval --model NAME' has not judged it.\n" +
+         (any_on_other ? "*: learned from an earlier state of the data; judged on runs that it has not seen.\n" : "");
 }
 
 std::string show_text(const json& entry) {
@@ -105,16 +119,18 @@ std::string show_text(const json& entry) {
   std::vector<std::pair<std::string, std::string>> lines{
       {"kind", shown_value(entry.at("kind"))},
       {"trained",
-       fmt::format("{} on {}, {} {} runs, {} samples", shown_value(trained.at("when")).substr(0, 16),
-                   shown_value(trained.at("dataset")), trained.at("runs").size(),
-                   trained.at("simulated").get<bool>() ? "simulated" : "real", trained.at("samples").get<std::uint64_t>())}};
+       fmt::format("{} on {}, {} {} runs, {} samples", shown_value(trained.at("when")).substr(0, 16), dataset_text(trained),
+                   trained.at("runs").size(), trained.at("simulated").get<bool>() ? "simulated" : "real",
+                   trained.at("samples").get<std::uint64_t>())}};
   for (const auto& [path, value] : entry.at("settings").items()) lines.emplace_back(path, shown_value(value));
+  if (!entry.at("eval").is_null()) lines.emplace_back("judged on", dataset_text(entry.at("eval")));
   for (const auto& figure : figures_of(entry)) lines.push_back(figure);
   return text + text_list(lines);
 }
 
-/// Settings that differ between the models, and what they were found to do, side by side.
-std::string comparison_text(const std::vector<json>& entries) {
+/// Settings and data that differ between the models, and what they were found to do, side by side.
+/// @param all  also settings that none of the models has: models of two kinds have few in common
+std::string comparison_text(const std::vector<json>& entries, bool all) {
   std::vector<std::string> header{""};
   std::set<std::string> paths;
   for (const json& entry : entries) {
@@ -127,7 +143,9 @@ std::string comparison_text(const std::vector<json>& entries) {
     std::vector<std::string> row{name};
     for (const json& entry : entries) row.push_back(text_in(entry));
     const bool differs = std::any_of(row.begin() + 1, row.end(), [&](const std::string& cell) { return cell != row[1]; });
-    if (differs) rows.push_back(std::move(row));
+    const bool is_set =
+        std::any_of(row.begin() + 1, row.end(), [](const std::string& cell) { return cell != "null" && cell != "default"; });
+    if (differs && (all || is_set)) rows.push_back(std::move(row));
   };
   add("kind", [](const json& entry) { return shown_value(entry.at("kind")); });
   for (const std::string& path : paths) {
@@ -135,8 +153,12 @@ std::string comparison_text(const std::vector<json>& entries) {
       return entry.at("settings").contains(path) ? shown_value(entry.at("settings").at(path)) : std::string("default");
     });
   }
-  add("dataset", [](const json& entry) { return shown_value(entry.at("trained").at("dataset")); });
   const std::size_t settings = rows.size();
+  add("learned from", [](const json& entry) { return dataset_text(entry.at("trained")); });
+  add("runs", [](const json& entry) { return std::to_string(entry.at("trained").at("runs").size()); });
+  add("samples", [](const json& entry) { return entry.at("trained").at("samples").dump(); });
+  add("judged on",
+      [](const json& entry) { return entry.at("eval").is_null() ? std::string("-") : dataset_text(entry.at("eval")); });
   for (std::size_t i = 0; i < figures_of(entries.front()).size(); ++i) {
     std::vector<std::string> row{figures_of(entries.front())[i].first};
     for (const json& entry : entries) row.push_back(figures_of(entry)[i].second);
@@ -177,7 +199,7 @@ void run_models(const ModelsArguments& args, const CommonArguments& common) {
     model::pin_bundle(args.models, args.names.front());
     return print_result(
         common, {{"pinned", args.names.front()}},
-        wrapped(args.names.front() + ": pinned; detect, eval, export and stress take it if no --model is given") + "\n");
+        wrapped(args.names.front() + ": pinned; detect, eval, export, report and stress take it if no --model is given") + "\n");
   }
   const json list = listed(args.models);
   if (args.action == "list") return print_result(common, {{"models", list}}, list_text(list, args.models));
@@ -187,7 +209,8 @@ void run_models(const ModelsArguments& args, const CommonArguments& common) {
     remove(args, list);
     return print_result(common, {{"removed", args.names}}, fmt::format("removed {}\n", fmt::join(args.names, ", ")));
   }
-  print_result(common, {{"models", entries}}, args.action == "show" ? show_text(entries.front()) : comparison_text(entries));
+  print_result(common, {{"models", entries}},
+               args.action == "show" ? show_text(entries.front()) : comparison_text(entries, args.verbose));
 }
 
 }  // namespace
@@ -203,6 +226,7 @@ void add_models_command(CLI::App& app) {
       .show_default();
   command.add_option("names", args->names, "Names of models, as 'list' shows them").type_name("MODEL");
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
+  command.add_flag("--verbose", args->verbose, "With compare: also settings that one kind of model does not have");
 }
 
 }  // namespace tactile::cli

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "tactile/core/json.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/run_numbers.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -52,8 +54,11 @@ Check one_of(std::initializer_list<const char*> words) {
 
 Check is_run() {
   return Check{[](std::string& text) {
-                 return is_run_id(text) ? std::string()
-                                        : fmt::format("'{}' is not the id of a run; expected two digits from 01 on", text);
+                 if (is_run_id(text)) return std::string();
+                 const auto number = whole_number_in(text);
+                 const bool is_number = number && *number >= 1 && *number <= most_runs;
+                 return fmt::format("'{}' is not the id of a run; expected {}", text,
+                                    is_number ? run_id_of(static_cast<int>(*number)) : "two digits from 01 on");
                },
                ""};
 }

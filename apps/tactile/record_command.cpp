@@ -29,6 +29,7 @@
 #include "tactile/capture/session_plan.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/transport/network_address.hpp"
 #include "text_table.hpp"
 
@@ -221,6 +222,7 @@ void record(RecordArguments args, const CommonArguments& common) {
   if (recorder && preview) {
     line.inform("preview at " + preview->open(*recorder));
     wanted.watch = [&preview](const RecordMoment& moment) { preview->show(moment); };
+    wanted.choices = &preview->choices();
   }
   const RecordedRuns recorded = recorder ? record_runs(*recorder, wanted, line) : RecordedRuns{};
   if (recorder && preview) preview->end(*recorder, recorded);
@@ -235,17 +237,14 @@ void add_record_command(CLI::App& app) {
   Command command = add_command(
       app, "record", "Record a live camera, a robot and a video into a run folder",
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
-  const auto is_object = Check{
-      [](std::string& text) {
-        return is_object_name(text)
-                   ? ""
-                   : fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens", text);
-      },
-      ""};
-  const auto is_run = Check{[](std::string& text) {
-                              return is_run_id(text) ? "" : fmt::format("'{}' is not a number of a run; expected 01 to 99", text);
-                            },
-                            "01 to 99"};
+  const auto is_object =
+      Check{[](std::string& text) {
+              if (is_object_name(text)) return std::string();
+              const std::string needed = needed_object_name(text);
+              return fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens{}",
+                                 text, needed.empty() ? "" : ", such as " + needed);
+            },
+            ""};
   command
       .add_option("--from", args->from,
                   "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams")
@@ -258,7 +257,7 @@ void add_record_command(CLI::App& app) {
   const Option object =
       command.add_option("--object", args->object, "Name of the object").check(is_object).type_name("NAME").show_default();
   const Option run =
-      command.add_option("--run", args->run, "Number of the run; default: the next free number").check(is_run).type_name("NN");
+      command.add_option("--run", args->run, "Number of the run; default: the next free number").check(is_run()).type_name("NN");
   command.add_option("--out", args->out, "Folder of runs").type_name("DATA").default_text("data, or data-sim with --from sim");
   command.add_option("--session", args->session, "Record this list of objects and runs")
       .type_name("FILE.json")

@@ -80,7 +80,9 @@ nlohmann::json run_json(const capture::RunState& run, std::vector<std::string>& 
 }  // namespace
 
 std::string RecordPreview::open(const capture::RunRecorder& recorder) {
-  return view_.open({.sensor = recorder.streams().front().size.value()});
+  return view_.open(
+      {.sensor = recorder.streams().front().size.value(),
+       .choose = [this](std::uint64_t question, const std::string& choice) { return choices_.choose(question, choice); }});
 }
 
 nlohmann::json RecordPreview::sources_json(const capture::RunRecorder& recorder, std::vector<std::string>& warnings) {
@@ -120,6 +122,11 @@ void RecordPreview::show(const RecordMoment& moment) {
                           {"state", moment.state},
                           {"run", moment.run.empty() ? nlohmann::json() : nlohmann::json(moment.run)},
                           {"words", moment.words.empty() ? nlohmann::json() : nlohmann::json(moment.words)}};
+  const RecordQuestion question = choices_.question();
+  state["question"] = question.number;
+  state["choices"] = nlohmann::json::array();
+  for (const OfferedChoice& offered : question.offered)
+    state["choices"].push_back({{"choice", name_of(offered.choice)}, {"words", offered.words}});
   state["recording"] = moment.now != nullptr ? run_json(*moment.now, warnings) : nlohmann::json();
   state["sources"] = sources_json(*moment.recorder, warnings);
   state["robot"] = robot_json(*moment.recorder, warnings);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "live_view.hpp"
+#include "record_choices.hpp"
 #include "record_runs.hpp"
 #include "tactile/capture/run_recorder.hpp"
 
@@ -17,6 +18,8 @@ class RecordPreview {
  public:
   /// @param data  folder of runs, whose disk is watched
   RecordPreview(std::uint16_t port, std::filesystem::path data) : view_(port), data_(std::move(data)) {}
+
+  PageChoices& choices() { return choices_; }
 
   void see(std::span<const events::Event> events) { view_.see(events); }  ///< by the thread of the source
 
@@ -34,6 +37,7 @@ class RecordPreview {
   };
   nlohmann::json sources_json(const capture::RunRecorder& recorder, std::vector<std::string>& warnings);
 
+  PageChoices choices_;  ///< the server's threads give them
   LiveView view_;
   std::filesystem::path data_;
   std::vector<SeenSource> seen_;

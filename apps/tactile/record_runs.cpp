@@ -143,18 +143,27 @@ class Walk {
   }
 
  private:
-  enum class Answer : std::uint8_t { begin, redo, skip, end };
-
   int runs_there(std::size_t object_index) const {
     return capture::complete_runs(wanted_.data, plan_, plan_.objects[object_index].name);
   }
 
   void walk();
-  Answer wait_to_begin();
+  RecordChoice wait_to_begin();
   std::string question() const;
+  std::vector<OfferedChoice> offered() const;
+  std::optional<RecordChoice> choice_in(const std::string& line) const;
   bool record_one();
   void discard_last();
   void draw(const RunFolder& run, const capture::RunState& state);
+  void ask_on_page(std::vector<OfferedChoice> offered) const {
+    if (wanted_.choices != nullptr) wanted_.choices->ask(std::move(offered));
+  }
+  std::optional<RecordChoice> chosen_on_page() const {
+    return wanted_.choices != nullptr ? wanted_.choices->chosen() : std::nullopt;
+  }
+  /// Whether the end of standard input ends nothing, because a person can choose on the page. At the end of the list only if one
+  /// has: else a session that reads its answers from a file would never end.
+  bool page_leads(bool at_end) const { return wanted_.choices != nullptr && (!at_end || wanted_.choices->was_used()); }
   void show(RecordMoment moment) const {
     moment.recorder = &recorder_;
     if (wanted_.watch) wanted_.watch(moment);
@@ -182,16 +191,17 @@ void Walk::walk() {
   }
   while (object_index_ <= plan_.objects.size()) {
     switch (wait_to_begin()) {
-      case Answer::begin:
+      case RecordChoice::start:
         if (!record_one()) return;
         break;
-      case Answer::redo:
+      case RecordChoice::redo:
         discard_last();
         break;
-      case Answer::skip:
+      case RecordChoice::skip:
         ++object_index_;
         break;
-      case Answer::end:
+      case RecordChoice::stop:
+      case RecordChoice::end:
         return;
     }
   }
@@ -208,32 +218,56 @@ std::string Walk::question() const {
                      runs_there(object_index_) + 1, object.runs, start, redo);
 }
 
+/// What the page offers while the next run is waited for.
+std::vector<OfferedChoice> Walk::offered() const {
+  std::vector<OfferedChoice> choices;
+  const bool at_end = object_index_ == plan_.objects.size();
+  const std::string object = at_end ? "" : plan_.objects[object_index_].name;
+  if (!at_end && !plan_.start_on)
+    choices.push_back({RecordChoice::start, fmt::format("Start {}, run {}", object, runs_there(object_index_) + 1)});
+  if (!done_.empty()) choices.push_back({RecordChoice::redo, "Redo " + done_.back().run.name()});
+  if (!at_end) choices.push_back({RecordChoice::skip, "Skip " + object});
+  choices.push_back({RecordChoice::end, "End the session"});
+  return choices;
+}
+
+/// The choice that a line of standard input is; nothing if it is none.
+std::optional<RecordChoice> Walk::choice_in(const std::string& line) const {
+  const bool at_end = object_index_ == plan_.objects.size();
+  if (line == "q" || (line.empty() && at_end)) return RecordChoice::end;
+  if (line == "r" && !done_.empty()) return RecordChoice::redo;
+  if (line == "s" && !at_end) return RecordChoice::skip;
+  if (line.empty() && !plan_.start_on) return RecordChoice::start;
+  return std::nullopt;
+}
+
 /// Skips the objects that have all their runs. At the end of the list a question allows redoing the last run.
-Walk::Answer Walk::wait_to_begin() {
-  if (interrupted()) return Answer::end;
-  if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? Answer::begin : Answer::end;
-  if (!wanted_.is_session && !done_.empty()) return Answer::end;
+RecordChoice Walk::wait_to_begin() {
+  if (interrupted()) return RecordChoice::end;
+  if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? RecordChoice::start : RecordChoice::end;
+  if (!wanted_.is_session && !done_.empty()) return RecordChoice::end;
   if (wanted_.is_session) {
     while (object_index_ < plan_.objects.size() && runs_there(object_index_) >= plan_.objects[object_index_].runs)
       ++object_index_;
   }
   const bool at_end = object_index_ == plan_.objects.size();
-  if (at_end && (done_.empty() || plan_.start_on)) return Answer::end;
+  if (at_end && (done_.empty() || plan_.start_on)) return RecordChoice::end;
   const std::string words = wanted_.is_session ? question() : "waits for " + plan_.start_on->text();
   line_.inform(words);
+  ask_on_page(wanted_.is_session ? offered() : std::vector<OfferedChoice>());
   recorder_.discard();
   bool has_reported_high = false;
   for (;;) {
     show({.state = "waiting", .words = words});
-    if (interrupted()) return Answer::end;
+    if (interrupted()) return RecordChoice::end;
     if (const std::string gone = recorder_.gone(); !gone.empty() && !at_end) {
       if (done_.empty() || gone != "source ended") throw Error(gone + "; expected a source that continues until the last run");
       line_.warn(gone + ": no further run can be recorded");
-      return Answer::end;
+      return RecordChoice::end;
     }
     if (plan_.start_on) {
       const std::optional<bool> high = newest(recorder_, *plan_.start_on);
-      if (start_.rises(high)) return Answer::begin;
+      if (start_.rises(high)) return RecordChoice::start;
       if (high.value_or(false) && !std::exchange(has_reported_high, true))
         line_.inform(plan_.start_on->text() + " is high already: it must fall before it can start a run");
     }
@@ -242,17 +276,15 @@ Walk::Answer Walk::wait_to_begin() {
       std::this_thread::sleep_for(patience);
       continue;
     }
-    const std::optional<std::string> answer = answers_.next(patience);
-    if (!answer) {
-      if (answers_.ended() && !plan_.start_on) return Answer::end;
-      continue;
+    const std::optional<std::string> line = answers_.next(patience);
+    if (line) {
+      if (const auto choice = choice_in(*line)) return *choice;
+      line_.inform(fmt::format("'{}' is no answer here. {}", *line, question()));
+    } else if (const auto choice = chosen_on_page()) {
+      return *choice;
+    } else if (answers_.ended() && !plan_.start_on && !page_leads(at_end)) {
+      return RecordChoice::end;
     }
-    if (*answer == "q") return Answer::end;
-    if (*answer == "r" && !done_.empty()) return Answer::redo;
-    if (*answer == "s" && !at_end) return Answer::skip;
-    if (answer->empty() && at_end) return Answer::end;
-    if (answer->empty() && !plan_.start_on) return Answer::begin;
-    line_.inform(fmt::format("'{}' is no answer here. {}", *answer, question()));
   }
 }
 
@@ -284,6 +316,7 @@ bool Walk::record_one() {
   const char* how_it_ends = enter_ends ? ", Enter ends it" : wanted_.is_session || plan_.duration_s ? "" : ", Ctrl-C ends it";
   const std::string words = fmt::format("recording {}{}", request.run.folder.string(), how_it_ends);
   line_.inform(words);
+  ask_on_page({{RecordChoice::stop, "Stop " + request.run.name()}});
   bool has_reported_drops = false;
   std::string why;
   while (why.empty()) {
@@ -301,6 +334,8 @@ bool Walk::record_one() {
       why = "interrupted";
     } else if (plan_.stop_on && stop.rises(newest(recorder_, *plan_.stop_on))) {
       why = "stopped by " + plan_.stop_on->text();
+    } else if (chosen_on_page()) {
+      why = "stopped on the page";
     } else if (enter_ends && answers_.next(std::chrono::milliseconds(20))) {
       why = "stopped by Enter";
     } else if (!enter_ends) {

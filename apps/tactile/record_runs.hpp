@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "live_line.hpp"
+#include "record_choices.hpp"
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/capture/session_plan.hpp"
 
@@ -29,6 +30,7 @@ struct RunsToRecord {
   std::string run;          ///< of a single run; empty: the next free number
   nlohmann::json settings;
   std::function<void(const RecordMoment&)> watch = {};  ///< called again and again; must return soon
+  PageChoices* choices = nullptr;                       ///< of a page; null: there is none
 };
 
 struct RecordedRuns {
@@ -36,8 +38,8 @@ struct RecordedRuns {
   std::string error;  ///< the error that ended the last run, or came after it; empty if there was none
 };
 
-/// Records until the plan is complete, the user or the sources end it, or an error occurs. Answers are lines of standard input.
-/// Questions and the live line go to stderr.
+/// Records until the plan is complete, the user or the sources end it, or an error occurs. Choices are lines of standard input,
+/// and those of the page. Questions and the live line go to stderr.
 RecordedRuns record_runs(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line);
 
 std::string text_of(const capture::RunSummary& run);

@@ -143,8 +143,7 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
                                    !report.run && events::is_simulated({&camera->stream, 1}) ? ", simulated" : ""));
   }
   if (health.first()) {
-    head.add("begin", moment_text(*health.first()));
-    head.add("duration", duration_text(health.duration()));
+    head.add("time", fmt::format("{} from {}", duration_text(health.duration()), moment_text(*health.first())));
   }
   if (report.robot) head.add("robot", text_of(*report.robot, "row"));
   if (report.video || report.has_film)
@@ -157,7 +156,7 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   const CameraTime zero = zero_of(health, options);
   std::string text = report.place.name + "\n" + head.text() + "\n" + stream_table(health, zero);
   for (const events::StreamHealth& stream : health.streams) {
-    if (!stream.events || stream.stamps.elements == 0) continue;
+    if (!options.verbose || !stream.events || stream.stamps.elements == 0) continue;
     text += fmt::format("\n  Events of stream {}\n{}", stream.stream.id, event_lines(stream, options, zero));
   }
   Lines verdict("  ");
@@ -166,7 +165,7 @@ std::string text_of(const RecordingReport& report, const ReportOptions& options)
   for (std::size_t i = 0; i < health.notes.size(); ++i) verdict.add(i == 0 ? "notes" : "", health.notes[i]);
   std::string judged = verdict.text();
   if (health.healthy()) judged.erase(judged.find_first_of(' ', 2), judged.find('\n') - judged.find_first_of(' ', 2));
-  return text + "\n" + judged;
+  return text + (options.verbose ? "\n" : "") + judged;
 }
 
 std::string summary_of(std::span<const RecordingReport> reports, const ReportOptions& options) {

@@ -14,6 +14,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/bundle/pinned_bundle.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/report/reported_stress.hpp"
@@ -35,24 +36,23 @@ struct ReportArguments {
 
 /// A model for a report.
 struct FoundModel {
-  fs::path folder;
+  fs::path folder, evaluation;
   bool preferred = false, single_run = false, evaluated = false;
   std::string trained_at;
 };
 
-/// The model that a report of a dataset begins with, if it is of that dataset: the pinned one, else the last one that `train`
-/// made here. One without an evaluation has nothing to show: only a pin puts it first.
+/// The model that a report of a dataset begins with, if it is of that dataset or was judged on it: the pinned one, else the last
+/// one that `train` made here. Without an evaluation there is nothing to show: only a pin puts such a model first.
 std::pair<std::optional<model::ModelBundle>, std::string> preferred_model(const fs::path& models) {
   if (auto pinned = model::pinned_bundle(models)) return {std::move(pinned), "the pinned model"};
   auto last = model::last_bundle(models);
-  if (last && !is_file(last->evaluation())) last.reset();
+  if (last && !model::newest_evaluation(*last)) last.reset();
   return {std::move(last), "the last one that 'train' made here"};
 }
 
-/// Models of the dataset; the first gives all its results: the pinned one, else the last one that `train` made here, else the
-/// newest one of single runs with an evaluation. Models with held-out objects appear in the comparison that the other model's
-/// folder has.
-std::vector<fs::path> models_of(const std::string& manifest_hash, const ReportArguments& args) {
+/// Models of the dataset; the first gives all its results: the preferred one, else the newest one of single runs with an
+/// evaluation. Models with held-out objects appear in the comparison that the other model's folder has.
+std::vector<report::ModelToReport> models_of(const std::string& manifest_hash, const ReportArguments& args) {
   const auto [preferred, why] = preferred_model(args.models);
   std::vector<FoundModel> found;
   std::error_code none;
@@ -62,11 +62,22 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const ReportAr
     try {
       const nlohmann::json document = read_json(file);
       const results::JsonView model(document, file.string());
-      if (model["dataset"]["manifest_hash"].text() != manifest_hash) continue;
+      const std::string learned_from = model["dataset"]["manifest_hash"].text();
+      const fs::path evaluation = model::evaluation_on({entry->path()}, learned_from, manifest_hash);
+      const bool evaluated = is_file(evaluation);
+      const bool is_preferred = preferred && preferred->folder == entry->path();
+      if (learned_from != manifest_hash && !(is_preferred && evaluated)) {
+        if (is_preferred)
+          spdlog::warn(
+              "{}, {}, learned from an earlier state of the data and was not judged on this one; 'tactile eval' judges it",
+              entry->path().string(), why);
+        continue;
+      }
       found.push_back({.folder = entry->path(),
-                       .preferred = preferred && preferred->folder == entry->path(),
+                       .evaluation = evaluation,
+                       .preferred = is_preferred,
                        .single_run = model["split"]["kind"].text() == "single-run",
-                       .evaluated = is_file(entry->path() / "eval.json"),
+                       .evaluated = evaluated,
                        .trained_at = model["trained_at"].text()});
     } catch (const Error& e) {
       spdlog::warn("skipped: {}", e.what());
@@ -81,11 +92,11 @@ std::vector<fs::path> models_of(const std::string& manifest_hash, const ReportAr
     spdlog::info("reporting {}, {}", first.folder.string(),
                  first.preferred ? why : (first.evaluated ? "the newest one with an evaluation" : "the newest model"));
   }
-  std::vector<fs::path> folders;
+  std::vector<report::ModelToReport> reported;
   for (const FoundModel& model : found) {
-    if (model.single_run || folders.empty()) folders.push_back(model.folder);
+    if (model.single_run || reported.empty()) reported.emplace_back(model.folder, model.evaluation);
   }
-  return folders;
+  return reported;
 }
 
 /// The folder of the dataset that a model was trained on, as given at its training; empty where it does not exist from here.
@@ -120,7 +131,10 @@ std::pair<report::ReportInput, fs::path> input_of(const fs::path& what, const Re
   if (what.filename() == "study.json" && is_file(what))
     return {report::read_study(what.parent_path()), what.parent_path() / "report"};
   if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
-  if (is_file(what / "model.json")) return {report::read_models({what}, data_of(what)), what / "report"};
+  if (is_file(what / "model.json")) {
+    const report::ModelToReport model(what, model::newest_evaluation({what}).value_or(what / "eval.json"));
+    return {report::read_models({model}, data_of(what)), what / "report"};
+  }
   if (is_file(what / "trade.json")) return {report_of(report::read_trade(what), &report::ReportInput::trade), what / "report"};
   if (is_file(what / "stress.json")) return {report_of(report::read_stress(what), &report::ReportInput::stress), what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
@@ -130,12 +144,12 @@ std::pair<report::ReportInput, fs::path> input_of(const fs::path& what, const Re
                     "'train', 'trade', 'stress' or 'windows' wrote",
                     what.string()));
   }
-  const std::vector<fs::path> folders = models_of(windows::Dataset(dataset).manifest_hash(), args);
-  if (folders.empty()) {
+  const std::vector<report::ModelToReport> models = models_of(windows::Dataset(dataset).manifest_hash(), args);
+  if (models.empty()) {
     throw Error(fmt::format("{}: no model of {}; expected one, run 'tactile train' and 'tactile eval' first", args.models,
                             dataset.string()));
   }
-  return {report::read_models(folders, is_file(what) ? what.parent_path() : what), "report"};
+  return {report::read_models(models, is_file(what) ? what.parent_path() : what), "report"};
 }
 
 void report(const ReportArguments& args, const CommonArguments& common) {

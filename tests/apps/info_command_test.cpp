@@ -128,9 +128,12 @@ TEST(InfoCommand, KnowsASimulatedRunByItsCameraToo) {
 }
 
 TEST(InfoCommand, PrintsAReportForPeople) {
-  const test::CommandResult result = run_tactile("info " + vendor_files + "dv-lz4.aedat4");
+  const test::CommandResult result = run_tactile("info --verbose " + vendor_files + "dv-lz4.aedat4");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(result.err.empty()) << result.err;
+  const std::string brief = run_tactile("info " + vendor_files + "dv-lz4.aedat4").out;
+  EXPECT_LE(std::count(brief.begin(), brief.end(), '\n'), 15) << brief;
+  EXPECT_NE(brief.find("\n  healthy\n"), std::string::npos) << brief;
   for (const char* words : {"DVXplorer_DXM00042, 160 x 120 pixels", "2023-11-14 22:13:31.000033 UTC",
                             "lz4, 16 packets, data table used", "44.2 % ON (2652)", "every 200 us", "\n  healthy\n"}) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << " in\n" << result.out;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "evaluation/trained_model.hpp"
 #include "live/live_client.hpp"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using test::get;
 using test::LiveClient;
+using test::post;
 using test::RunningCommand;
 
 bool is_recording(const json& message) {
@@ -68,6 +70,51 @@ TEST_F(RecordPreview, ShowsWhatASessionWaitsFor) {
   EXPECT_NE(waiting.at("state").at("words").get<std::string>().find("fan, run 1 of 1: Enter starts"), std::string::npos);
   command.type("\n");
   EXPECT_FALSE(client.next_where(is_recording).is_null());
+}
+
+TEST_F(RecordPreview, TheRunsOfASessionAreStartedStoppedAndRedoneOnThePage) {
+  std::ofstream(folder / "plan.json") << R"({"session": "monday", "objects": [{"name": "fan", "runs": 1}, {"name": "mug"}]})";
+  RunningCommand command("record --from sim --speed 0.1 --session plan.json --out data --preview 0", folder.path());
+  command.close_input();
+  const std::uint16_t port = test::port_in(command.logged_after("preview at "));
+  LiveClient client(port);
+  const auto offers = [](const json& message) {
+    std::vector<std::string> words;
+    if (message.at("state").is_null() || !message.at("state").contains("choices")) return words;
+    for (const json& one : message.at("state").at("choices")) words.push_back(one.at("words"));
+    return words;
+  };
+  std::uint64_t question = 0;
+  const auto comes_to_offer = [&](const std::vector<std::string>& words) {
+    const json message = client.next_where([&](const json& m) { return offers(m) == words; });
+    ASSERT_FALSE(message.is_null()) << words.front() << "\n" << command.err();
+    question = message.at("state").at("question");
+  };
+  const auto choose = [&](const std::string& choice) {
+    return post(port, "/api/live/choice", json{{"question", question}, {"choice", choice}}.dump()).status;
+  };
+  comes_to_offer({"Start fan, run 1", "Skip fan", "End the session"});
+  EXPECT_EQ(choose("redo"), 409) << "there is no run yet";
+  EXPECT_EQ(choose("start"), 200);
+  EXPECT_EQ(choose("start"), 409) << "an answer to the same question";
+  comes_to_offer({"Stop fan/01"});
+  EXPECT_FALSE(client.next_where([](const json& m) { return m.at("state").at("recording").at("events") > 0; }).is_null());
+  EXPECT_EQ(choose("stop"), 200);
+  comes_to_offer({"Start mug, run 1", "Redo fan/01", "Skip mug", "End the session"});
+  EXPECT_EQ(choose("redo"), 200);
+  comes_to_offer({"Start fan, run 1", "Skip fan", "End the session"});
+  EXPECT_EQ(choose("skip"), 200);
+  comes_to_offer({"Start mug, run 1", "Skip mug", "End the session"});
+  EXPECT_EQ(choose("start"), 200);
+  comes_to_offer({"Stop mug/01"});
+  EXPECT_EQ(choose("stop"), 200);
+  comes_to_offer({"Redo mug/01", "End the session"});
+  EXPECT_EQ(choose("end"), 200);
+  const test::CommandResult result = command.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("ended by: stopped on the page"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::exists(folder / "data/mug/01/events.aedat4"));
+  EXPECT_FALSE(fs::exists(folder / "data/fan/01/events.aedat4"));
 }
 
 TEST_F(RecordPreview, ABrowserThatTakesNothingChangesNothingInTheRecording) {

@@ -19,6 +19,7 @@ using nlohmann::json;
 using test::get;
 using test::LiveClient;
 using test::PageConnection;
+using test::post;
 using test::request_text;
 
 constexpr events::SensorSize sensor{40, 30};
@@ -95,6 +96,26 @@ TEST_F(LivePages, ShowPicturesOfTheNewestEventsOnlyWhileSomeoneLooks) {
   EXPECT_EQ(static_cast<int>(bytes[16 + 2 * 40 + 3]), 40);             // one brighter event in each of 40 ms
   EXPECT_EQ(static_cast<int>(bytes[16 + 40 * 30 + 4 * 40 + 5]), 40);   // and one darker
   EXPECT_EQ(get(port, "/api/live/heatmap").body.size(), 16U + 8 * 6);  // a fifth of either side
+}
+
+TEST_F(LivePages, TakeAChoiceOnlyWhereItIsAsked) {
+  EXPECT_EQ(post(port, "/api/live/choice", R"({"question": 1, "choice": "start"})").status, 404) << "this page offers none";
+  std::vector<std::string> chosen;
+  const LiveServer asks(0, {.sensor = sensor, .choose = [&](std::uint64_t question, const std::string& choice) {
+                              if (question == 7) chosen.push_back(choice);
+                              return question == 7;
+                            }});
+  const std::uint16_t its_port = test::port_in(asks.url());
+  EXPECT_EQ(post(its_port, "/api/live/choice", R"({"question": 7, "choice": "start"})").status, 200);
+  const auto late = post(its_port, "/api/live/choice", R"({"question": 6, "choice": "start"})");
+  EXPECT_EQ(late.status, 409);
+  EXPECT_EQ(late.json().at("error"), "this was no longer asked, so nothing was done");
+  for (const char* body : {"", "[]", "{}", R"({"question": -7, "choice": "start"})", R"({"question": 7, "choice": 3})",
+                           R"({"question": "7", "choice": "start"})", R"({"question": 7.5, "choice": "start"})"})
+    EXPECT_EQ(post(its_port, "/api/live/choice", body).status, 400) << body;
+  EXPECT_EQ(post(its_port, "/api/live/choice", R"({"question": 7, "choice": "stop"})", "Origin: http://evil.example\r\n").status,
+            403);
+  EXPECT_EQ(chosen, std::vector<std::string>{"start"});
 }
 
 TEST_F(LivePages, AnEmptyPictureFollowsASilence) {

@@ -130,7 +130,7 @@ TEST_F(ImportCommand, TakesRobotLogAndFilmAndNamesWhatIsLacking) {
   fs::remove(folder / "loose/cam.csv");
   const auto film_alone = run("import loose/take.aedat4 --object fan --out film --robot loose/ur10.csv --video loose/cam.mp4");
   EXPECT_EQ(film_alone.out.find("has no"), std::string::npos) << film_alone.out;
-  EXPECT_NE(film_alone.out.find("a film"), std::string::npos) << film_alone.out;
+  EXPECT_NE(film_alone.out.find("cam.mp4, no times"), std::string::npos) << film_alone.out;
   EXPECT_NE(run("info film/fan/01").out.find("a film with its own times only"), std::string::npos);
   const auto shared =
       run("import recordings/dv-lz4.aedat4 recordings/dv-zstd.aedat4 --object cup --out shared --robot loose/ur10.csv");
@@ -168,6 +168,38 @@ TEST_F(ImportCommand, FindsRobotLogAndFilmOfTheSameName) {
   EXPECT_EQ(json_of("import loose/take-01.aedat4 --object fan --out log").at("runs").at(0).at("robot"), "loose/take-01.csv");
   write_whole(folder / "loose/take-01.csv", "timestamp,x,y,polarity\n1,2,3,1\n");
   EXPECT_TRUE(json_of("import loose/take-01.aedat4 --object fan --out table").at("runs").at(0).at("robot").is_null());
+}
+
+TEST_F(ImportCommand, FindsTheOnlyRobotLogWhoseNameBeginsLikeTheRecording) {
+  ASSERT_EQ(run("simulate sim --preset tiny --objects fan --runs 2").exit_code, 0);
+  fs::create_directory(folder / "loose");
+  for (const auto& [number, name] : {std::pair("01", "take 1"), std::pair("02", "take 1 again")}) {
+    fs::copy_file(folder / "sim/fan" / number / "events.aedat4", folder / "loose" / (std::string(name) + ".aedat4"));
+    fs::copy_file(folder / "sim/fan" / number / "robot.csv", folder / "loose" / (std::string(name) + " rtde.csv"));
+  }
+  const auto robot_of = [&](const std::string& recording, const std::string& out) {
+    return json_of("import 'loose/" + recording + ".aedat4' --object fan --out " + out).at("runs").at(0).at("robot");
+  };
+  EXPECT_EQ(robot_of("take 1", "a"), "loose/take 1 rtde.csv") << "the other log is that of 'take 1 again'";
+  EXPECT_EQ(robot_of("take 1 again", "a"), "loose/take 1 again rtde.csv");
+  write_whole(folder / "loose/take 1_notes.csv", "a,b\n1,2\n");
+  EXPECT_EQ(robot_of("take 1", "b"), "loose/take 1 rtde.csv");
+  fs::copy_file(folder / "sim/fan/02/robot.csv", folder / "loose/take 1_other.csv");
+  EXPECT_TRUE(robot_of("take 1", "c").is_null()) << "two logs may be meant";
+}
+
+TEST_F(ImportCommand, ImportsTheOtherRecordingsOfAFolderWhereOneCannotBe) {
+  fs::create_directory(folder / "loose");
+  fs::copy_file(folder / "recordings/dv-zstd.aedat4", folder / "loose/b.aedat4");
+  write_whole(folder / "loose/a.aedat4", "no recording");
+  write_whole(folder / "loose/c.aedat4", "nor this");
+  const auto result = run("import loose --object cup --json");
+  EXPECT_EQ(result.exit_code, 1);
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("runs").size(), 1U);
+  EXPECT_EQ(json.at("runs").at(0).at("recording"), "loose/b.aedat4");
+  ASSERT_EQ(json.at("errors").size(), 2U);
+  for (const char* file : {"loose/a.aedat4", "loose/c.aedat4"}) EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
 }
 
 TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {

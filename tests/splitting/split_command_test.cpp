@@ -197,6 +197,18 @@ TEST_F(SplitCommand, TakesFreeNumbersAndOneObjectForEachRun) {
   EXPECT_NE(camera.find(fmt::format("{:.3f}", first_s + 2.5)), std::string::npos) << camera;
 }
 
+TEST_F(SplitCommand, CutsMorePiecesThanFilesMayBeOpenByDefault) {
+  std::string split = " split take/events.aedat4 --object fan --at 0.05";
+  for (int i = 2; i <= 60; ++i) split += fmt::format(",{:.2f}", 0.05 * i);
+  const auto refused = test::run_shell("ulimit -n 80; '" + std::string(test::tactile_binary) + "'" + split, folder.path());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("61 pieces need 247 open files, and this system allows 80"), std::string::npos) << refused.err;
+  EXPECT_TRUE(find_runs_if_there().empty());
+  const auto cut = test::run_shell("ulimit -Sn 80; '" + std::string(test::tactile_binary) + "'" + split, folder.path());
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_EQ(find_runs_if_there().size(), 61U);
+}
+
 TEST_F(SplitCommand, GivesEveryRunTheWholeLogIfItsClockIsNotKnown) {
   // An arm that rests has no common motion with the recording.
   write_whole(folder / "rest.csv",

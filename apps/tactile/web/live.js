@@ -3,6 +3,7 @@
 import { announce, el, refill } from "./dom.js";
 import { CountsPicture } from "./counts_picture.js";
 import { LiveCharts } from "./live_charts.js";
+import { LiveChoices } from "./live_choices.js";
 import { Steps, factsOf, headline, lostWords, warningsOf } from "./live_words.js";
 
 const LOOK_UP_MS = 1000;
@@ -22,6 +23,7 @@ class LivePage {
     this.facts = el("dl", { class: "live-facts" });
     this.messages = el("ul", { class: "live-messages" });
     this.charts = new LiveCharts();
+    this.choices = new LiveChoices();
     const picture = (kind, title) => new CountsPicture({ title, kind, load: (number, { signal }) => bytesOf(kind, signal), failed: () => {} });
     this.events = picture("events", "Events");
     this.heatmap = picture("heatmap", "Heatmap");
@@ -29,6 +31,7 @@ class LivePage {
       "main",
       { id: "main", tabindex: -1, class: "live" },
       el("div", { class: "live-head" }, this.title, this.detail),
+      this.choices.element,
       this.warnings,
       el(
         "div",
@@ -47,6 +50,7 @@ class LivePage {
     this.title.dataset.mark = mark;
     this.detail.textContent = detail;
     document.title = `${words} – tactile`;
+    this.choices.show(message.state);
     this.#fill(this.warnings, warningsOf(message), (warning) => el("li", {}, warning));
     this.#fill(this.facts, factsOf(message), ([term, text, bad]) => [el("dt", {}, term), el("dd", { class: bad ? "bad" : "" }, text)]);
     this.#fill(this.messages, message.state?.messages ?? [], (line) => el("li", {}, line));

@@ -1,9 +1,11 @@
 #include "tactile/core/machine.hpp"
 
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace tactile {
@@ -33,6 +35,14 @@ bool has_room_for(std::size_t bytes) {
   if (place == MAP_FAILED) return false;
   ::munmap(place, bytes);
   return true;
+}
+
+std::size_t allow_open_files(std::size_t count) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return count;
+  const rlimit now = limit;
+  limit.rlim_cur = std::min<rlim_t>(count, limit.rlim_max);
+  return now.rlim_cur >= count || ::setrlimit(RLIMIT_NOFILE, &limit) != 0 ? now.rlim_cur : limit.rlim_cur;
 }
 
 }  // namespace tactile

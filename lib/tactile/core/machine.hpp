@@ -13,4 +13,8 @@ std::string system_name();     ///< "Linux 6.1.0 x86_64"
 /// Whether the process may take so much more address space. Libraries that need more than the limit (ulimit -v) abort or hang.
 bool has_room_for(std::size_t bytes);
 
+/// Raises the number of files that the process may have open to `count`, as far as the system allows (ulimit -Hn).
+/// @return  how many it may have open now
+std::size_t allow_open_files(std::size_t count);
+
 }  // namespace tactile

@@ -51,6 +51,16 @@ class RateMeter {
   std::deque<Count> counts_;
 };
 
+review::PageResponse chosen(const review::PageRequest& request, const LivePageOptions& options) {
+  const nlohmann::json json = review::json_in(request);
+  const auto question = json.find("question"), choice = json.find("choice");
+  const bool is_complete =
+      question != json.end() && choice != json.end() && question->is_number_unsigned() && choice->is_string();
+  if (!is_complete) throw review::Refusal(400, "no choice; expected {\"question\": number, \"choice\": name}");
+  if (!options.choose(*question, *choice)) throw review::Refusal(409, "this was no longer asked, so nothing was done");
+  return review::json_response({{"chosen", *choice}});
+}
+
 }  // namespace
 
 struct LivePage::State {
@@ -191,6 +201,7 @@ review::PageResponse LivePage::answer(const review::PageRequest& request) {
     return bytes ? review::PageResponse{.type = "application/octet-stream", .body = *bytes}
                  : review::PageResponse{.status = 204, .body = {}};
   }
+  if (request.path == "/api/live/choice" && state.options.choose) return chosen(request, state.options);
   if (request.path != "/api/live") throw review::Refusal(404, "there is no such path; expected one of the live page");
   // As long as the answer is being sent.
   const std::shared_ptr<State> viewer(&state, [](State* watched) {

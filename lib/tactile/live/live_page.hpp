@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -17,6 +18,9 @@ struct LivePageOptions {
   events::SensorSize sensor;
   heatmaps::HeatmapOptions rendering{};  ///< of the heatmap; its history is that of the pictures
   std::vector<std::string> values{};     ///< names of what is noted, the columns of the chart after the event rate
+  /// Takes what a person chooses on the page, on a thread of the server: the number of the question and the choice's name. False:
+  /// the program does not ask this now. Empty: the page offers no choice.
+  std::function<bool(std::uint64_t question, const std::string& choice)> choose{};
 };
 
 /// What a page shows of a program while that runs: its newest state, pictures of the newest events, the last minute as a chart.
@@ -53,6 +57,8 @@ class LivePage {
   ///   ended      whether the program has ended: then it is the last one
   ///
   /// GET /api/live/events, /api/live/heatmap: the newest picture; 204 while there is none.
+  ///
+  /// POST /api/live/choice, {"question": number, "choice": name}: what a person chooses. 409 if it is not asked now.
   ///
   /// @throws Refusal  of another path
   review::PageResponse answer(const review::PageRequest& request);

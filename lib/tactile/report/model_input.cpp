@@ -50,20 +50,22 @@ std::string other_settings(const nlohmann::json& one, const nlohmann::json& two,
 /// A model's folder with its description and its evaluation, as views into JSON.
 class ModelFolder {
  public:
-  explicit ModelFolder(const fs::path& folder)
-      : folder_(folder),
-        model_(read_json(folder / "model.json")),
-        evaluation_(is_file(folder / "eval.json") ? read_json(folder / "eval.json") : nlohmann::json()) {}
+  explicit ModelFolder(const ModelToReport& model)
+      : folder_(model.folder),
+        evaluation_file_(model.evaluation),
+        model_(read_json(folder_ / "model.json")),
+        evaluation_(is_file(evaluation_file_) ? read_json(evaluation_file_) : nlohmann::json()) {}
 
   const fs::path& path() const { return folder_; }
   std::string name() const { return fs::absolute(folder_).lexically_normal().filename().string(); }
   const nlohmann::json& document() const { return model_; }
   results::JsonView model() const { return {model_, (folder_ / "model.json").string()}; }
-  results::JsonView evaluation() const { return {evaluation_, (folder_ / "eval.json").string()}; }
+  results::JsonView evaluation() const { return {evaluation_, evaluation_file_.string()}; }
+  std::string learned_from() const { return model()["dataset"]["manifest_hash"].words(); }
   double history_ms() const { return model()["rendering"]["history_us"].number() / 1000; }
 
  private:
-  fs::path folder_;
+  fs::path folder_, evaluation_file_;
   nlohmann::json model_, evaluation_;
 };
 
@@ -75,6 +77,11 @@ void read_evaluation(ReportInput& input, const ModelFolder& folder) {
     return;
   }
   add_sentences(input.remarks, json["warnings"]);
+  if (const std::string judged_on = json["dataset"]["manifest_hash"].words(); judged_on != folder.learned_from()) {
+    input.remarks.push_back(
+        fmt::format("{} learned from an earlier state of the data, {}; it is judged on the runs of {} that it has not seen.",
+                    folder.name(), folder.learned_from().substr(0, 8), judged_on.substr(0, 8)));
+  }
   input.evaluations.push_back({.id = "reported",
                                .model = folder.name(),
                                .runs = list_of_runs(json["test_runs"].texts()),
@@ -158,8 +165,8 @@ void add_histories(ReportInput& input, const std::vector<ModelFolder>& folders) 
 
 }  // namespace
 
-ReportInput read_models(const std::vector<fs::path>& paths, const fs::path& data) {
-  const std::vector<ModelFolder> folders(paths.begin(), paths.end());
+ReportInput read_models(const std::vector<ModelToReport>& reported, const fs::path& data) {
+  const std::vector<ModelFolder> folders(reported.begin(), reported.end());
   const ModelFolder& first = folders.front();
   ReportInput input;
   input.data = data;

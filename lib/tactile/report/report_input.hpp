@@ -84,11 +84,19 @@ struct ReportInput {
 /// @throws Error  if study.json, or a file that it names and that exists, is not of its format
 ReportInput read_study(const std::filesystem::path& folder);
 
-/// Reads folders of models with their evaluations. The first model gives all its results, the others their accuracies by history
-/// and their trainings.
-/// @param folders  of models, not empty
-/// @param data     folder of runs for the frames; empty: none
-/// @throws Error   if a model.json is missing, or a file is not of its format
-ReportInput read_models(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& data);
+/// The folder of a model, and the file of its results; there may be none.
+struct ModelToReport {
+  ModelToReport(std::filesystem::path of) : folder(std::move(of)), evaluation(folder / "eval.json") {}
+  ModelToReport(std::filesystem::path of, std::filesystem::path judged) : folder(std::move(of)), evaluation(std::move(judged)) {}
+
+  std::filesystem::path folder, evaluation;
+};
+
+/// Reads models with their evaluations. The first model gives all its results, the others their accuracies by history and their
+/// trainings.
+/// @param models  not empty
+/// @param data    folder of runs for the frames; empty: none
+/// @throws Error  if a model.json is missing, or a file is not of its format
+ReportInput read_models(const std::vector<ModelToReport>& models, const std::filesystem::path& data);
 
 }  // namespace tactile::report

@@ -6,6 +6,7 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
+#include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/bundle/bundle_names.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
@@ -30,12 +31,16 @@ json settings_json(const model::ModelSettings& settings) {
   return named;
 }
 
-json eval_json(const fs::path& file) {
-  if (!is_file(file)) return nullptr;
-  const json document = read_json(file);
-  const auto evaluation = results::JsonView(document, file.string()).get<results::Evaluation>();
+json eval_json(const model::ModelBundle& bundle) {
+  const std::optional<fs::path> file = model::newest_evaluation(bundle);
+  if (!file) return nullptr;
+  const json document = read_json(*file);
+  const auto evaluation = results::JsonView(document, file->string()).get<results::Evaluation>();
   const results::DetectorScore& score = evaluation.network;
-  return {{"accuracy", json_of(evaluation.accuracy.mean)},
+  return {{"file", file->filename().string()},
+          {"dataset", evaluation.dataset},
+          {"manifest_hash", evaluation.manifest_hash},
+          {"accuracy", json_of(evaluation.accuracy.mean)},
           {"press_delay_ms", json_of(score.press.all.median_of_all_ms.ms)},
           {"slip_delay_ms", json_of(score.slip.all.median_of_all_ms.ms)},
           {"missed", {{"press", json_of(score.press.all.missed)}, {"slip", json_of(score.slip.all.missed)}}},
@@ -55,16 +60,14 @@ json model_json(const model::ModelBundle& bundle) {
   try {
     const model::ModelDescription description = model::read_description(bundle);
     entry["settings"] = settings_json(description.settings);
-    entry["trained"] = {{"when", description.trained_at},
-                        {"dataset", description.dataset},
-                        {"runs", description.train_runs},
-                        {"samples", description.samples},
-                        {"simulated", description.simulated}};
+    entry["trained"] = {
+        {"when", description.trained_at}, {"dataset", description.dataset}, {"manifest_hash", description.manifest_hash},
+        {"runs", description.train_runs}, {"samples", description.samples}, {"simulated", description.simulated}};
     entry["kind"] = model::name_of(description.settings.kind);
     if (description.settings.kind == model::ModelKind::lenet)
       entry["parameters"] = model::lenet_layers(description.input, description.settings.network).parameter_count();
     entry["history"] = history_json(bundle.history());
-    entry["eval"] = eval_json(bundle.evaluation());
+    entry["eval"] = eval_json(bundle);
   } catch (const std::exception& e) {
     entry["error"] = sentence_of(e, bundle.name());
   }

@@ -10,6 +10,7 @@
 
 #include "tactile/alignment/run_signals.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/machine.hpp"
 #include "tactile/core/run_files.hpp"
 #include "tactile/core/run_numbers.hpp"
 #include "tactile/core/runs_below.hpp"
@@ -130,6 +131,18 @@ void check_others(const fs::path& data, const std::map<nlohmann::json, RunFolder
       data.string(), names, earlier.size() == 1 ? "was" : "were"));
 }
 
+/// One reading serves all pieces, so all of their files are open at once: the lock of a folder, and a film with its times.
+void check_open_files(const SplitSource& source, std::size_t pieces) {
+  constexpr std::size_t of_piece = 3, others = 64;
+  const std::size_t needed = of_piece * pieces + others;
+  if (const std::size_t allowed = allow_open_files(needed); allowed < needed) {
+    throw Error(
+        fmt::format("{}: {} pieces need {} open files, and this system allows {}; expected fewer pieces, or a higher limit "
+                    "(ulimit -Hn)",
+                    source.name, pieces, needed, allowed));
+  }
+}
+
 void copy_whole(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   fs::copy_file(from, to, failed);
@@ -189,6 +202,7 @@ class Splitting {
       result_.runs[i].run = pieces_[i].target;
     }
     if (kept == runs_.size()) return;
+    check_open_files(source_, runs_.size());
     // Those that are kept are written too, but not committed: one reading serves all.
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       Piece& piece = pieces_[i];

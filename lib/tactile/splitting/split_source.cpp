@@ -1,7 +1,10 @@
 #include "tactile/splitting/split_source.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <optional>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "tactile/core/error.hpp"
@@ -46,6 +49,33 @@ bool is_robot_log(const fs::path& file) {
   return has(columns, "timestamp") && std::any_of(columns.begin(), columns.end(), is_motion);
 }
 
+bool names_more_than(const std::string& file, const std::string& name) {
+  return file.size() > name.size() && file.starts_with(name) && std::isalnum(static_cast<unsigned char>(file[name.size()])) == 0;
+}
+
+/// The only robot log whose name begins with that of the recording, "take 1 robot.csv" or "take 1_rtde.csv", and not with the
+/// longer one of another recording; nothing if there is none, or are several.
+std::optional<fs::path> robot_log_named_after(const fs::path& recording) {
+  const std::string name = recording.filename().string();
+  std::vector<fs::path> logs;
+  std::vector<std::string> longer;
+  std::error_code failed;
+  const fs::path folder = recording.has_parent_path() ? recording.parent_path() : fs::path(".");
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (!names_more_than(entry->path().filename().string(), name)) continue;
+    if (entry->path().extension() != ".csv")
+      longer.push_back(entry->path().stem().string());
+    else if (is_robot_log(entry->path()))
+      logs.push_back(entry->path());
+  }
+  std::erase_if(logs, [&](const fs::path& log) {
+    return std::any_of(longer.begin(), longer.end(), [&](const std::string& other) {
+      return other.size() > name.size() && names_more_than(log.filename().string(), other);
+    });
+  });
+  return logs.size() == 1 ? std::optional(logs.front()) : std::nullopt;
+}
+
 }  // namespace
 
 SplitSource split_source_at(const fs::path& what) {
@@ -76,6 +106,7 @@ void take_devices_of_same_name(SplitSource& source, const fs::path& recording) {
   const auto with = [&](const char* extension) { return fs::path(name).concat(extension); };
   if (!source.robot) take_if_there(source.robot, with(".robot.csv"));
   if (!source.robot && with(".csv") != recording && is_robot_log(with(".csv"))) source.robot = with(".csv");
+  if (!source.robot) source.robot = robot_log_named_after(name);
   if (!source.video && is_file(with(".mp4"))) set_video(source, with(".mp4"));
 }
 

@@ -24,7 +24,8 @@ struct SplitSource {
 SplitSource split_source_at(const std::filesystem::path& what);
 
 /// Takes the robot log and the film of a loose recording by their names, unless it has them. Next to `take-1.aedat4`, these are
-/// `take-1.robot.csv`, or `take-1.csv` if it has a robot log's columns, and `take-1.mp4`.
+/// `take-1.robot.csv`, or `take-1.csv` if it has a robot log's columns, else the only such file whose name begins so,
+/// `take-1 rtde.csv`; and `take-1.mp4`.
 /// @param recording  as it was given; of a folder (a ROS 2 bag), the extensions follow the whole name
 void take_devices_of_same_name(SplitSource& source, const std::filesystem::path& recording);
 

@@ -77,6 +77,49 @@ def watches_a_recording(world):
         tab.close()
 
 
+def records_a_session_on_the_page(world):
+    """Start, stop, redo and the end by keys and buttons alone: the program has no standard input."""
+    plan = os.path.join(world.home, "plan.json")
+    with open(plan, "w", encoding="utf-8") as file:
+        file.write('{"session": "monday", "objects": [{"name": "fan", "runs": 1}, {"name": "mug", "runs": 2}]}')
+    live = Live(world, "record", "--from", "sim", "--session", plan, "--out", os.path.join(world.home, "session"), "--speed", "0.2",
+                "--preview", "0")
+    tab = Tab(world.browser)
+
+    def offers(*words):
+        buttons = "[...document.querySelectorAll('.live-choices button')].map((b) => b.firstChild.textContent).join('; ')"
+        tab.wait(f"{buttons} === '{'; '.join(words)}'", f"the page offers {words}")
+
+    try:
+        tab.go(live.url)
+        offers("Start fan, run 1", "Skip fan", "End the session")
+        tab.key("Enter")
+        offers("Stop fan/01")
+        tab.wait("document.querySelector('.live-detail').textContent >= '0:01'", "the run lasts a second")
+        tab.key("Enter")
+        offers("Start mug, run 1", "Redo fan/01", "Skip mug", "End the session")
+        tab.key("r")
+        offers("Start fan, run 1", "Skip fan", "End the session")
+        tab.click(".live-choices .start")
+        offers("Stop fan/01")
+        tab.picture(os.path.join(world.home, "live-session.png"))
+        tab.click(".live-choices .stop")
+        offers("Start mug, run 1", "Redo fan/01", "Skip mug", "End the session")
+        tab.key("s")
+        offers("Redo fan/01", "End the session")
+        problems = problems_of(tab, 1280, False) + unreachable(tab)
+        check(not problems, f"the page of a session: {problems}")
+        world.quiet("recording a session")
+        world.allowed = NOT_THERE
+        tab.click(".live-choices .end")
+        tab.wait("/^Recording has ended, with 1 run/.test(document.querySelector('h1').textContent)", "the session ends")
+        check(live.process.wait(60) == 0, "the session ends well")
+    finally:
+        world.allowed = []
+        live.end()
+        tab.close()
+
+
 def watches_a_detection(world):
     live = Live(world, "detect", "--from", "sim:fan", "--model", os.path.join(world.models, "first"), "--speed", "0.5", "--page", "0")
     tab = Tab(world.browser)

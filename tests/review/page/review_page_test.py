@@ -49,6 +49,7 @@ def main():
             looking.shows_what_has_no_labels,
             looking.cuts_a_recording,
             live.watches_a_recording,
+            live.records_a_session_on_the_page,
             live.watches_a_detection,
         ):
             begun = time.monotonic()
