@@ -199,8 +199,6 @@ def claims_text(tables):
     items = []
     for claim in tables["study"]["claims"]:
         words = claim["in_words"] or "Not measured."
-        if claim["id"].endswith("-delay"):
-            words = f"{claim['id'].split('-')[0].capitalize()}: {words[0].lower()}{words[1:]}"
         kind = "fitted" if PAPER[claim["id"]] == FITTED else "predicted"
         items.append(claim_item(f"Figure {PAPER[claim['id']]}, {kind}", claim, words))
     return "\n".join(items) + "\n"

@@ -106,9 +106,9 @@ std::string sentence_on_learning(const model::ModelBundle& bundle, const windows
                                  const model::ModelDescription& model, std::size_t judged) {
   const std::size_t left_out = model::learned_runs_of(dataset, model).size();
   return fmt::format(
-      "{} learned from manifest {} of {}. On the present one, {}, it is judged on {} that it has not seen, of {}; {} left out.",
-      bundle.name(), model.manifest_hash.substr(0, 8), model.dataset, dataset.manifest_hash().substr(0, 8),
-      counted(judged, "run"), dataset.runs().size(),
+      "{} learned from {} with manifest {}. It is judged on {} that it has not seen, of {} in {} with manifest {}; {} left out.",
+      bundle.name(), model.dataset, model.manifest_hash.substr(0, 8), counted(judged, "run"), dataset.runs().size(),
+      dataset.file().string(), dataset.manifest_hash().substr(0, 8),
       left_out == 0   ? "none is"
       : left_out == 1 ? "1 is"
                       : fmt::format("{} are", left_out));

@@ -41,8 +41,7 @@ void add_executor_options(Command& command, ExecutorArguments& args) {
   command
       .add_option("--executor", args.executor,
                   "Where trainings and judgements run: local, on this machine; slurm, as jobs of a Slurm cluster; "
-                  "slurm:PARTITION. Data, models "
-                  "and output must then be in folders that all nodes share")
+                  "slurm:PARTITION. Data, models and output must then be in folders that all nodes share")
       .check(Check{check_executor, ""})
       .show_default();
   command.add_option("--sbatch", args.sbatch, "Further options for sbatch, such as \"--time=2:00:00 --account=lab\"")

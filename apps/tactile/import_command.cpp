@@ -194,7 +194,9 @@ nlohmann::json json_of(const ImportCommandArguments& args, const RunNames& names
   return {{"data", args.splitting.data}, {"renamed", renamed}, {"runs", all}};
 }
 
-std::string text_of(const ImportCommandArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs) {
+/// @param failed  number of recordings that could not be imported
+std::string text_of(const ImportCommandArguments& args, const RunNames& names, const std::vector<ImportedRun>& runs,
+                    std::size_t failed) {
   std::string text;
   for (const Renamed& name : names.renamed) text += fmt::format("'{}' is named {}.\n", name.given, name.used);
   std::vector<std::vector<std::string>> rows;
@@ -214,6 +216,7 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
     if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
   }
   text += text_table({"run", "from", "robot log", "film", "length", "events", ""}, rows) +
+          (failed > 0 ? fmt::format("{} of {} imported, ", runs.size(), runs.size() + failed) : "") +
           fmt::format("{} of {} healthy\n", healthy, runs.size());
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
@@ -240,19 +243,17 @@ void import_recordings(const ImportCommandArguments& args, const CommonArguments
   std::vector<std::string> errors;
   for (const std::string& recording : recordings) {
     try {
-      runs.push_back(import_one(recording, args, next, common));
+      const ImportedRun& run = runs.emplace_back(import_one(recording, args, next, common));
+      for (const std::string& reason : run.report.health.reasons) spdlog::error("{}: {}", run.made.run.name(), reason);
+      healthy = healthy && run.report.health.healthy();
     } catch (const Error& e) {  // the others are imported nevertheless
       errors.emplace_back(e.what());
-      continue;
     }
-    if (next.first_run) ++*next.first_run;
-    const ImportedRun& run = runs.back();
-    for (const std::string& reason : run.report.health.reasons) spdlog::error("{}: {}", run.made.run.name(), reason);
-    healthy = healthy && run.report.health.healthy();
+    if (next.first_run) ++*next.first_run;  // a recording that cannot be imported keeps its number
   }
   nlohmann::json result = json_of(args, names, runs);
   result["errors"] = errors;
-  if (!runs.empty()) print_result(common, result, text_of(args, names, runs));
+  if (!runs.empty() || common.json) print_result(common, result, runs.empty() ? "" : text_of(args, names, runs, errors.size()));
   end_with(errors);
   if (!healthy) throw CheckFailed{};
 }

@@ -88,7 +88,7 @@ std::string dataset_text(const json& of) {
   return shown_value(of.at("dataset")) + ", " + of.at("manifest_hash").get<std::string>().substr(0, 8);
 }
 
-/// Whether the newest results are of another state of the data than that which the model learned from.
+/// Whether the results are of other data, or another state of the data, than that which the model learned from.
 bool is_judged_on_other_data(const json& entry) {
   return !entry.at("eval").is_null() && entry.at("eval").at("manifest_hash") != entry.at("trained").at("manifest_hash");
 }
@@ -109,7 +109,7 @@ std::string list_text(const json& list, const std::string& models) {
   }
   return text_table({"model", "accuracy [%]", "press [ms]", "slip [ms]", "alarms/min", ""}, rows) +
          "In brackets: 95 % intervals; -: 'tactile eval --model NAME' has not judged it.\n" +
-         (any_on_other ? "*: learned from an earlier state of the data; judged on runs that it has not seen.\n" : "");
+         (any_on_other ? "*: judged on other data than it learned from, on runs that it has not seen.\n" : "");
 }
 
 std::string show_text(const json& entry) {
@@ -226,7 +226,7 @@ void add_models_command(CLI::App& app) {
       .show_default();
   command.add_option("names", args->names, "Names of models, as 'list' shows them").type_name("MODEL");
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
-  command.add_flag("--verbose", args->verbose, "With compare: also settings that one kind of model does not have");
+  command.add_flag("--verbose", args->verbose, "With compare: also settings that none of the models uses");
 }
 
 }  // namespace tactile::cli

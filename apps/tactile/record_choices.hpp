@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "tactile/core/host_clock.hpp"
+
 namespace tactile::cli {
 
 /// What a person may choose while runs are recorded, at the terminal or on the page.
@@ -73,7 +75,8 @@ class PageChoices {
 
  private:
   mutable std::mutex guard_;
-  RecordQuestion question_;
+  // A page that outlives the program must not take a question of the next program for one that it knows.
+  RecordQuestion question_{.number = static_cast<std::uint64_t>(us_of(host_now()))};
   std::optional<RecordChoice> chosen_;
   bool was_used_ = false;
 };

@@ -175,6 +175,7 @@ class Walk {
   LiveLine& line_;
   SessionId session_;
   Answers answers_;
+  bool has_reported_end_ = false;  ///< of standard input
   std::size_t object_index_ = 0;
   std::vector<capture::RunSummary> done_;
   capture::RisingEdge start_;  ///< kept from run to run: it may rise while a run is being closed
@@ -190,7 +191,9 @@ void Walk::walk() {
     }
   }
   while (object_index_ <= plan_.objects.size()) {
-    switch (wait_to_begin()) {
+    const RecordChoice choice = wait_to_begin();
+    ask_on_page({});
+    switch (choice) {
       case RecordChoice::start:
         if (!record_one()) return;
         break;
@@ -282,8 +285,10 @@ RecordChoice Walk::wait_to_begin() {
       line_.inform(fmt::format("'{}' is no answer here. {}", *line, question()));
     } else if (const auto choice = chosen_on_page()) {
       return *choice;
-    } else if (answers_.ended() && !plan_.start_on && !page_leads(at_end)) {
-      return RecordChoice::end;
+    } else if (answers_.ended() && !plan_.start_on) {
+      if (!page_leads(at_end)) return RecordChoice::end;
+      if (!std::exchange(has_reported_end_, true))
+        line_.inform("standard input has ended: choose on the page; Ctrl-C ends the session");
     }
   }
 }
@@ -342,6 +347,7 @@ bool Walk::record_one() {
       std::this_thread::sleep_for(std::chrono::milliseconds(plan_.stop_on ? 2 : 20));
     }
   }
+  ask_on_page({});
   line_.clear();
   done_.push_back(recorder_.end(why));
   const capture::RunSummary& run = done_.back();

@@ -41,19 +41,23 @@ struct FoundModel {
   std::string trained_at;
 };
 
+struct PreferredModel {
+  std::optional<model::ModelBundle> bundle;
+  std::string why;
+  bool is_pinned = false;
+};
+
 /// The model that a report of a dataset begins with, if it is of that dataset or was judged on it: the pinned one, else the last
 /// one that `train` made here. Without an evaluation there is nothing to show: only a pin puts such a model first.
-std::pair<std::optional<model::ModelBundle>, std::string> preferred_model(const fs::path& models) {
-  if (auto pinned = model::pinned_bundle(models)) return {std::move(pinned), "the pinned model"};
-  auto last = model::last_bundle(models);
-  if (last && !model::newest_evaluation(*last)) last.reset();
-  return {std::move(last), "the last one that 'train' made here"};
+PreferredModel preferred_model(const fs::path& models) {
+  if (auto pinned = model::pinned_bundle(models)) return {std::move(pinned), "the pinned model", true};
+  return {model::last_bundle(models), "the last one that 'train' made here", false};
 }
 
 /// Models of the dataset; the first gives all its results: the preferred one, else the newest one of single runs with an
 /// evaluation. Models with held-out objects appear in the comparison that the other model's folder has.
 std::vector<report::ModelToReport> models_of(const std::string& manifest_hash, const ReportArguments& args) {
-  const auto [preferred, why] = preferred_model(args.models);
+  const PreferredModel preferred = preferred_model(args.models);
   std::vector<FoundModel> found;
   std::error_code none;
   for (fs::directory_iterator entry(args.models, none), end; !none && entry != end; entry.increment(none)) {
@@ -65,12 +69,12 @@ std::vector<report::ModelToReport> models_of(const std::string& manifest_hash, c
       const std::string learned_from = model["dataset"]["manifest_hash"].text();
       const fs::path evaluation = model::evaluation_on({entry->path()}, learned_from, manifest_hash);
       const bool evaluated = is_file(evaluation);
-      const bool is_preferred = preferred && preferred->folder == entry->path();
+      const bool is_preferred =
+          preferred.bundle && preferred.bundle->folder == entry->path() && (preferred.is_pinned || evaluated);
       if (learned_from != manifest_hash && !(is_preferred && evaluated)) {
         if (is_preferred)
-          spdlog::warn(
-              "{}, {}, learned from an earlier state of the data and was not judged on this one; 'tactile eval' judges it",
-              entry->path().string(), why);
+          spdlog::warn("{}, {}, learned from other data and was not judged on this; 'tactile eval' judges it",
+                       entry->path().string(), preferred.why);
         continue;
       }
       found.push_back({.folder = entry->path(),
@@ -90,7 +94,7 @@ std::vector<report::ModelToReport> models_of(const std::string& manifest_hash, c
   if (!found.empty()) {
     const FoundModel& first = found.front();
     spdlog::info("reporting {}, {}", first.folder.string(),
-                 first.preferred ? why : (first.evaluated ? "the newest one with an evaluation" : "the newest model"));
+                 first.preferred ? preferred.why : (first.evaluated ? "the newest one with an evaluation" : "the newest model"));
   }
   std::vector<report::ModelToReport> reported;
   for (const FoundModel& model : found) {
@@ -99,10 +103,12 @@ std::vector<report::ModelToReport> models_of(const std::string& manifest_hash, c
   return reported;
 }
 
-/// The folder of the dataset that a model was trained on, as given at its training; empty where it does not exist from here.
-fs::path data_of(const fs::path& model) {
-  const nlohmann::json document = read_json(model / "model.json");
-  const fs::path file = results::JsonView(document, (model / "model.json").string())["dataset"]["file"].text();
+/// The folder of the dataset that a model was judged on, else trained on, as it was given; empty where it does not exist from
+/// here.
+fs::path data_of(const report::ModelToReport& model) {
+  const fs::path described = is_file(model.evaluation) ? model.evaluation : model.folder / "model.json";
+  const nlohmann::json document = read_json(described);
+  const fs::path file = results::JsonView(document, described.string())["dataset"]["file"].text();
   return is_file(file) ? (file.has_parent_path() ? file.parent_path() : fs::path(".")) : fs::path();
 }
 
@@ -133,7 +139,7 @@ std::pair<report::ReportInput, fs::path> input_of(const fs::path& what, const Re
   if (is_file(what / "study.json")) return {report::read_study(what), what / "report"};
   if (is_file(what / "model.json")) {
     const report::ModelToReport model(what, model::newest_evaluation({what}).value_or(what / "eval.json"));
-    return {report::read_models({model}, data_of(what)), what / "report"};
+    return {report::read_models({model}, data_of(model)), what / "report"};
   }
   if (is_file(what / "trade.json")) return {report_of(report::read_trade(what), &report::ReportInput::trade), what / "report"};
   if (is_file(what / "stress.json")) return {report_of(report::read_stress(what), &report::ReportInput::stress), what / "report"};

@@ -21,6 +21,7 @@
 #include "quantity_text.hpp"
 #include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"
@@ -277,13 +278,16 @@ void run(const StressArguments& args, const CommonArguments& common) {
   nlohmann::json models = nlohmann::json::array();
   for (const fs::path& model : options.models) models.push_back(model.string());
   const nlohmann::json decided = {{"model", models.size() == 1 ? models.front() : models}};
-  if (options.slurm) {
-    const fs::path settings = options.out / "slurm" / "settings.json";
+  // Written when the first task is due, so by the command that has the folder, and never changed: tasks of other options have a
+  // file of their own.
+  options.task = [&common, &options, &decided](const std::string& step, const fs::path& model) {
+    nlohmann::json of = common.settings;
+    of.merge_patch(decided);
+    const fs::path settings = options.out / "slurm" / ("settings-" + sha256_of(of.dump()).substr(0, 8) + ".json");
     write_settings(common, settings, decided);
-    options.task = [settings](const std::string& step) {
-      return std::vector<std::string>{"stress-step", step, "--config", settings.string(), "--threads", "1"};
-    };
-  }
+    return std::vector<std::string>{"stress-step", step,           "--config",  settings.string(),
+                                    "--model",     model.string(), "--threads", "1"};
+  };
   const stress::StressSummary summary = stress::run_stress(
       options, [&] { return progress_line(common); }, log_step);
   write_settings(common, options.out / "settings.json", decided);

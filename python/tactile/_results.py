@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,10 +77,12 @@ def _delay(entry: dict[str, Any]) -> Delay:
 
 
 def read_evaluation(path: str | os.PathLike[str]) -> Evaluation:
-    """The results in eval.json, or of the folder of a model bundle. Raises Error."""
+    """The results in eval.json, or the newest ones in the folder of a model bundle, on whichever data. Raises Error."""
     path = os.fspath(path)
     if os.path.isdir(path):
-        path = os.path.join(path, "eval.json")
+        found = [name for name in os.listdir(path) if re.fullmatch(r"eval(-on-[0-9a-f]{8})?\.json", name)]
+        files = [os.path.join(path, name) for name in found]
+        path = max(files, key=os.path.getmtime, default=os.path.join(path, "eval.json"))
     try:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)

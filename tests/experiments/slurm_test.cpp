@@ -189,12 +189,13 @@ TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
     const auto result = test::run_tactile(command, folder_.path());
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
   };
-  for (const char* command :
-       {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows", "train --epochs 1"})
+  for (const char* command : {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows",
+                              "train --epochs 1", "train --epochs 1 --width 0.5 --name half"})
     run(command);
   // A recipe with its own seed, a simulated world and a quiet recording.
   const std::string stress =
-      "stress --recipe noise:50 --world light-dim:90 --quiet-recording data/water-bottle/01/events.aedat4 --seed 7 --no-figures ";
+      "stress --recipe noise:50 --world light-dim:90 --quiet-recording data/water-bottle/01/events.aedat4 --seed 7 --no-figures "
+      "--model th40-single-1-epochs1 --model half ";
   std::map<std::string, nlohmann::json> stressed;
   for (const std::string where : {"local", "slurm:short"}) {
     run(stress + "--out " + where + " --executor " + where);

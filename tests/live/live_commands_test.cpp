@@ -117,6 +117,32 @@ TEST_F(RecordPreview, TheRunsOfASessionAreStartedStoppedAndRedoneOnThePage) {
   EXPECT_FALSE(fs::exists(folder / "data/fan/01/events.aedat4"));
 }
 
+TEST_F(RecordPreview, ARunStoppedOnThePageBeforeItsDurationDoesNotCount) {
+  std::ofstream(folder / "plan.json") << R"({"session": "monday", "objects": [{"name": "fan", "runs": 1}], "duration": 60})";
+  RunningCommand command("record --from sim --speed 0.1 --session plan.json --out data --preview 0", folder.path());
+  const std::uint16_t port = test::port_in(command.logged_after("preview at "));
+  LiveClient client(port);
+  command.type("\n");
+  const json recording = client.next_where(is_recording);
+  ASSERT_FALSE(recording.is_null());
+  const std::uint64_t question = recording.at("state").at("question");
+  const std::string stop = json{{"question", question}, {"choice", "stop"}}.dump();
+  EXPECT_EQ(post(port, "/api/live/choice", stop).status, 200);
+  const json waiting = client.next_where([&](const json& m) {
+    return m.at("state").at("state") == "waiting" && m.at("state").at("question").get<std::uint64_t>() > question &&
+           !m.at("state").at("choices").empty();
+  });
+  ASSERT_FALSE(waiting.is_null()) << command.err();
+  EXPECT_EQ(waiting.at("state").at("choices").at(0).at("words"), "Start fan, run 1") << "it is asked for again";
+  EXPECT_EQ(post(port, "/api/live/choice", stop).status, 409) << "of the question before";
+  // The end of standard input ends nothing while a person can choose on the page.
+  command.close_input();
+  command.logged_after("standard input has ended");
+  const json end{{"question", waiting.at("state").at("question")}, {"choice", "end"}};
+  EXPECT_EQ(post(port, "/api/live/choice", end.dump()).status, 200);
+  EXPECT_EQ(command.wait().exit_code, 0);
+}
+
 TEST_F(RecordPreview, ABrowserThatTakesNothingChangesNothingInTheRecording) {
   ASSERT_EQ(test::run_tactile("record --from sim --object fan --speed 0 --duration 2 --out without", folder.path()).exit_code, 0);
   // The session waits for Enter, so that the browser is there from the first event on.

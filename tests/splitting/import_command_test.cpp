@@ -183,6 +183,7 @@ TEST_F(ImportCommand, FindsTheOnlyRobotLogWhoseNameBeginsLikeTheRecording) {
   EXPECT_EQ(robot_of("take 1", "a"), "loose/take 1 rtde.csv") << "the other log is that of 'take 1 again'";
   EXPECT_EQ(robot_of("take 1 again", "a"), "loose/take 1 again rtde.csv");
   write_whole(folder / "loose/take 1_notes.csv", "a,b\n1,2\n");
+  write_whole(folder / "loose/take 1 rtde.png", "a plot of it");
   EXPECT_EQ(robot_of("take 1", "b"), "loose/take 1 rtde.csv");
   fs::copy_file(folder / "sim/fan/02/robot.csv", folder / "loose/take 1_other.csv");
   EXPECT_TRUE(robot_of("take 1", "c").is_null()) << "two logs may be meant";
@@ -200,6 +201,9 @@ TEST_F(ImportCommand, ImportsTheOtherRecordingsOfAFolderWhereOneCannotBe) {
   EXPECT_EQ(json.at("runs").at(0).at("recording"), "loose/b.aedat4");
   ASSERT_EQ(json.at("errors").size(), 2U);
   for (const char* file : {"loose/a.aedat4", "loose/c.aedat4"}) EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
+  const auto numbered = run("import loose --object cup --run 5 --out other");
+  EXPECT_NE(numbered.out.find("cup/06"), std::string::npos) << numbered.out << "a.aedat4 keeps its number";
+  EXPECT_NE(numbered.out.find("1 of 3 imported, 1 of 1 healthy"), std::string::npos) << numbered.out;
 }
 
 TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {

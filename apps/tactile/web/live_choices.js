@@ -26,6 +26,10 @@ export class LiveChoices {
     this.offered = [];
     this.answered = null; // the number of the question that was answered
     document.addEventListener("keydown", (event) => this.#key(event));
+    // A key that is held is one choice: the next question's button gets the focus.
+    this.element.addEventListener("keydown", (event) => {
+      if (event.repeat) event.preventDefault();
+    });
   }
 
   /// Shows what the newest state offers.

@@ -60,7 +60,9 @@ bool ended_as_planned(const RunInfo& run, const SessionPlan& plan) {
   const auto ended = run.extra.find("ended");
   if (ended == run.extra.end() || !ended->is_string()) return true;  // recorded by another program, which only writes `complete`
   const auto& why = ended->get_ref<const std::string&>();
-  return why != "interrupted" && !why.starts_with("source gone") && !(plan.duration_s && why == "source ended");
+  const bool has_an_end = plan.duration_s || plan.stop_on;
+  return why != "interrupted" && !why.starts_with("source gone") && !(plan.duration_s && why == "source ended") &&
+         !(has_an_end && why == "stopped on the page");
 }
 
 }  // namespace

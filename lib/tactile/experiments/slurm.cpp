@@ -84,7 +84,8 @@ std::optional<Mark> Jobs::read_mark(const Task& task) const {
   return mark;
 }
 
-/// Takes over tasks of this work that were submitted before. Files that cannot be read mean that there are none.
+/// Takes over tasks of this work that were submitted before, and cancels those of the same names with other work: they would
+/// write the same files. Files that cannot be read mean that there are none.
 void Jobs::find_earlier_tasks() {
   nlohmann::json jobs;
   try {
@@ -92,11 +93,18 @@ void Jobs::find_earlier_tasks() {
   } catch (const Error&) {
     return;
   }
+  std::vector<std::string> others;
   for (Task& task : tasks_) {
     const auto found = jobs.find(task.name);
-    if (found == jobs.end() || !found->is_object() || found->value("key", "") != plans_[task.index].key) continue;
-    task.id = found->value("task", "");
+    if (found == jobs.end() || !found->is_object()) continue;
+    const bool is_this_work = found->value("key", "") == plans_[task.index].key;
+    if (is_this_work) {
+      task.id = found->value("task", "");
+    } else if (const std::string id = found->value("task", ""); !id.empty()) {
+      others.push_back(id);
+    }
   }
+  cancel_tasks(others);
 }
 
 void Jobs::remember() const {

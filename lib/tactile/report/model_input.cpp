@@ -61,6 +61,8 @@ class ModelFolder {
   const nlohmann::json& document() const { return model_; }
   results::JsonView model() const { return {model_, (folder_ / "model.json").string()}; }
   results::JsonView evaluation() const { return {evaluation_, evaluation_file_.string()}; }
+  /// Whether it learned from simulated runs, or was judged on some.
+  bool is_simulated() const { return model()["dataset"]["simulated"].truth() || evaluation()["simulated"].truth(); }
   std::string learned_from() const { return model()["dataset"]["manifest_hash"].words(); }
   double history_ms() const { return model()["rendering"]["history_us"].number() / 1000; }
 
@@ -79,8 +81,9 @@ void read_evaluation(ReportInput& input, const ModelFolder& folder) {
   add_sentences(input.remarks, json["warnings"]);
   if (const std::string judged_on = json["dataset"]["manifest_hash"].words(); judged_on != folder.learned_from()) {
     input.remarks.push_back(
-        fmt::format("{} learned from an earlier state of the data, {}; it is judged on the runs of {} that it has not seen.",
-                    folder.name(), folder.learned_from().substr(0, 8), judged_on.substr(0, 8)));
+        fmt::format("{} learned from {} with manifest {}. It is judged on runs of {} with manifest {} that it has not seen.",
+                    folder.name(), folder.model()["dataset"]["file"].words(), folder.learned_from().substr(0, 8),
+                    json["dataset"]["file"].words(), judged_on.substr(0, 8)));
   }
   input.evaluations.push_back({.id = "reported",
                                .model = folder.name(),
@@ -177,7 +180,7 @@ ReportInput read_models(const std::vector<ModelToReport>& reported, const fs::pa
     const std::string name = folder.name();
     if (const std::string other = other_settings(first.document(), folder.document(), model.where()); !other.empty())
       input.remarks.push_back(fmt::format("{} and {} differ in more than their history: {}.", first.name(), name, other));
-    input.simulated = input.simulated || model["dataset"]["simulated"].truth();
+    input.simulated = input.simulated || folder.is_simulated();
     const fs::path history = folder.path() / "history.csv";
     if (is_found(input, history, "The training of " + name)) input.trainings.push_back(training_in(history, name));
     models.push_back(
@@ -188,8 +191,7 @@ ReportInput read_models(const std::vector<ModelToReport>& reported, const fs::pa
   read_runs(input, first);
   add_histories(input, folders);
   input.found = found_of(input, first);
-  input.title =
-      fmt::format("Results of {}{}", first.name(), first.model()["dataset"]["simulated"].truth() ? " (simulated runs)" : "");
+  input.title = fmt::format("Results of {}{}", first.name(), first.is_simulated() ? " (simulated runs)" : "");
   if (input.unseen.empty())
     input.missing.push_back("Unseen objects (the paper's figure 11) were not tested; 'tactile eval --unseen' tests them.");
   input.missing.push_back("Only 'tactile reproduce' tests the paper's claims, and records the machine and the times.");

@@ -49,6 +49,8 @@ bool is_robot_log(const fs::path& file) {
   return has(columns, "timestamp") && std::any_of(columns.begin(), columns.end(), is_motion);
 }
 
+constexpr std::string_view recordings[] = {".aedat4", ".raw", ".bag", ".db3", ".mcap"};
+
 bool names_more_than(const std::string& file, const std::string& name) {
   return file.size() > name.size() && file.starts_with(name) && std::isalnum(static_cast<unsigned char>(file[name.size()])) == 0;
 }
@@ -63,9 +65,10 @@ std::optional<fs::path> robot_log_named_after(const fs::path& recording) {
   const fs::path folder = recording.has_parent_path() ? recording.parent_path() : fs::path(".");
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     if (!names_more_than(entry->path().filename().string(), name)) continue;
-    if (entry->path().extension() != ".csv")
+    const std::string extension = entry->path().extension().string();
+    if (entry->is_directory() || std::find(std::begin(recordings), std::end(recordings), extension) != std::end(recordings))
       longer.push_back(entry->path().stem().string());
-    else if (is_robot_log(entry->path()))
+    else if (extension == ".csv" && is_robot_log(entry->path()))
       logs.push_back(entry->path());
   }
   std::erase_if(logs, [&](const fs::path& log) {

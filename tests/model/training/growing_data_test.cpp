@@ -87,8 +87,9 @@ TEST(GrowingData, IsJudgedByAnOlderModelExceptForTheRunsThatItLearnedFrom) {
   std::string line = judged.out;
   std::replace(line.begin(), line.end(), '\n', ' ');
   const std::string name = model.at("name"), now = windows::Dataset(data / "dataset.h5").manifest_hash();
-  EXPECT_NE(line.find(name + " learned from manifest " + then.substr(0, 8) + " of data/dataset.h5. On the present one, " +
-                      now.substr(0, 8) + ", it is judged on 4 runs that it has not seen, of 7; 3 are left out."),
+  EXPECT_NE(line.find(name + " learned from data/dataset.h5 with manifest " + then.substr(0, 8) +
+                      ". It is judged on 4 runs that it has not seen, of 7 in data/dataset.h5 with manifest " + now.substr(0, 8) +
+                      "; 3 are left out."),
             std::string::npos)
       << judged.out;
 
@@ -98,16 +99,23 @@ TEST(GrowingData, IsJudgedByAnOlderModelExceptForTheRunsThatItLearnedFrom) {
   EXPECT_EQ(listed.at("eval").at("manifest_hash"), now);
   EXPECT_EQ(listed.at("eval").at("file"), "eval-on-" + now.substr(0, 8) + ".json");
   const std::string list = run_tactile("models", folder.path()).out;
-  EXPECT_NE(list.find("*: learned from an earlier state of the data"), std::string::npos) << list;
+  EXPECT_NE(list.find("*: judged on other data than it learned from"), std::string::npos) << list;
   EXPECT_EQ(list.find("  -  "), std::string::npos) << list;
   ASSERT_EQ(run_tactile("models pin " + name, folder.path()).exit_code, 0);
   const auto reported = run_tactile("report", folder.path());
   EXPECT_EQ(reported.exit_code, 0) << reported.err;
   EXPECT_NE(reported.err.find("reporting models/" + name + ", the pinned model"), std::string::npos) << reported.err;
   const std::string page = read_text(folder / "report/report.html");
-  EXPECT_NE(page.find("learned from an earlier state of the data, " + then.substr(0, 8)), std::string::npos);
+  EXPECT_NE(page.find("learned from data/dataset.h5 with manifest " + then.substr(0, 8)), std::string::npos);
   EXPECT_EQ(page.find("was not evaluated"), std::string::npos);
   ASSERT_EQ(run_tactile("models unpin", folder.path()).exit_code, 0);
+
+  // A judgement on another dataset file, though newer, does not take its place.
+  fs::copy(data, folder / "other", fs::copy_options::recursive);
+  fs::remove(folder / "other/dataset.h5");
+  ASSERT_EQ(run_tactile("windows other --seed 5", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("eval other", folder.path()).exit_code, 0);
+  EXPECT_EQ(result_of("models", folder.path()).at("models").at(0).at("eval").at("manifest_hash"), now);
 
   const auto json = result_of("eval", folder.path());
   EXPECT_EQ(json.at("test_runs"), nlohmann::json({"cup/01", "fan/02", "usb-hub/02", "usb-hub/03"}));

@@ -30,8 +30,8 @@ struct StressOptions {
   bool force = false;                                ///< do again what is done
   std::filesystem::path program = "/proc/self/exe";  ///< takes the words of `task`
   std::optional<experiments::SlurmOptions> slurm{};  ///< judge on a cluster; nothing: in this process
-  /// On a cluster: the words of a process that does one step by `do_step`, with these options.
-  std::function<std::vector<std::string>(const std::string& step)> task{};
+  /// On a cluster: the words of a process that does one step by `do_step`, with these options and this model alone.
+  std::function<std::vector<std::string>(const std::string& step, const std::filesystem::path& model)> task{};
 };
 
 /// A training, and the runs that it is judged on: those of `tactile eval`.

@@ -133,7 +133,7 @@ RunFolder simulated_in_world(const RunFolder& run, std::string_view world, doubl
   fs::create_directory(whole.path());
   const simulation::DrawnRun drawn = simulation::draw_run(physics, own.object, own.run, own.preset, own.seed);
   simulation::simulate_events({whole.path(), run.object, run.run}, drawn, simulation::camera_pixels_of(drawn));
-  whole.commit();
+  if (!fs::exists(target.truth())) whole.commit();  // another task may have simulated it meanwhile
   return target;
 }
 

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
+
+#include "tactile/core/json.hpp"
 
 namespace tactile::model {
 namespace {
@@ -21,6 +26,16 @@ bool is_of_usual_options(const std::string& name) {
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
+/// The member dataset.file; empty if it is not there.
+std::string dataset_file_in(const fs::path& file) {
+  try {
+    const nlohmann::json json = read_json(file);
+    return json.at("dataset").at("file").get<std::string>();
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 fs::path evaluation_on(const ModelBundle& bundle, const std::string& learned_from, const std::string& judged_on) {
@@ -29,18 +44,19 @@ fs::path evaluation_on(const ModelBundle& bundle, const std::string& learned_fro
 }
 
 std::optional<fs::path> newest_evaluation(const ModelBundle& bundle) {
-  std::optional<fs::path> newest;
-  fs::file_time_type newest_time{};
+  std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code failed;
   for (fs::directory_iterator entry(bundle.folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     if (!is_of_usual_options(entry->path().filename().string())) continue;
     const auto time = fs::last_write_time(entry->path(), failed);
-    if (!failed && (!newest || time > newest_time)) {
-      newest = entry->path();
-      newest_time = time;
-    }
+    if (!failed) found.emplace_back(time, entry->path());
   }
-  return newest;
+  if (found.empty()) return std::nullopt;
+  std::sort(found.rbegin(), found.rend());
+  const std::string learned_from = dataset_file_in(bundle.description());
+  const auto of_its_data =
+      std::find_if(found.begin(), found.end(), [&](const auto& one) { return dataset_file_in(one.second) == learned_from; });
+  return of_its_data != found.end() ? of_its_data->second : found.front().second;
 }
 
 }  // namespace tactile::model
