@@ -13,6 +13,7 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "converted_source.hpp"
+#include "loose_recordings.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_report.hpp"
@@ -72,20 +73,14 @@ std::string check_run_number(const std::string& text) {
                                                         : fmt::format("'{}' is not a number of a run; expected 1 to 99", text);
 }
 
-/// The recordings in a folder of loose ones, as DV and other programs save them, by name. A bag or a run is one recording.
+/// What a user named, or the recordings in it. A bag or a run is one recording.
 std::vector<std::string> recordings_at(const std::string& place) {
   for (const char* extension : {".mp4", ".avi", ".mkv", ".mov"}) {
     if (conversion::lower_extension(place) == extension)
       throw Error(place + ": is a film; expected a recording, with its film as --video");
   }
   if (!fs::is_directory(place) || bags::is_bag(place) || is_there(run_folder_at(place).events())) return {place};
-  std::vector<std::string> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
-    const std::string extension = conversion::lower_extension(entry.path());
-    const bool is_recording = entry.is_regular_file() && (extension == ".aedat4" || extension == ".raw");
-    if (is_recording || (extension != ".csv" && bags::is_bag(entry.path()))) found.push_back(entry.path().string());
-  }
-  std::sort(found.begin(), found.end());
+  std::vector<std::string> found = loose_recordings_in(place);
   if (found.empty()) throw Error(place + ": has no recording; expected .aedat4, .raw or bags in it, a run folder, or a file");
   return found;
 }

@@ -9,6 +9,7 @@
 #include "camera_time.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "loose_recordings.hpp"
 #include "option_checks.hpp"
 #include "recording_report.hpp"
 #include "run_places.hpp"
@@ -49,8 +50,11 @@ void add_place(const std::string& place, Places& places) {
   places.misnamed.insert(places.misnamed.end(), below.misnamed.begin(), below.misnamed.end());
   places.unreadable.insert(places.unreadable.end(), below.unreadable.begin(), below.unreadable.end());
   places.without_recording.insert(places.without_recording.end(), below.without_recording.begin(), below.without_recording.end());
-  if (below.runs.empty() && below.misnamed.empty() && below.without_recording.empty() && below.unreadable.empty())
-    throw Error(place + ": no events.aedat4 in it, nor runs below it; expected a recording, a run or a folder of runs");
+  if (!below.runs.empty() || !below.misnamed.empty() || !below.without_recording.empty() || !below.unreadable.empty()) return;
+  const std::vector<std::string> loose = loose_recordings_in(place);
+  if (loose.empty())
+    throw Error(place + ": no recording in it, nor runs below it; expected a recording, a run, or a folder of one of them");
+  for (const std::string& recording : loose) add_place(recording, places);
 }
 
 void report_on(const InfoArguments& args, const CommonArguments& common) {

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "tactile/core/duration_units.hpp"
+#include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "text_table.hpp"
 
@@ -194,11 +195,20 @@ std::size_t presses_of(const labels::Labels& labels) {
                     [](const labels::LabelledInterval& interval) { return interval.touch == Touch::press; }));
 }
 
-/// Advice on clocks that were fitted to one run each.
+bool has_session(const RunFolder& run) {
+  try {
+    return !read_run_info(run).session.empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// Advice on clocks that were fitted to one run each, of runs without a session: who gave one knows of it.
 std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   const auto is_alone = [](const LabelledRun& labelled) {
     const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
-    return clock != nullptr && clock->uncertainty() > 5ms && clock->method.find("a session's") == std::string::npos;
+    return clock != nullptr && clock->uncertainty() > 5ms && clock->method.find("a session's") == std::string::npos &&
+           !has_session(labelled.run);
   };
   if (std::count_if(runs.begin(), runs.end(), is_alone) < 2) return {};
   return wrapped(

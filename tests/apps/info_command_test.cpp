@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "events/made_recording.hpp"
@@ -138,6 +139,20 @@ TEST(InfoCommand, PrintsAReportForPeople) {
                             "lz4, 16 packets, data table used", "44.2 % ON (2652)", "every 200 us", "\n  healthy\n"}) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << " in\n" << result.out;
   }
+}
+
+TEST(InfoCommand, TakesAFolderOfLooseRecordings) {
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "loose");
+  fs::create_directories(folder / "empty");
+  for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4"}) fs::copy_file(vendor_files + name, folder / "loose" / name);
+  std::ofstream(folder / "loose/notes.txt") << "of a day\n";
+  const test::CommandResult result = run_tactile("info --check loose", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("2 of 2 healthy"), std::string::npos) << result.out;
+  const test::CommandResult none = run_tactile("info empty", folder.path());
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("empty: no recording in it, nor runs below it"), std::string::npos) << none.err;
 }
 
 TEST(InfoCommand, CountsTimeFromTheFirstEventUnlessAskedForCameraTime) {

@@ -11,9 +11,14 @@
 namespace tactile::model {
 namespace {
 
-std::vector<BoostedTrees::Node> nodes_in(const Weights& weights, const TreesOptions& options) {
+/// The weights, once they have the shapes of these options.
+const Weights& checked(const Weights& weights, const TreesOptions& options) {
   check(options);
   check_shapes(weights, tree_parameters(options), "trees with other parameters than their settings");
+  return weights;
+}
+
+std::vector<BoostedTrees::Node> nodes_in(const Weights& weights) {
   const std::vector<float>&features = weights[0].values, &thresholds = weights[1].values;
   std::vector<BoostedTrees::Node> nodes(features.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -29,7 +34,7 @@ std::vector<BoostedTrees::Node> nodes_in(const Weights& weights, const TreesOpti
 }  // namespace
 
 BoostedTrees::BoostedTrees(std::size_t features, const TreesOptions& options, const Weights& weights)
-    : BoostedTrees(features, options.depth, nodes_in(weights, options), weights[2].values) {}
+    : BoostedTrees(features, options.depth, nodes_in(checked(weights, options)), checked(weights, options)[2].values) {}
 
 Weights BoostedTrees::weights() const {
   const std::vector<ParameterShape> shapes = tree_parameters({.rounds = static_cast<unsigned>(rounds()), .depth = depth_});
