@@ -28,9 +28,10 @@ std::vector<NamedHistogram> histograms_of(const detect::DeadlineMonitor& monitor
           {"whole", "from the tick's end", &monitor.whole()}};
 }
 
+std::string us(std::chrono::nanoseconds ns) { return fmt::format("{:.0f}", 1e-3 * static_cast<double>(ns.count())); }
+
 std::string latency_text(const detect::DetectionSummary& summary) {
   std::vector<std::vector<std::string>> rows;
-  const auto us = [](std::chrono::nanoseconds ns) { return fmt::format("{:.0f}", 1e-3 * static_cast<double>(ns.count())); };
   const auto add = [&](const char* words, const detect::DurationHistogram& histogram) {
     if (histogram.count() == 0) return;
     rows.push_back({words, us(histogram.percentile(0.5)), us(histogram.percentile(0.99)), us(histogram.percentile(0.999)),
@@ -95,11 +96,10 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
 void add_latency(const detect::DetectionSummary& summary, Lines& lines) {
   const detect::DurationHistogram& time = summary.plays ? summary.deadlines.work() : summary.deadlines.whole();
   if (time.count() == 0) return;
-  const auto us = [](std::chrono::nanoseconds ns) { return 1e-3 * static_cast<double>(ns.count()); };
-  lines.emplace_back(summary.plays ? "work" : "latency",
-                     fmt::format("{:.0f} us (median), {:.0f} us (99 %), {:.0f} us (highest) {}", us(time.percentile(0.5)),
-                                 us(time.percentile(0.99)), us(time.max()),
-                                 summary.plays ? "for rendering, network and output" : "from a tick's end to its verdict"));
+  lines.emplace_back(
+      summary.plays ? "work" : "latency",
+      fmt::format("{} us (median), {} us (99 %), {} us (highest) {}", us(time.percentile(0.5)), us(time.percentile(0.99)),
+                  us(time.max()), summary.plays ? "for rendering, network and output" : "from a tick's end to its verdict"));
 }
 
 void add_events(const detect::DetectionSummary& summary, Lines& lines) {

@@ -265,10 +265,9 @@ std::string runs_table(const std::vector<LabelledRun>& runs, bool with_methods) 
   const bool since_first = runs.front().zero == runs.front().first_event;
   std::string legend = fmt::format("Onsets in seconds {}, all other times in ms; ± is half of an onset's 95 % interval.",
                                    since_first ? "since a run's first event" : "of the camera's clock");
-  if (!methods.legend().empty() && with_methods) {
-    legend += " For a clock, the letter is the method that found it, and ± is half of its offset's 95 % interval.";
-  } else if (!methods.legend().empty()) {
-    legend += " For a clock, ± is half of its offset's 95 % interval.";
+  if (!methods.legend().empty()) {
+    legend += fmt::format(" For a clock, {}± is half of its offset's 95 % interval.",
+                          with_methods ? "the letter is the method that found it, and " : "");
   }
   if (has_lag) legend += " Lift to slip includes the robot clock's error.";
   if (has_negative_lag) legend += " A negative value is this error, or the robot log is of another recording.";

@@ -21,6 +21,7 @@
 #include "quantity_text.hpp"
 #include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -278,14 +279,14 @@ void run(const StressArguments& args, const CommonArguments& common) {
   nlohmann::json models = nlohmann::json::array();
   for (const fs::path& model : options.models) models.push_back(model.string());
   const nlohmann::json decided = {{"model", models.size() == 1 ? models.front() : models}};
+  nlohmann::json settings = common.settings;
+  settings.merge_patch(decided);
+  const fs::path of_tasks = options.out / "slurm" / ("settings-" + sha256_of(settings.dump()).substr(0, 8) + ".json");
   // Written when the first task is due, so by the command that has the folder, and never changed: tasks of other options have a
   // file of their own.
-  options.task = [&common, &options, &decided](const std::string& step, const fs::path& model) {
-    nlohmann::json of = common.settings;
-    of.merge_patch(decided);
-    const fs::path settings = options.out / "slurm" / ("settings-" + sha256_of(of.dump()).substr(0, 8) + ".json");
-    write_settings(common, settings, decided);
-    return std::vector<std::string>{"stress-step", step,           "--config",  settings.string(),
+  options.task = [&settings, &of_tasks](const std::string& step, const fs::path& model) {
+    if (!fs::exists(of_tasks)) write_json(of_tasks, settings);
+    return std::vector<std::string>{"stress-step", step,           "--config",  of_tasks.string(),
                                     "--model",     model.string(), "--threads", "1"};
   };
   const stress::StressSummary summary = stress::run_stress(

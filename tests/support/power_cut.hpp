@@ -58,7 +58,7 @@ class PowerCut {
   /// The folder after all entries, without a power cut.
   FolderImage whole() const { return killed_after(journal_.entries.size()); }
 
-  /// The folder after the first `entries`, if the program is killed then and the machine goes on.
+  /// The folder after the first `entries`, if the program is killed then and the machine continues to run.
   FolderImage killed_after(std::size_t entries) const {
     const States states = written_after(entries);
     FolderImage image;

@@ -12,7 +12,7 @@
 
 namespace tactile::labels {
 
-/// What is said of the bursts of a run that may lack a label, or have one without a log to confirm it.
+/// The bursts of a run that a person should know of: they may lack a label, or no log confirms theirs.
 struct UnlabelledBursts {
   /// A burst that moves the skin like a press, but is none (`burst-unexplained`), and one after the robot log's end, which may be
   /// the slip of a lift that was not logged (`burst-unlogged`).

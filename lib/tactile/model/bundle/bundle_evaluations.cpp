@@ -52,6 +52,7 @@ std::optional<fs::path> newest_evaluation(const ModelBundle& bundle) {
     if (!failed) found.emplace_back(time, entry->path());
   }
   if (found.empty()) return std::nullopt;
+  if (found.size() == 1) return found.front().second;  // nothing to compare, so nothing to read
   std::sort(found.rbegin(), found.rend());
   const std::string learned_from = dataset_file_in(bundle.description());
   const auto of_its_data =
