@@ -59,7 +59,7 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, const
   write_json(file, json);
   write_whole(table, evaluation::table_of(evaluation));
   write_settings(common, settings, {{"model", bundle.folder.string()}});
-  return fmt::format("\nWritten to {} and {}\n", file.string(), table.filename().string());
+  return fmt::format("Written to {} and {}\n", file.string(), table.filename().string());
 }
 
 /// The file of results. Options that change the figures have their own file, so that none replaces another.
@@ -102,16 +102,11 @@ nlohmann::json json_of_learning(const windows::Dataset& dataset, const model::Mo
 }
 
 /// The same of a model of another dataset, as a sentence. @param judged  number of runs
-std::string sentence_on_learning(const model::ModelBundle& bundle, const windows::Dataset& dataset,
-                                 const model::ModelDescription& model, std::size_t judged) {
-  const std::size_t left_out = model::learned_runs_of(dataset, model).size();
-  return fmt::format(
-      "{} learned from {} with manifest {}. It is judged on {} that it has not seen, of {} in {} with manifest {}; {} left out.",
-      bundle.name(), model.dataset, model.manifest_hash.substr(0, 8), counted(judged, "run"), dataset.runs().size(),
-      dataset.file().string(), dataset.manifest_hash().substr(0, 8),
-      left_out == 0   ? "none is"
-      : left_out == 1 ? "1 is"
-                      : fmt::format("{} are", left_out));
+std::string sentence_on_learning(const windows::Dataset& dataset, const model::ModelDescription& model, std::size_t judged) {
+  const std::string of_manifest = "manifest " + model.manifest_hash.substr(0, 8);
+  return fmt::format("Learned from {}. Judged on the {} of {} runs that it has not seen.",
+                     model.dataset == dataset.file().string() ? of_manifest : model.dataset + " with " + of_manifest, judged,
+                     dataset.runs().size());
 }
 
 /// Measures how long a tick takes, on the first test run, and keeps it for `tactile models`.
@@ -156,9 +151,8 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   json["learned_from"] = json_of_learning(dataset, classifier.model());
   const fs::path usual = model::evaluation_on(bundle, classifier.model().manifest_hash, hash);
   const std::string written = write_result(result_file(usual, args, options, dataset), json, evaluation, common, bundle);
-  const std::string learning = options.of_another_dataset
-                                   ? "\n" + wrapped(sentence_on_learning(bundle, dataset, classifier.model(), runs.size())) + "\n"
-                                   : "";
+  const std::string learning =
+      options.of_another_dataset ? wrapped(sentence_on_learning(dataset, classifier.model(), runs.size())) + "\n" : "";
   const auto speed = measured_speed(dataset, runs.front(), classifier, bundle);
   print_result(common, json, (args.verbose ? text_of(evaluation) : summary_of(evaluation, speed)) + learning + written);
 }
@@ -259,8 +253,10 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
   const std::string written =
       write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation, common, seen);
   print_result(common, json,
-               text_of(comparison, evaluation.simulated) + "The model that never saw these objects:\n\n" +
-                   (args.verbose ? text_of(evaluation) : summary_of(evaluation)) + written);
+               (args.verbose ? text_of(comparison, evaluation.simulated) + "\nThe model that never saw these objects:\n\n" +
+                                   text_of(evaluation)
+                             : summary_of(comparison, evaluation)) +
+                   written);
   if (made) end_with(made->errors);
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval_tables.hpp"
 #include "tactile/results/figure_text.hpp"
 #include "text_table.hpp"
 
@@ -35,12 +36,24 @@ std::string rate_of(const results::Figure& per_min, const results::Figure& share
                      spaced(results::interval_text(per_min, 1, 1)), results::value_text(share, 100, 1));
 }
 
+/// "boosted_trees", or "those of 3 of 6 baselines"
 std::string baselines_not_below(const results::Evaluation& evaluation) {
-  std::string names;
-  for (const results::BaselineScore& baseline : evaluation.baselines) {
-    if (*baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low) names += (names.empty() ? "" : ", ") + baseline.name;
-  }
-  return names;
+  const auto is_not_below = [&](const results::BaselineScore& baseline) {
+    return *baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low;
+  };
+  const auto& all = evaluation.baselines;
+  const auto count = std::count_if(all.begin(), all.end(), is_not_below);
+  if (count == 1) return "that of " + std::find_if(all.begin(), all.end(), is_not_below)->name;
+  return fmt::format("those of {} of {} baselines", count, all.size());
+}
+
+/// What a robot would meet, a line each.
+std::vector<std::pair<std::string, std::string>> detector_lines(const results::DetectorScore& detector) {
+  const results::FalseAlarmTable& alarms = detector.false_alarms;
+  return {{"press", delay_of(detector.press.all)},
+          {"slip", delay_of(detector.slip.all)},
+          {"false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels")},
+          {"wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels")}};
 }
 
 /// Empty unless decisions over several ticks may help.
@@ -67,7 +80,7 @@ std::string comparison_with_baselines(const results::Evaluation& evaluation) {
   if (evaluation.baselines.empty()) return "No baselines: the dataset has none of the runs that the model was trained on.";
   if (!above) return "No comparison with the baselines: too few objects for an interval.";
   if (*above) return "The model's accuracy interval lies above every baseline's.";
-  return "The model's accuracy interval does not lie above that of " + baselines_not_below(evaluation) + ".";
+  return "The model's accuracy interval does not lie above " + baselines_not_below(evaluation) + ".";
 }
 
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {
@@ -80,11 +93,8 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
   if (best != evaluation.baselines.end()) {
     lines.emplace_back("best baseline", fmt::format("{}, {}", percent_of(best->accuracy.mean), best->name));
   }
-  const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
-  lines.emplace_back("press", delay_of(evaluation.network.press.all));
-  lines.emplace_back("slip", delay_of(evaluation.network.slip.all));
-  lines.emplace_back("false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels"));
-  lines.emplace_back("wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels"));
+  const auto of_detector = detector_lines(evaluation.network);
+  lines.insert(lines.end(), of_detector.begin(), of_detector.end());
   if (const auto& off = evaluation.gate_off; off && off->ticks > 0) {
     const double share = static_cast<double>(off->gated) / static_cast<double>(off->ticks);
     lines.emplace_back("gate", fmt::format("skips the model at {:.1f} % of {} ticks", 100 * share, off->ticks));
@@ -96,6 +106,11 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
   return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + wrapped(comparison_with_baselines(evaluation)) + "\n" +
          advice_on_alarms(evaluation) +
          "In brackets: 95 % intervals. --verbose prints all tables, --run fan/02 a run over time.\n";
+}
+
+std::string summary_of(const results::UnseenComparison& comparison, const results::Evaluation& held_out) {
+  return text_of(comparison, held_out.simulated) + "\n" + text_list(detector_lines(held_out.network)) +
+         "From press on: of models that never saw the objects. --verbose prints all tables.\n";
 }
 
 }  // namespace tactile::cli

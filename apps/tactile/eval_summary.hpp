@@ -5,6 +5,7 @@
 
 #include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/results/evaluation.hpp"
+#include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile::cli {
 
@@ -12,6 +13,9 @@ namespace tactile::cli {
 /// tables of `text_of` have the rest.
 /// @param speed  of the model, if it was measured
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed = {});
+
+/// The comparison of each object, and how the models that never saw them detect.
+std::string summary_of(const results::UnseenComparison& comparison, const results::Evaluation& held_out);
 
 /// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks, gated"
 std::string heading_of(const results::Evaluation& evaluation);

@@ -173,10 +173,9 @@ std::string text_of(const results::UnseenComparison& comparison, bool simulated)
   };
   for (const auto& [name, of_object] : comparison.objects) add_row(name, of_object);
   add_row("mean over objects", comparison.mean);
-  return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs that neither model was trained on",
-                             comparison.models->seen, comparison.models->held_out, comparison.runs.size(),
-                             simulated ? "simulated" : "real")) +
-         "\n\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows) + "\n";
+  return wrapped(fmt::format("Objects seen in training ({}) and held out ({}), on {} {} runs", comparison.models->seen,
+                             comparison.models->held_out, comparison.runs.size(), simulated ? "simulated" : "real")) +
+         "\n" + text_table({"accuracy [%]", "seen", "95 %", "held out", "95 %", "change", "95 %"}, rows);
 }
 
 }  // namespace tactile::cli

@@ -84,6 +84,19 @@ TEST_F(LookForRuns, ReportsARecordingThatLiesAFolderTooHigh) {
                                                         sentence("07", rule + (data / "<object>/01").string())}));
 }
 
+TEST_F(LookForRuns, ReportsRunsThatLieAFolderTooDeep) {
+  make({"fan/01", "lab/mug/01", "lab/mug/02", "lab/jar/01", "lab/.old/01"});
+  fs::create_directories(data / "fan/02/notes");
+  EXPECT_EQ(names(), (std::vector<std::string>{"fan/01"}));
+  const std::string or_name = ", or name " + (data / "lab").string() + " as the folder of runs";
+  EXPECT_EQ(found().misnamed,
+            (std::vector<std::string>{sentence("lab/jar", ": its run is left out, one folder too deep; move it to ") +
+                                          (data / "jar").string() + or_name,
+                                      sentence("lab/mug", ": its 2 runs are left out, one folder too deep; move it to ") +
+                                          (data / "mug").string() + or_name}));
+  EXPECT_EQ(found().without_recording, (std::vector<fs::path>{data / "fan/02"}));
+}
+
 TEST_F(LookForRuns, NamesARecordingWhoseNameIsNotThatOfARunsRecording) {
   make({"fan/01"});
   for (const char* file : {"fan/02/Events.aedat4", "fan/03/take.AEDAT4", "fan/03/old.aedat4", "fan/old/take.aedat4"})

@@ -88,7 +88,7 @@ TEST(LabelUncertainty, SpreadsTheDelayByThatOfTheOnset) {
   for (const char* object : {"fan", "box", "hub"}) runs.push_back(run_of(object, truth, seed_for(1, {object})));
   EXPECT_EQ(runs[0].as_labelled.detections.at(0).delay, 20ms);
   std::vector<double> delays;
-  for (const DrawnLabelsScore& score : runs[0].drawn) delays.push_back(in_ms(score.detections.at(0).delay));
+  for (const DrawnDetection& detection : runs[0].drawn.detections) delays.push_back(static_cast<double>(detection.us) / 1000);
   ASSERT_EQ(delays.size(), label_draws);
   double sum = 0, squares = 0;
   for (const double delay : delays) sum += delay, squares += delay * delay;

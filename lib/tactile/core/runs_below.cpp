@@ -83,6 +83,20 @@ std::vector<std::string> recordings_in(const fs::path& folder) {
   return names;
 }
 
+/// ": its run is"
+std::string its_runs_are(std::size_t count) {
+  return count == 1 ? ": its run is" : ": its " + std::to_string(count) + " runs are";
+}
+
+/// The number of folders in `folder` that hold a recording.
+std::size_t recordings_below(const fs::path& folder) {
+  std::size_t count = 0;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    count += !name_of(entry->path()).starts_with('.') && is_file(entry->path() / "events.aedat4") ? 1 : 0;
+  return count;
+}
+
 /// The names in a folder, and its subfolders.
 struct Listing {
   std::set<std::string> names;
@@ -147,7 +161,11 @@ class Search {
     std::size_t recordings = 0;
     for (const fs::path& run : runs.folders) {
       if (!holds_recording(run)) {
-        if (is_run_id(name_of(run))) report_no_recording(run, is_named_well);
+        if (const std::size_t deeper = recordings_below(run); deeper > 0) {
+          report_too_deep(run, deeper);
+        } else if (is_run_id(name_of(run))) {
+          report_no_recording(run, is_named_well);
+        }
         continue;
       }
       ++recordings;
@@ -169,6 +187,14 @@ class Search {
     found_.misnamed.push_back(folder.string() +
                               ": is left out, because it has a recording where an object's runs belong; move it to " +
                               (folder.parent_path() / (is_number ? "<object>" : object) / "01").string());
+  }
+
+  /// Of a folder in the place of a run that is the folder of an object.
+  void report_too_deep(const fs::path& object, std::size_t recordings) {
+    const fs::path above = object.parent_path();
+    found_.misnamed.push_back(object.string() + its_runs_are(recordings) + " left out, one folder too deep; move it to " +
+                              (above.parent_path() / object.filename()).string() + ", or name " + above.string() +
+                              " as the folder of runs");
   }
 
   /// Of a folder that would be a run if it had a recording of the right name.
@@ -201,8 +227,7 @@ class Search {
 
   void report_object(const fs::path& object, std::size_t recordings, std::set<std::string>& taken) {
     const std::string needed = needed_object_name(name_of(object));
-    std::string text = object.string() +
-                       (recordings == 1 ? ": its run is" : ": its " + std::to_string(recordings) + " runs are") +
+    std::string text = object.string() + its_runs_are(recordings) +
                        " left out, because an object's name is lower-case letters, digits and inner hyphens; ";
     if (needed.empty()) {
       text += "rename it, such as to usb-hub";

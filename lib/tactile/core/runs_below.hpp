@@ -13,7 +13,7 @@ namespace tactile {
 struct RunsBelow {
   std::vector<RunFolder> runs;  ///< that hold an `events.aedat4`, by object, then run
 
-  /// A sentence for each folder that holds a recording and is left out for its name, with the name that it needs.
+  /// A sentence for each folder that holds a recording and is left out for its name or place, with the one that it needs.
   std::vector<std::string> misnamed;
 
   /// A sentence for each object or run that cannot be read; the others are in `runs`.

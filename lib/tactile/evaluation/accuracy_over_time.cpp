@@ -167,7 +167,6 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
   }
   const auto bins = static_cast<std::size_t>(options.longest / options.bin);
   OverTimeOfRun run;
-  for (OverTimeCounts& counts : run) counts.since_onset.resize(bins), counts.before_end.resize(bins);
   for (const TouchInterval& interval : intervals) {
     OverTimeCounts& counts = run[static_cast<std::size_t>(interval.touch)];
     bool in_first = false, in_later = false, in_last = false, in_last_of_long = false, in_before_last = false, in_after = false;
@@ -177,9 +176,11 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
     std::vector<bool> in_since(bins), in_before(bins);
     const auto count_in = [&](std::vector<TickCount>& curve, std::vector<bool>& seen_in, std::int64_t place, bool right) {
       if (place < 0 || place >= static_cast<std::int64_t>(bins)) return;
-      bool seen = seen_in[static_cast<std::size_t>(place)];
-      count(curve[static_cast<std::size_t>(place)], right, seen);
-      seen_in[static_cast<std::size_t>(place)] = seen;
+      const auto bin = static_cast<std::size_t>(place);
+      if (curve.size() <= bin) curve.resize(bin + 1);
+      bool seen = seen_in[bin];
+      count(curve[bin], right, seen);
+      seen_in[bin] = seen;
     };
     for (std::int64_t k = 0; k < ticks.count; ++k) {
       const CameraTime t = ticks.at(k);
@@ -199,6 +200,7 @@ OverTimeOfRun over_time_of(const TickRange& ticks, std::span<const Touch> verdic
       count_in(counts.before_end, in_before, left / options.bin, right);
     }
   }
+  for (OverTimeCounts& counts : run) counts.since_onset.shrink_to_fit(), counts.before_end.shrink_to_fit();
   return run;
 }
 

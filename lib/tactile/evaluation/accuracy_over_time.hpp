@@ -25,8 +25,8 @@ struct OverTimeCounts {
   TickCount first, later, last;         ///< within `first` of the onset, after that, and within `last` of the end
   TickCount last_of_long, before_last;  ///< of intervals longer than `last`: within `last` of the end, and before that
   TickCount after;                      ///< end < t_c <= end + `after`, where no other interval is; right: none is predicted
-  std::vector<TickCount> since_onset;   ///< bin i: i * bin < t_c - start <= (i + 1) * bin
-  std::vector<TickCount> before_end;    ///< bin i: i * bin <= end - t_c < (i + 1) * bin
+  std::vector<TickCount> since_onset;   ///< bin i: i * bin < t_c - start <= (i + 1) * bin; up to the last bin with a tick
+  std::vector<TickCount> before_end;    ///< bin i: i * bin <= end - t_c < (i + 1) * bin; up to the last bin with a tick
 };
 
 /// By the value of Touch.

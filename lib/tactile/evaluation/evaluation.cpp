@@ -22,7 +22,7 @@ namespace {
 
 /// The results of trainings on their runs, as tables over runs take them.
 struct ScoredRuns {
-  std::vector<const RunResult*> runs;
+  std::vector<RunResult*> runs;
   std::vector<results::JudgedRun> names;  ///< of each
   const results::BootstrapOptions& bootstrap;
 
@@ -31,6 +31,14 @@ struct ScoredRuns {
   std::vector<Entry> each(Value value) const {
     std::vector<Entry> entries;
     for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::invoke(value, *runs[i])});
+    return entries;
+  }
+
+  /// One value of each run, moved out of it: for what is large and needed once.
+  template <class Entry, class Value>
+  std::vector<Entry> taken(Value RunResult::*value) const {
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::move(runs[i]->*value)});
     return entries;
   }
 
@@ -69,7 +77,7 @@ std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const r
       detector.slip,
       delay_table(with_truth.each<results::RunDetections>(&RunResult::gross), Touch::slip, scored.bootstrap),
       detector.false_alarms,
-      accuracy_over_time(with_truth.each<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
+      accuracy_over_time(with_truth.taken<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
 }
 
 std::vector<microseconds> guards_beside(microseconds own) {
@@ -138,7 +146,7 @@ void add_tick_scores(results::Evaluation& evaluation, const ScoredRuns& scored, 
         scored.each<results::RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
         scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap));
   }
-  evaluation.over_time = accuracy_over_time(scored.each<RunOverTime>(&RunResult::over_time), options, scored.bootstrap);
+  evaluation.over_time = accuracy_over_time(scored.taken<RunOverTime>(&RunResult::over_time), options, scored.bootstrap);
 }
 
 /// A flagged run that is left out of the dataset, scored by one training.
@@ -181,12 +189,12 @@ std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::
 }
 
 /// How much of the figures depends on where labels are, and on which are in doubt.
-/// @param runs  of `scored`; their draws are taken
-void add_label_scores(results::Evaluation& evaluation, std::span<RunResult> runs, const ScoredRuns& scored,
-                      std::span<const ScoredFlaggedRun> left_out) {
+void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
   std::vector<RunByDrawnLabels> by_draws;
-  for (std::size_t i = 0; i < runs.size(); ++i)
-    by_draws.push_back({scored.names[i], {runs[i].confusion, runs[i].network.detections}, std::move(runs[i].by_drawn_labels)});
+  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
+    RunResult& run = *scored.runs[i];
+    by_draws.push_back({scored.names[i], {run.confusion, run.network.detections}, std::move(run.by_drawn_labels)});
+  }
   evaluation.label_uncertainty = label_uncertainty(by_draws, scored.bootstrap);
   evaluation.with_flagged = with_flagged(scored, left_out);
 }
@@ -274,10 +282,10 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
                   });
     for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
   }
-  for (const RunResult& run : runs) scored.runs.push_back(&run);
+  for (RunResult& run : runs) scored.runs.push_back(&run);
   add_sample_scores(evaluation, scored, sampling_guards);
   add_tick_scores(evaluation, scored, options.over_time);
-  add_label_scores(evaluation, runs, scored, left_out);
+  add_label_scores(evaluation, scored, left_out);
   if (const auto gate = gate_of(*trainings.front().classifier, options)) evaluation.gate_off = gate_off(scored, *gate);
   evaluation.truth = truth_score(scored, options.over_time);
 

@@ -63,11 +63,11 @@ Statistic accuracy_by(const Count& count) {
 }
 
 results::Detection detection_of(const DrawnDetection& drawn) {
-  return {.interval = {.touch = drawn.touch, .start = {}, .end = {}},
-          .outcome = drawn.outcome,
-          .delay = drawn.delay,
-          .limit = drawn.delay,
-          .ahead = drawn.ahead};
+  return {.interval = {.touch = static_cast<Touch>(drawn.touch), .start = {}, .end = {}},
+          .outcome = static_cast<results::DetectionOutcome>(drawn.outcome),
+          .delay = microseconds{static_cast<std::int64_t>(drawn.us)},
+          .limit = microseconds{static_cast<std::int64_t>(drawn.us)},
+          .ahead = drawn.ahead == 1};
 }
 
 std::vector<results::RunDetections> detections_as_labelled(std::span<const RunByDrawnLabels> runs) {
@@ -84,8 +84,8 @@ std::vector<results::RunDetections> detections_by_draw(std::span<const RunByDraw
     if (run.drawn.empty()) {
       of_run.detections = run.as_labelled.detections;
     } else {
-      std::transform(run.drawn[draw].detections.begin(), run.drawn[draw].detections.end(), std::back_inserter(of_run.detections),
-                     detection_of);
+      const std::span<const DrawnDetection> drawn = run.drawn.detections_by(draw);
+      std::transform(drawn.begin(), drawn.end(), std::back_inserter(of_run.detections), detection_of);
     }
   }
   return detections;
@@ -169,28 +169,39 @@ std::vector<TouchInterval> drawn_labels(const RunTruth& truth, Random& random) {
   return drawn;
 }
 
-std::vector<DrawnLabelsScore> scores_by_drawn_labels(const TickRange& ticks, std::span<const Touch> verdicts,
-                                                     std::span<const std::size_t> samples, const RunTruth& truth,
-                                                     const DelayOptions& options, std::uint64_t seed) {
-  std::vector<DrawnLabelsScore> scores;
+// The masks have the widths of the members.
+DrawnDetection::DrawnDetection(const results::Detection& detection)
+    : us(static_cast<std::uint64_t>(
+             (detection.outcome == results::DetectionOutcome::missed ? detection.limit : detection.delay).count()) &
+         0xff'ffff'ffff'ffff),
+      touch(static_cast<std::uint64_t>(detection.interval.touch) & 0xf),
+      outcome(static_cast<std::uint64_t>(detection.outcome) & 0x7),
+      ahead(detection.ahead ? 1 : 0) {}
+
+std::span<const DrawnDetection> DrawnLabelsScores::detections_by(std::size_t draw) const {
+  const std::size_t labels = detections.size() / correct.size();
+  return std::span(detections).subspan(draw * labels, labels);
+}
+
+DrawnLabelsScores scores_by_drawn_labels(const TickRange& ticks, std::span<const Touch> verdicts,
+                                         std::span<const std::size_t> samples, const RunTruth& truth, const DelayOptions& options,
+                                         std::uint64_t seed) {
+  DrawnLabelsScores scores;
   const bool is_exact = std::all_of(truth.bounds.begin(), truth.bounds.end(), [](const LabelBounds& bounds) {
     return bounds.start.low == bounds.start.high && bounds.end.low == bounds.end.high;
   });
   if (is_exact) return scores;
   Random random(seed);
+  scores.samples = static_cast<std::uint32_t>(samples.size());
+  scores.correct.reserve(label_draws);
+  scores.detections.reserve(label_draws * truth.used().size());
   for (std::size_t draw = 0; draw < label_draws; ++draw) {
     const std::vector<TouchInterval> labels = drawn_labels(truth, random);
-    DrawnLabelsScore& score = scores.emplace_back();
-    score.samples = static_cast<std::uint32_t>(samples.size());
-    score.correct = static_cast<std::uint32_t>(std::count_if(samples.begin(), samples.end(), [&](std::size_t k) {
+    scores.correct.push_back(static_cast<std::uint32_t>(std::count_if(samples.begin(), samples.end(), [&](std::size_t k) {
       return touch_at(ticks.at(static_cast<std::int64_t>(k)), labels) == verdicts[k];
-    }));
-    for (const results::Detection& detection : detections_of(ticks, verdicts, labels, options)) {
-      const bool is_missed = detection.outcome == results::DetectionOutcome::missed;
-      score.detections.push_back(
-          {is_missed ? detection.limit : detection.delay, detection.interval.touch, detection.outcome, detection.ahead});
-    }
-    score.detections.shrink_to_fit();
+    })));
+    for (const results::Detection& detection : detections_of(ticks, verdicts, labels, options))
+      scores.detections.emplace_back(detection);
   }
   return scores;
 }
@@ -205,7 +216,7 @@ results::LabelUncertainty label_uncertainty(std::span<const RunByDrawnLabels> ru
   const auto by_draw = [runs, labelled](std::size_t draw) {
     return [runs, labelled, draw](std::size_t i) -> CountedSamples {
       if (runs[i].drawn.empty()) return labelled(i);
-      return {runs[i].drawn[draw].samples, runs[i].drawn[draw].correct};
+      return {runs[i].drawn.samples, runs[i].drawn.correct[draw]};
     };
   };
   const CrossedResults with_samples =

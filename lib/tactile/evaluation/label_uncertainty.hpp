@@ -26,18 +26,25 @@ inline constexpr std::size_t label_draws = 200;
 /// No interval begins before the one ahead of it ends, or ends before it begins.
 std::vector<TouchInterval> drawn_labels(const RunTruth& truth, Random& random);
 
-/// What the figures need of a detection. There are 200 draws of each run, so it is small.
+/// What the figures need of a detection by a draw of the labels, in 8 bytes: 200 draws of every run are kept.
 struct DrawnDetection {
-  microseconds delay{0};  ///< of a missed one: how long after its onset it could be detected
-  Touch touch = Touch::none;
-  results::DetectionOutcome outcome = results::DetectionOutcome::missed;
-  bool ahead = false;
-};
+  explicit DrawnDetection(const results::Detection& detection);
 
-/// A run scored by one draw of its labels.
-struct DrawnLabelsScore {
-  std::uint32_t samples = 0, correct = 0;  ///< balanced ones: each has the class of its tick by the drawn labels
-  std::vector<DrawnDetection> detections{};
+  std::uint64_t us : 56;  ///< the delay; of a missed one: how long after its onset it could be detected
+  std::uint64_t touch : 4;
+  std::uint64_t outcome : 3;  ///< a DetectionOutcome
+  std::uint64_t ahead : 1;
+};
+static_assert(sizeof(DrawnDetection) == 8);
+
+/// A run scored by each draw of its labels. Without a draw it has none of these.
+struct DrawnLabelsScores {
+  std::uint32_t samples = 0;                 ///< balanced ones: each has the class of its tick by the drawn labels
+  std::vector<std::uint32_t> correct{};      ///< of the samples, by each draw
+  std::vector<DrawnDetection> detections{};  ///< of every label in use by the first draw, then by the second, and so on
+
+  bool empty() const { return correct.empty(); }
+  std::span<const DrawnDetection> detections_by(std::size_t draw) const;
 };
 
 /// A run scored by its labels as they are.
@@ -49,15 +56,15 @@ struct LabelledScore {
 /// @param verdicts  one for each tick
 /// @param samples   ticks of the balanced samples, by index
 /// @param seed      the same for a run's labels, whichever training is scored
-/// @return  `label_draws` scores; none where no label has an interval
-std::vector<DrawnLabelsScore> scores_by_drawn_labels(const TickRange& ticks, std::span<const Touch> verdicts,
-                                                     std::span<const std::size_t> samples, const RunTruth& truth,
-                                                     const DelayOptions& options, std::uint64_t seed);
+/// @return  by `label_draws` draws; by none where no label has an interval
+DrawnLabelsScores scores_by_drawn_labels(const TickRange& ticks, std::span<const Touch> verdicts,
+                                         std::span<const std::size_t> samples, const RunTruth& truth, const DelayOptions& options,
+                                         std::uint64_t seed);
 
 /// One run with its labels as they are, and drawn.
 struct RunByDrawnLabels : results::JudgedRun {
   LabelledScore as_labelled{};
-  std::vector<DrawnLabelsScore> drawn{};  ///< none where no label has an interval
+  DrawnLabelsScores drawn{};
 };
 
 /// The spread of accuracy and delays. The spread of the draws is added to the interval of the figure: root of the sum of squares.

@@ -86,6 +86,7 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   if (scoring.gate) result.open = score(run.open_verdicts);
   for (std::size_t i = 0; i < trivial_count; ++i)
     result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name));
+  result.by_threshold.reserve(default_thresholds().size());
   for (const double threshold : default_thresholds()) {
     model::Decision decision = scoring.decision;
     if (decision.filter) decision.filter->alarm_cost = threshold / (1 - threshold);  // the odds of a touch

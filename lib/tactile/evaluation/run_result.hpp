@@ -43,7 +43,7 @@ struct RunResult {
   results::Confusion confusion;
   Reliability reliability;  ///< of the balanced samples
   Reliability every_tick;   ///< of every tick that has a sure class
-  std::vector<DrawnLabelsScore> by_drawn_labels;
+  DrawnLabelsScores by_drawn_labels;
   WithFlaggedScore with_flagged;
   std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
   BaselineConfusions baselines;

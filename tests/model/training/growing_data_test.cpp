@@ -87,11 +87,10 @@ TEST(GrowingData, IsJudgedByAnOlderModelExceptForTheRunsThatItLearnedFrom) {
   std::string line = judged.out;
   std::replace(line.begin(), line.end(), '\n', ' ');
   const std::string name = model.at("name"), now = windows::Dataset(data / "dataset.h5").manifest_hash();
-  EXPECT_NE(line.find(name + " learned from data/dataset.h5 with manifest " + then.substr(0, 8) +
-                      ". It is judged on 4 runs that it has not seen, of 7 in data/dataset.h5 with manifest " + now.substr(0, 8) +
-                      "; 3 are left out."),
+  EXPECT_NE(line.find("Learned from manifest " + then.substr(0, 8) + ". Judged on the 4 of 7 runs that it has not seen."),
             std::string::npos)
       << judged.out;
+  EXPECT_LE(std::count(judged.out.begin(), judged.out.end(), '\n'), 15) << judged.out;
 
   // Every command shows this judgement, and says of which data it is.
   const auto listed = result_of("models", folder.path()).at("models").at(0);
