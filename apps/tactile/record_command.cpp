@@ -237,14 +237,7 @@ void add_record_command(CLI::App& app) {
   Command command = add_command(
       app, "record", "Record a live camera, a robot and a video into a run folder",
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
-  const auto is_object =
-      Check{[](std::string& text) {
-              if (is_object_name(text)) return std::string();
-              const std::string needed = needed_object_name(text);
-              return fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens{}",
-                                 text, needed.empty() ? "" : ", such as " + needed);
-            },
-            ""};
+  const auto is_object = Check{[](std::string& text) { return why_not_an_object_name(text); }, ""};
   command
       .add_option("--from", args->from,
                   "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams")

@@ -11,6 +11,7 @@
 #include "tactile/core/make_folders.hpp"
 #include "tactile/core/renaming.hpp"
 #include "tactile/core/run_numbers.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::capture {
@@ -30,10 +31,7 @@ int next_number(const fs::path& object) {
 }  // namespace
 
 RunFolder make_run_folder(const fs::path& data, const std::string& object, const std::string& run) {
-  if (!is_object_name(object)) {
-    throw Error(fmt::format(
-        "'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens, such as usb-hub", object));
-  }
+  if (const std::string why = why_not_an_object_name(object); !why.empty()) throw Error(why);
   if (!run.empty() && !is_run_id(run)) throw Error(fmt::format("'{}' is not a run; expected two digits, 01 to 99", run));
   make_folders(data / object);
   std::error_code failed;

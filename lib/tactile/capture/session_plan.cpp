@@ -33,10 +33,7 @@ std::string text_member(const nlohmann::json& json, const std::string& key, cons
 SessionPlan::Object read_object(const nlohmann::json& json, const std::string& where) {
   check_keys(json, {"name", "runs"}, where);
   SessionPlan::Object object{.name = text_member(json, "name", where), .runs = 1};
-  if (!is_object_name(object.name)) {
-    throw Error(fmt::format("{}: '{}' is not a name for an object; expected lower-case letters, digits and inner hyphens", where,
-                            object.name));
-  }
+  if (const std::string why = why_not_an_object_name(object.name); !why.empty()) throw Error(where + ": " + why);
   if (json.contains("runs")) {
     if (!json["runs"].is_number_integer() || json["runs"] < 1 || json["runs"] > 99) {
       throw Error(fmt::format("{}: 'runs' is {}; expected a whole number from 1 to 99", where, json["runs"].dump()));

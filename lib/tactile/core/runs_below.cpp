@@ -271,6 +271,13 @@ std::string needed_object_name(std::string_view name) {
   return needed;
 }
 
+std::string why_not_an_object_name(std::string_view name) {
+  if (is_object_name(name)) return {};
+  const std::string needed = needed_object_name(name);
+  return fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens, such as {}", name,
+                     needed.empty() ? "usb-hub" : needed);
+}
+
 RunsBelow look_for_runs(const fs::path& data) {
   std::error_code why;
   if (fs::status(data, why).type() != fs::file_type::directory) {

@@ -33,6 +33,9 @@ std::string sentence_on_missing_recordings(const std::vector<std::filesystem::pa
 /// digit. Empty if `name` holds neither.
 std::string needed_object_name(std::string_view name);
 
+/// Why `name` is not one of an object, with one that is; empty if it is.
+std::string why_not_an_object_name(std::string_view name);
+
 /// Why the run in `folder` is left out wherever runs are looked for: a sentence with the name that it, or the folder above it,
 /// needs. Empty if both are named well, and for a discarded run.
 /// @throws Error  if there is no such folder

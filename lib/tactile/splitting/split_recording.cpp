@@ -30,10 +30,7 @@ std::vector<std::string> objects_of(const SplitOptions& options, std::size_t pie
   if (objects.size() != pieces)
     throw Error(fmt::format("{} objects for {} runs; expected one for all, or one for each run", objects.size(), pieces));
   for (const std::string& object : objects) {
-    if (is_object_name(object)) continue;
-    const std::string needed = needed_object_name(object);
-    throw Error(fmt::format("'{}' is not a name for an object; expected lower-case letters, digits and inner hyphens, such as {}",
-                            object, needed.empty() ? "usb-hub" : needed));
+    if (const std::string why = why_not_an_object_name(object); !why.empty()) throw Error(why);
   }
   return objects;
 }
