@@ -18,6 +18,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/json_text.hpp"
+#include "tactile/core/time_left.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -122,6 +123,7 @@ ProgressCallback progress_line(const CommonArguments& common) {
   using Clock = std::chrono::steady_clock;
   struct Line {
     Clock::time_point begun = Clock::now(), drawn = begun;
+    TimeLeft left;
     bool visible = false;
     ~Line() {
       if (visible) std::fputs("\r\033[K", stderr);
@@ -134,15 +136,14 @@ ProgressCallback progress_line(const CommonArguments& common) {
   return [line = std::make_shared<Line>(), quiet = common.quiet, draws, first, period](const Progress& progress) {
     stop_if_interrupted();
     const auto now = Clock::now();
+    const auto left = line->left.after(progress, now);
     if (quiet || now - line->begun < first || now - line->drawn < period) return;
     line->drawn = now;
     line->visible = draws;
-    const double elapsed = std::chrono::duration<double>(now - line->begun).count();
     std::string text = progress.what;
     if (progress.total > 0) {
-      const double share = static_cast<double>(progress.done) / static_cast<double>(progress.total);
-      text = fmt::format("{:3.0f} %  {}", 100 * share, text);
-      if (share > 0) text += fmt::format("  ETA {}", clock_text(elapsed * (1 - share) / share));
+      text = fmt::format("{:3.0f} %  {}", 100 * static_cast<double>(progress.done) / static_cast<double>(progress.total), text);
+      if (left) text += fmt::format("  ETA {}", clock_text(left->count()));
     }
     if (!draws) return spdlog::info("{}", text);
     winsize window{};

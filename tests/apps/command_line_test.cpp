@@ -156,10 +156,13 @@ TEST(CommandLine, NoStandardStreamThatIsClosedOrFullAbortsIt) {
 TEST(CommandLine, EndsWhereThereIsLittleMemory) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("label --no-pictures --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("windows --quiet", folder.path()).exit_code, 0);
   // Training loads libtorch, and a picture the rest of OpenCV.
-  for (const char* arguments : {"--help", "info data/fan/01", "windows --help", "label", "doctor --quiet",
-                                "train --epochs 1 --width 0.25 --force --quiet", "view data/fan/01 --out a.png --quiet"}) {
-    for (const int limit_mb : {50, 350, 450, 550, 600, 700, 1000}) {
+  for (const char* arguments :
+       {"--help", "info data/fan/01", "windows --help", "windows --verify --quiet", "label", "doctor --quiet",
+        "train --epochs 1 --width 0.25 --force --quiet", "view data/fan/01 --out a.png --quiet"}) {
+    for (const int limit_mb : {50, 300, 350, 450, 550, 600, 700, 1000}) {
       const auto result = test::run_shell(
           fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' {}", limit_mb * 1000, test::tactile_binary, arguments),
           folder.path());

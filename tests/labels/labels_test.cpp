@@ -8,6 +8,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/whole_file.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -123,6 +124,15 @@ TEST(Labels, ThatOverlapOrEndBeforeTheyStartAreRefused) {
   EXPECT_THROW(write_labels(folder / "labels.json", labels), Error);
   labels.intervals = {interval(Touch::press, 1'000, 900)};
   EXPECT_THROW(write_labels(folder / "labels.json", labels), Error);
+}
+
+TEST(Labels, ThatAreNoObjectAreRefusedAsWhatTheyAre) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder / "labels.json").string();
+  for (const auto& [json, words] : {std::pair{"[1]", "a list"}, {"null", "null"}, {"5", "a number"}, {"\"x\"", "a text"}}) {
+    write_whole(file, json);
+    EXPECT_EQ(test::error_of([&] { read_labels(file); }), file + ": is " + words + "; expected an object");
+  }
 }
 
 TEST(Labels, OfTimesBeforeTheCamerasFirstAreRefusedByMember) {

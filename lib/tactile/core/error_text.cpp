@@ -13,7 +13,16 @@
 namespace tactile {
 namespace {
 
-/// A type of JSON value, from the library's name for it.
+/// The part of `text` between `before` and `after`; empty if they are not there.
+std::string_view between(std::string_view text, std::string_view before, std::string_view after) {
+  const std::size_t begin = text.find(before);
+  if (begin == std::string_view::npos) return {};
+  const std::size_t from = begin + before.size(), end = after.empty() ? text.size() : text.find(after, from);
+  return end == std::string_view::npos ? std::string_view() : text.substr(from, end - from);
+}
+
+}  // namespace
+
 std::string kind_in_words(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kinds{{{"null", "null"},
                                                                                 {"object", "an object"},
@@ -26,16 +35,6 @@ std::string kind_in_words(std::string_view name) {
   }
   return "a value of another type";
 }
-
-/// The part of `text` between `before` and `after`; empty if they are not there.
-std::string_view between(std::string_view text, std::string_view before, std::string_view after) {
-  const std::size_t begin = text.find(before);
-  if (begin == std::string_view::npos) return {};
-  const std::size_t from = begin + before.size(), end = after.empty() ? text.size() : text.find(after, from);
-  return end == std::string_view::npos ? std::string_view() : text.substr(from, end - from);
-}
-
-}  // namespace
 
 std::string plain_words(std::string_view text) {
   if (!text.starts_with("[json.exception.")) return std::string(text);

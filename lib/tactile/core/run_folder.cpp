@@ -5,6 +5,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_object.hpp"
 #include "tactile/core/runs_below.hpp"
 
 namespace tactile {
@@ -65,7 +66,7 @@ fs::path recording_in(const fs::path& folder) {
 RunInfo read_run_info(const RunFolder& run) {
   nlohmann::json json = read_json(run.info());
   const std::string where = run.info().string();
-  if (!json.is_object()) throw Error(where + ": is " + json.type_name() + "; expected an object with the run's members");
+  check_object(json, where + ":", " with the run's members");
   RunInfo info{
       .object = member<std::string>(json, "object", where),
       .run = member<std::string>(json, "run", where),

@@ -10,6 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_object.hpp"
 #include "tactile/core/json_text.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -215,6 +216,7 @@ bool Labels::interval_is_flagged(std::size_t index) const {
 Labels read_labels(const std::filesystem::path& file) {
   const json object = read_json(file);
   const std::string where = file.string();
+  check_object(object, where + ":");
   Labels labels;
   try {
     for (const json& interval : list_in(object, "intervals", where)) labels.intervals.push_back(interval_in(interval, where));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -379,6 +380,8 @@ DatasetPlan plan_dataset(const fs::path& data, const fs::path& file, const Windo
     const std::string name = chosen[i].folder.name();
     try {
       outcomes[i] = plan_run(chosen[i], options, older);
+    } catch (const std::bad_alloc&) {
+      throw;  // no fault of the run: without it the dataset would be another on another machine
     } catch (const std::exception& e) {
       const std::string error = sentence_of(e, name);
       outcomes[i] = {.why_left_out = error, .error = error, .why_no_samples = has_no("files that can be read")};

@@ -83,7 +83,7 @@ std::optional<NoSamples> why_no_samples(const Dataset& dataset, const RunFolder&
     const bool include_flagged = member<bool>(dataset.settings(), "include_flagged", dataset.file().string());
     if (auto reason = why_no_samples(labels::read_labels(run.labels()), include_flagged)) return reason;
   } catch (const Error&) {
-    // Labels that cannot be read give no reason.
+    if (!is_in_dataset) return NoSamples{"labels cannot be read", ", whose labels cannot be read", "", false, true};
   }
   return has_no(is_in_dataset ? "samples" : "place in the dataset");
 }
@@ -122,8 +122,9 @@ std::vector<RunWithoutSamples> runs_of_objects_left_out(const Dataset& dataset) 
     std::vector<RunFolder> folders;
     for (const std::string& run : of_object) folders.push_back(run_of(dataset, object, run));
     const std::vector<RunWithoutSamples> without = runs_without_samples(dataset, folders);
-    if (in_dataset.contains(object) ||
-        std::any_of(without.begin(), without.end(), [](const RunWithoutSamples& run) { return run.reason.flagged; }))
+    if (in_dataset.contains(object) || std::any_of(without.begin(), without.end(), [](const RunWithoutSamples& run) {
+          return run.reason.flagged || run.reason.unreadable;
+        }))
       left_out.insert(left_out.end(), without.begin(), without.end());
   }
   return left_out;

@@ -20,6 +20,7 @@ struct NoSamples {
   std::string clause;    ///< after "run 02": ", whose slip-1 is flagged", ", which is flagged", ", which has no slip"
   std::string flags;     ///< the flags' reasons: "its end is only known to within 232 ms"; empty if no flag is the reason
   bool flagged = false;  ///< a person may lift the flags
+  bool unreadable = false;
 };
 
 struct RunWithoutSamples {

@@ -230,7 +230,11 @@ TEST(ModelBundle, ThatNoTrainingWritesIsRefusedAsItIsLoaded) {
       {"/network/input/height", 40'000, "x 40000; expected"},
       {"/training/epochs", 0, "model.json: training: "},
       {"/training/batch", 0, "model.json: training: "},
-      {"/threads", 0, "model.json: threads: 0; expected at least 1"}};
+      {"/threads", 0, "model.json: threads: 0; expected at least 1"},
+      {"/rendering", nlohmann::json::array({1}), "model.json: 'rendering' is a list; expected an object"},
+      {"/split", nullptr, "model.json: 'split' is null; expected an object"},
+      {"/gate", 5, "model.json: 'gate' is a number; expected an object"},
+      {"/learned_from", {"fan/01"}, "model.json: an entry of 'learned_from' is a text; expected an object"}};
   for (const auto& [member, value, sentence] : cases) {
     nlohmann::json json = whole;
     const nlohmann::json::json_pointer place(member);

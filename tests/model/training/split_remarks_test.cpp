@@ -75,13 +75,18 @@ TEST_F(RemarksOnASplit, NameObjectsWithoutAnyWholeRunInTheDatasetOrItsFolder) {
   }
   const windows::Dataset made = dataset();
   test::make_run(data.path(), {.object = "pot", .seed = 9});  // recorded since
+  // Damaged since.
+  make("tin", "01");
+  write_whole(data / "tin/01/labels.json", "{}");
   const Names expected{"jar: left out, none of its runs has samples: the whole run is flagged in jar/01, jar/02",
-                       "mug: left out, none of its runs has samples: slip-1 is flagged in mug/01, mug/02"};
+                       "mug: left out, none of its runs has samples: slip-1 is flagged in mug/01, mug/02",
+                       "tin: left out, none of its runs has samples: labels cannot be read in tin/01"};
   const SplitRemarks found = remarks(made);
   EXPECT_EQ(found.left_out, expected);
   EXPECT_TRUE(found.substitutes.empty());
   EXPECT_EQ(test::error_of([&] { windows::refuse_objects_left_out(found.left_out); }),
-            expected[0] + "; " + expected[1] + "; expected a run with samples of every object, as --strict asks for");
+            expected[0] + "; " + expected[1] + "; " + expected[2] +
+                "; expected a run with samples of every object, as --strict asks for");
 }
 
 TEST_F(RemarksOnASplit, WithoutTheRunFoldersStillNameTheRuns) {

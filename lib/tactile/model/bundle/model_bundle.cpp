@@ -9,6 +9,7 @@
 #include "tactile/core/changed_values.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/json_object.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_digest.hpp"
@@ -27,6 +28,17 @@ nlohmann::json class_names() {
   return names;
 }
 
+/// @throws Error  if a member that others are read from is no object
+void check_members(const nlohmann::json& json, const std::string& where) {
+  check_object(json, where + ":");
+  for (const auto* key : {"dataset", "gate", "network", "rendering", "scene", "software", "split", "training", "transitions"}) {
+    const auto found = json.find(key);
+    const bool may_be_null =
+        std::string_view(key) == "gate" || std::string_view(key) == "scene" || std::string_view(key) == "transitions";
+    if (found != json.end() && !(may_be_null && found->is_null())) check_object(*found, fmt::format("{}: '{}'", where, key));
+  }
+}
+
 nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
   nlohmann::json json = nlohmann::json::array();
   for (const LearnedRun& run : runs) json.push_back(run);
@@ -40,6 +52,7 @@ void to_json(nlohmann::json& json, const LearnedRun& run) {
 }
 
 LearnedRun learned_run_in(const nlohmann::json& json, const std::string& where) {
+  check_object(json, where + ": an entry of 'learned_from'");
   return {member<std::string>(json, "run", where), member<std::string>(json, "events_sha256", where),
           json.value("event_digest", "")};
 }
@@ -71,6 +84,7 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
 
 void from_json(const nlohmann::json& json, ModelDescription& description) {
   const std::string where = "model.json";
+  check_members(json, where);
   if (const int format = member<int>(json, "format", where); format != format_version) {
     throw Error(fmt::format("{}: of format {}; expected {}", where, format, format_version));
   }
