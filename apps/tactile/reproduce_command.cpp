@@ -14,6 +14,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "estimate_text.hpp"
 #include "executor_arguments.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
@@ -28,6 +29,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/study/estimate_study.hpp"
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/results/variance_shares.hpp"
@@ -54,7 +56,7 @@ struct ReproduceArguments {
   double width = 1;
   int last_pool = 2;
   bool include_flagged = false, strict = false;
-  bool without_report = false, verbose = false;
+  bool without_report = false, verbose = false, dry_run = false;
   ExecutorArguments executor;
 };
 
@@ -258,6 +260,10 @@ fs::path draw_report(const fs::path& study, const fs::path& program, const exper
 
 void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   const study::StudyOptions options = options_of(args, common);
+  if (args.dry_run) {
+    const auto estimate = study::estimate_study(options);
+    return print_estimate(estimate, options.out, options.slurm.has_value(), common);
+  }
   const auto new_progress = [&] { return progress_line(common); };
   const study::StudySummary summary =
       study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
@@ -350,6 +356,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   add_executor_options(command, args->executor);
+  command.add_flag("--dry-run", args->dry_run, "Print the study's steps, hours and size on the disk, and do none of it");
   command.add_flag("--verbose", args->verbose, "Print all tables and what was found");
   command.add_flag("--no-report", args->without_report, "Do not write the report");
   command.add_option("--models", args->models, "Folder of the models that it trains")

@@ -13,6 +13,7 @@
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "estimate_text.hpp"
 #include "eval_models.hpp"
 #include "executor_arguments.hpp"
 #include "experiment_output.hpp"
@@ -25,6 +26,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/events/recording_reader.hpp"
+#include "tactile/experiments/stress/estimate_stress.hpp"
 #include "tactile/experiments/stress/simulated_worlds.hpp"
 #include "tactile/experiments/stress/stress.hpp"
 #include "tactile/experiments/stress/stress_judgements.hpp"
@@ -48,7 +50,7 @@ struct StressArguments {
   std::uint64_t seed = 1;
   DecisionArguments decision;
   ExecutorArguments executor;
-  bool gate = false, quick = false, force = false, verbose = false, no_figures = false;
+  bool gate = false, quick = false, force = false, verbose = false, no_figures = false, dry_run = false;
 };
 
 std::vector<stress::StressSeries> series_of(const StressArguments& args) {
@@ -274,7 +276,7 @@ void draw_recipes(const stress::StressOptions& options, const results::Stress& s
 
 void run(const StressArguments& args, const CommonArguments& common) {
   std::optional<windows::DatasetSummary> made;
-  if (args.quiet.empty()) made = make_missing_dataset(args.data, false, common);
+  if (args.quiet.empty() && !args.dry_run) made = make_missing_dataset(args.data, false, common);
   stress::StressOptions options = options_of(args, common);
   nlohmann::json models = nlohmann::json::array();
   for (const fs::path& model : options.models) models.push_back(model.string());
@@ -289,6 +291,7 @@ void run(const StressArguments& args, const CommonArguments& common) {
     return std::vector<std::string>{"stress-step", step,           "--config",  of_tasks.string(),
                                     "--model",     model.string(), "--threads", "1"};
   };
+  if (args.dry_run) return print_estimate(stress::estimate_stress(options), options.out, options.slurm.has_value(), common);
   const stress::StressSummary summary = stress::run_stress(
       options, [&] { return progress_line(common); }, log_step);
   write_settings(common, options.out / "settings.json", decided);
@@ -356,6 +359,7 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
   command.add_flag("--gate", args->gate, "Report none without running the network while the events are likely to be background");
   add_engine_option(command, args->engine);
   add_executor_options(command, args->executor);
+  command.add_flag("--dry-run", args->dry_run, "Print the number of judgements, their hours and their size, and do none of them");
   command.add_flag("--verbose", args->verbose, "Print every recipe, with all models and figures at its last severity");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_flag("--force", args->force, "Do every step again, also those that are done");

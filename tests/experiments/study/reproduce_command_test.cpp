@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <thread>
@@ -73,6 +74,16 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
   const fs::path file = folder / "study/study.json";
   const std::string text = read_text(file);
   const nlohmann::json study = read_json(file);
+  const auto dry = test::run_tactile(small + as_before + " --dry-run", folder.path());
+  ASSERT_EQ(dry.exit_code, 0) << dry.err;
+  for (const auto& part : nlohmann::json::parse(dry.out).at("parts")) {
+    // The drawn split holds out the same object as the plan: it is trained once.
+    const bool counts_it_twice =
+        part.at("what") == "trainings without some objects" || part.at("what") == "judgements of samples";
+    if (!counts_it_twice) {
+      EXPECT_EQ(part.at("exist"), part.at("count")) << part;
+    }
+  }
   EXPECT_TRUE(study.at("simulated"));
   EXPECT_NE(study.at("title").get<std::string>().find("simulated"), std::string::npos);
   EXPECT_EQ(study.at("choice").at("th_ms"), 40);
@@ -343,6 +354,34 @@ TEST(ReproduceCommand, TwoStudiesDoNotShareAFolder) {
   const auto second = test::run_tactile(small, folder.path());
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_NE(second.err.find("another 'tactile reproduce' is writing to this folder"), std::string::npos) << second.err;
+}
+
+TEST(ReproduceCommand, ADryRunPrintsWhatTheStudyWouldDoAndDoesNothing) {
+  const test::TemporaryFolder folder;
+  const auto printed = test::run_tactile("reproduce --preset tiny --th 20,40 --splits 3 --dry-run --json", folder.path());
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  const nlohmann::json estimate = nlohmann::json::parse(printed.out);
+  std::map<std::string, int> counts;
+  for (const auto& part : estimate.at("parts")) {
+    counts[part.at("what")] = part.at("count");
+    EXPECT_EQ(part.at("exist"), 0) << part;
+    EXPECT_GT(part.at("processor_s"), 0) << part;
+  }
+  EXPECT_EQ(counts, (std::map<std::string, int>{{"simulated runs", 20},
+                                                {"labelled runs", 20},
+                                                {"dataset", 1},
+                                                {"histories of heatmaps", 2},
+                                                {"trainings", 4},
+                                                {"trainings without some objects", 2 + 3},
+                                                {"judgements of samples", 4 + 2 + 3},
+                                                {"evaluations of all ticks", 2}}));
+  EXPECT_GT(estimate.at("bytes"), 5e7);
+
+  const auto on_cluster = test::run_tactile("reproduce --preset tiny --executor slurm --dry-run", folder.path());
+  ASSERT_EQ(on_cluster.exit_code, 0) << on_cluster.err;
+  EXPECT_NE(on_cluster.out.find("256 cores"), std::string::npos) << on_cluster.out;
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(ReproduceCommand, BadOptionsAreRefusedBeforeAnythingIsMade) {

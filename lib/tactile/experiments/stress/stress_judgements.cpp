@@ -65,24 +65,6 @@ void judge(const StressPlan& plan, const StressJudgement& judgement, const Progr
                                                : judged_runs(plan, *training, series, severity, by, progress));
 }
 
-/// Each once: the unchanged runs begin every curve.
-std::vector<StressJudgement> judgements_of(const StressPlan& plan) {
-  std::vector<StressJudgement> all;
-  std::set<std::string> names;
-  const auto add = [&](const std::vector<StressJudgement>& some) {
-    for (const StressJudgement& judgement : some) {
-      if (names.insert(name_of(judgement)).second) all.push_back(judgement);
-    }
-  };
-  for (const StressGroup& group : plan.groups) {
-    if (has_runs(group)) add(unchanged_runs(group));
-    for (const PlannedCurve& curve : curves_of(plan, group)) {
-      for (const double severity : severities_of(*curve.series)) add(judgements_at(group, curve, severity));
-    }
-  }
-  return all;
-}
-
 }  // namespace
 
 bool has_runs(const StressGroup& group) {
@@ -116,6 +98,23 @@ std::vector<StressJudgement> judgements_at(const StressGroup& group, const Plann
 
 std::vector<StressJudgement> unchanged_runs(const StressGroup& group) {
   return judgements_at(group, {.series = nullptr, .runs = JudgedRuns::by_labels}, 0);
+}
+
+std::vector<StressJudgement> judgements_of(const StressPlan& plan) {
+  std::vector<StressJudgement> all;
+  std::set<std::string> names;
+  const auto add = [&](const std::vector<StressJudgement>& some) {
+    for (const StressJudgement& judgement : some) {
+      if (names.insert(name_of(judgement)).second) all.push_back(judgement);
+    }
+  };
+  for (const StressGroup& group : plan.groups) {
+    if (has_runs(group)) add(unchanged_runs(group));
+    for (const PlannedCurve& curve : curves_of(plan, group)) {
+      for (const double severity : severities_of(*curve.series)) add(judgements_at(group, curve, severity));
+    }
+  }
+  return all;
 }
 
 std::vector<experiments::Step> steps_of(const StressPlan& plan) {

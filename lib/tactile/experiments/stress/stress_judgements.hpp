@@ -44,7 +44,10 @@ std::vector<StressJudgement> judgements_at(const StressGroup& group, const Plann
 /// Of unchanged runs by their labels, one for each training of the group.
 std::vector<StressJudgement> unchanged_runs(const StressGroup& group);
 
-/// All judgements of a plan as steps that can run side by side, each once. The outcome of a step is its file. `plan` must outlive
+/// All judgements of a plan, each once: the unchanged runs begin every curve.
+std::vector<StressJudgement> judgements_of(const StressPlan& plan);
+
+/// The judgements of `judgements_of` as steps that can run side by side. The outcome of a step is its file. `plan` must outlive
 /// the steps.
 std::vector<experiments::Step> steps_of(const StressPlan& plan);
 

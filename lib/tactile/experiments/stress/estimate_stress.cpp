@@ -1,0 +1,80 @@
+#include "tactile/experiments/stress/estimate_stress.hpp"
+
+#include <chrono>
+#include <map>
+
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/evaluation/run_result.hpp"
+#include "tactile/experiments/step_runner.hpp"
+#include "tactile/experiments/stress/stress_judgements.hpp"
+#include "tactile/experiments/training_speed.hpp"
+
+namespace tactile::stress {
+namespace {
+
+constexpr double bytes_of_second = 1.9e6;  // of a simulated run's files, mean of 30
+
+/// What one judgement reads.
+struct Work {
+  double ticks = 0, seconds = 0;
+};
+
+Work work_of(const StressPlan& plan, const StressJudgement& judgement) {
+  const heatmaps::HeatmapOptions& rendering = judgement.training->description.settings.rendering;
+  Work work;
+  const auto add = [&](const std::filesystem::path& recording) {
+    work.ticks += static_cast<double>(evaluation::expected_ticks(recording, rendering));
+  };
+  if (judgement.runs == JudgedRuns::quiet) {
+    for (const auto& file : plan.options.quiet) add(file);
+  } else {
+    for (const std::uint32_t run : judgement.training->runs) add(plan.dataset->run_folder(run) / "events.aedat4");
+  }
+  work.seconds = work.ticks * std::chrono::duration<double>(rendering.tick).count();
+  return work;
+}
+
+}  // namespace
+
+experiments::Estimate estimate_stress(const StressOptions& requested) {
+  StressOptions options = requested;
+  options.judging.threads = evaluation::threads_or_all(options.judging.threads);
+  const StressPlan plan = plan_stress(options);
+  const experiments::StepRunner runner({.folder = options.out, .program = options.program});
+  experiments::Estimate estimate{
+      .parts = {}, .cores = options.judging.threads, .images_per_s = experiments::measured_training_speed(), .data = "the runs"};
+  const experiments::WorkCost cost = experiments::work_cost(estimate.images_per_s);
+  const std::vector<StressJudgement> judgements = judgements_of(plan);
+  const std::vector<experiments::Step> steps = steps_of(plan);  // one for each
+  experiments::EstimatedPart worsened{.what = "judgements of worsened runs", .one_thread = true},
+      simulated{.what = "judgements of runs of simulated worlds", .one_thread = true};
+  double worsened_s = 0, simulated_s = 0, simulated_bytes = 0;
+  // All judgements of a training read the same runs.
+  std::map<std::pair<const StressTraining*, bool>, Work> known;
+  for (std::size_t i = 0; i < judgements.size(); ++i) {
+    const StressJudgement& judgement = judgements[i];
+    const auto [found, is_new] = known.try_emplace({judgement.training, judgement.runs == JudgedRuns::quiet});
+    if (is_new) found->second = work_of(plan, judgement);
+    const Work& work = found->second;
+    const bool is_world = judgement.series != nullptr && !judgement.series->world.empty();
+    experiments::EstimatedPart& part = is_world ? simulated : worsened;
+    ++part.count;
+    if (!options.force && runner.is_done(steps[i])) {
+      ++part.exist;
+    } else if (is_world) {
+      simulated_s += cost.stressed_tick * work.ticks + cost.simulated_second * work.seconds;
+      simulated_bytes += bytes_of_second * work.seconds;
+    } else {
+      worsened_s += cost.stressed_tick * work.ticks;
+    }
+  }
+  const auto add = [&](const experiments::EstimatedPart& part, double seconds, double bytes) {
+    const auto due = static_cast<double>(part.count - part.exist);
+    estimate.add(part, due > 0 ? seconds / due : 0, due > 0 ? bytes / due : 0);
+  };
+  add(worsened, worsened_s, 0);
+  add(simulated, simulated_s, simulated_bytes);
+  return estimate;
+}
+
+}  // namespace tactile::stress

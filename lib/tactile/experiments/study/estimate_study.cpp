@@ -1,0 +1,180 @@
+#include "tactile/experiments/study/estimate_study.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <system_error>
+
+#include "tactile/core/json.hpp"
+#include "tactile/core/run_folder.hpp"
+#include "tactile/core/runs_below.hpp"
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/experiments/study/held_out_splits.hpp"
+#include "tactile/experiments/training_speed.hpp"
+#include "tactile/heatmaps/heatmap_renderer.hpp"
+#include "tactile/simulation/simulated_run.hpp"
+#include "tactile/windows/dataset.hpp"
+#include "tactile/windows/split.hpp"
+
+namespace tactile::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Means of simulated runs.
+constexpr double samples_of_simulated_run = 369;
+constexpr double bytes_of_second = 1.9e6;  // of a run's files
+// Of dataset and models.
+constexpr double bytes_of_sample = 5.9e3, bytes_of_heatmap = 2.5e3, bytes_of_model = 5.3e6;
+constexpr double tick_s = 0.002;
+
+/// The runs that a study has or would simulate.
+struct StudiedRuns {
+  std::map<std::string, std::size_t> of_object;
+  double seconds = 0;  ///< length of all recordings
+  std::size_t count = 0, exist = 0, labelled = 0;
+  double samples = 0;  ///< of all
+  bool has_dataset = false;
+  std::size_t stored_histories = 0;
+  std::string samples_from;
+
+  std::size_t objects() const { return of_object.size(); }
+};
+
+StudiedRuns runs_to_simulate(const StudyOptions& options) {
+  StudiedRuns runs;
+  const simulation::SimulationPhysics& physics = simulation::default_physics();
+  std::vector<std::string> objects = options.objects;
+  if (objects.empty()) {
+    for (const simulation::ObjectModel& object : physics.objects) objects.push_back(object.name);
+  }
+  const int of_each = options.runs.value_or(physics.preset(options.preset).runs);
+  for (const std::string& object : objects) {
+    for (int number = 1; number <= of_each; ++number) {
+      const auto drawn = simulation::draw_run(physics, object, fmt::format("{:02}", number), options.preset, options.seed);
+      runs.seconds += drawn.plan.end_s;
+      ++runs.of_object[object];
+      ++runs.count;
+    }
+  }
+  return runs;
+}
+
+StudiedRuns runs_in(const fs::path& data) {
+  StudiedRuns runs;
+  for (const RunFolder& run : find_runs(data)) {
+    runs.seconds += tick_s * static_cast<double>(evaluation::expected_ticks(run.events(), {}));
+    ++runs.of_object[run.object];
+    ++runs.count;
+    runs.labelled += is_there(run.labels()) ? 1 : 0;
+  }
+  runs.exist = runs.count;
+  return runs;
+}
+
+StudiedRuns runs_of(const StudyOptions& options) {
+  StudiedRuns runs = is_there(options.data) ? runs_in(options.data) : StudiedRuns{};
+  if (runs.count == 0) runs = runs_to_simulate(options);
+  runs.samples = samples_of_simulated_run * static_cast<double>(runs.count);
+  runs.samples_from = fmt::format("{} samples a run, the mean of simulated runs", samples_of_simulated_run);
+  const fs::path file = options.data / "dataset.h5";
+  if (!is_there(file)) return runs;
+  const windows::Dataset dataset(file);
+  runs.has_dataset = true;
+  runs.samples = static_cast<double>(dataset.samples().size());
+  runs.samples_from = file.string();
+  for (const microseconds history : options.histories)
+    runs.stored_histories += dataset.find_heatmaps(heatmaps::stored_name({.history = history})) ? 1 : 0;
+  return runs;
+}
+
+/// Sets of objects that a study holds out of training, and how many objects are in each.
+struct HeldOut {
+  std::size_t sets = 0, objects = 0, splits = 0;
+};
+
+HeldOut held_out_of(const StudyOptions& options, const StudiedRuns& runs) {
+  HeldOut held_out;
+  for (const std::string& object : options.held_out.empty() ? windows::default_held_out() : options.held_out)
+    held_out.objects += runs.of_object.contains(object) ? 1 : 0;
+  if (held_out.objects >= runs.objects()) held_out.objects = 0;
+  if (held_out.objects > 0) {
+    std::vector<std::string> names;
+    for (const auto& [object, count] : runs.of_object) names.push_back(object);
+    held_out.splits = std::min(*options.splits, all_splits(names, held_out.objects).size());
+    held_out.sets = 1;
+  }
+  if (options.hold_out_each && runs.objects() > 1) held_out.sets = runs.objects(), held_out.objects = 1;
+  return held_out;
+}
+
+/// Steps of the study in `out` whose names begin so and that are done.
+std::size_t done_steps(const fs::path& out, std::string_view begin) {
+  std::size_t done = 0;
+  std::error_code failed;
+  for (fs::directory_iterator entry(out / "steps", failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (!entry->path().filename().string().starts_with(begin)) continue;
+    try {
+      done += read_json(entry->path()).at("done").get<bool>() ? 1 : 0;
+    } catch (const std::exception&) {
+      // It is made again.
+    }
+  }
+  return done;
+}
+
+}  // namespace
+
+experiments::Estimate estimate_study(const StudyOptions& requested) {
+  const StudyOptions options = completed(requested);
+  const StudiedRuns runs = runs_of(options);
+  const HeldOut held_out = held_out_of(options, runs);
+  const double usual = experiments::measured_training_speed();
+  const bool is_usual = options.network == model::LeNetOptions{} && options.engine == model::EngineKind::fast;
+  const double images_per_s = is_usual ? usual : experiments::measured_training_speed(options.network, options.engine);
+  const experiments::WorkCost cost = experiments::work_cost(usual);
+  experiments::Estimate estimate{.parts = {}, .cores = options.threads, .images_per_s = images_per_s, .data = runs.samples_from};
+  if (runs.count == 0) return estimate;
+  const auto count = static_cast<double>(runs.count);
+  const double run_s = runs.seconds / count, samples_of_run = runs.samples / count;
+  if (runs.exist == 0)
+    estimate.add({.what = "simulated runs", .count = runs.count}, cost.simulated_second * run_s, bytes_of_second * run_s);
+  estimate.add({.what = "labelled runs", .count = runs.count, .exist = runs.labelled}, cost.labelled_second * run_s, 0);
+  estimate.add({.what = "dataset", .count = 1, .exist = runs.has_dataset ? 1U : 0U}, cost.second_of_windows * runs.seconds,
+               bytes_of_sample * runs.samples);
+  estimate.add({.what = "histories of heatmaps", .count = options.histories.size(), .exist = runs.stored_histories},
+               cost.heatmap * runs.samples, bytes_of_heatmap * runs.samples);
+
+  // Each training learns from one run of each object.
+  const std::size_t single = options.histories.size() * *options.trainings;
+  const std::size_t without = held_out.sets * *options.trainings + held_out.splits;
+  const std::size_t trained = done_steps(options.out, "train-");
+  const auto training_s = [&](std::size_t objects) {
+    return cost.training_start + static_cast<double>(objects) * samples_of_run * *options.epochs / images_per_s;
+  };
+  estimate.add({.what = "trainings", .count = single, .exist = trained, .one_thread = true}, training_s(runs.objects()),
+               bytes_of_model);
+  estimate.add({.what = "trainings without some objects",
+                .count = without,
+                .exist = trained - std::min(trained, single),
+                .one_thread = true},
+               training_s(runs.objects() - held_out.objects), bytes_of_model);
+  // A model is judged on the runs that it did not learn from, and reports on those that chose no history either.
+  const auto share_without = [&](std::size_t runs_of_each) {
+    return std::max(0.0, 1 - static_cast<double>(runs_of_each * runs.objects()) / count);
+  };
+  estimate.add({.what = "judgements of samples",
+                .count = single + without,
+                .exist = done_steps(options.out, "judge-"),
+                .one_thread = true},
+               cost.judged_sample * runs.samples * share_without(1), 0);
+  const std::size_t choice = preset_settings(options.preset).choice_runs;
+  const double ticks = runs.seconds / tick_s * (share_without(1) + share_without(1 + choice)) / 2;
+  estimate.add({.what = "evaluations of all ticks", .count = 2, .exist = done_steps(options.out, "evaluate-")},
+               *options.trainings * (cost.evaluation + cost.evaluated_tick * ticks), 0);
+  return estimate;
+}
+
+}  // namespace tactile::study
