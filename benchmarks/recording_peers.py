@@ -12,27 +12,24 @@ import time
 
 
 def dv_processing(path):
+    """The events, a packet at a time, as the library gives them. So do `aedat` and `faery`."""
     import dv_processing
 
     recording = dv_processing.io.MonoCameraRecording(path)
-    count = 0
-    while True:
-        batch = recording.getNextEventBatch()
-        if batch is None:
-            return count
-        count += batch.size()
+    while (batch := recording.getNextEventBatch()) is not None:
+        yield batch
 
 
 def aedat(path):
     import aedat
 
-    return sum(len(packet["events"]) for packet in aedat.Decoder(path) if "events" in packet)
+    return (packet["events"] for packet in aedat.Decoder(path) if "events" in packet)
 
 
 def faery(path):
     import faery
 
-    return sum(len(packet) for packet in faery.events_stream_from_file(path))
+    return faery.events_stream_from_file(path)
 
 
 def tactile(benchmark, threads):
@@ -43,30 +40,31 @@ def tactile(benchmark, threads):
     return read
 
 
-def timed(read, path):
-    """(events, seconds)"""
-    begin = time.perf_counter()
-    result = read(path)
-    seconds = time.perf_counter() - begin
-    return result if isinstance(result, tuple) else (result, seconds)
+def timed(packets_of):
+    def read(path):
+        begin = time.perf_counter()
+        count = sum(len(packet) for packet in packets_of(path))
+        return count, time.perf_counter() - begin
+
+    return read
 
 
 def main():
     path, benchmark = sys.argv[1:3]
     repetitions = int(sys.argv[3]) if len(sys.argv) > 3 else 9
-    readers = {
+    readers = {  # path -> (events, seconds)
         "tactile, one thread": tactile(benchmark, 1),
         "tactile, two threads": tactile(benchmark, 2),
-        "dv-processing": dv_processing,
-        "faery": faery,
-        "aedat": aedat,
+        "dv-processing": timed(dv_processing),
+        "faery": timed(faery),
+        "aedat": timed(aedat),
     }
     seconds = {name: [] for name in readers}
     counts = {}
     for _ in range(repetitions):
         for name, read in list(readers.items()):
             try:
-                counts[name], elapsed = timed(read, path)
+                counts[name], elapsed = read(path)
             except Exception as error:  # another library failed: the others are still measured
                 print(f"bench: {name} failed: {error}", file=sys.stderr)
                 del readers[name]
@@ -79,4 +77,5 @@ def main():
         print(f"| {name} | {counts[name] / statistics.median(seconds[name]) / 1e6:.0f} |")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -15,6 +15,11 @@ from tactile import _tactile
 EVENT = np.dtype({"names": ["t", "x", "y", "on"], "formats": ["<i8", "<i2", "<i2", "u1"], "offsets": [0, 8, 10, 12], "itemsize": 16})
 """An event: t [us of camera time], x from the left [px], y from the top [px], on (1 brighter, 0 darker)."""
 
+_ROW = np.dtype("V16")
+"""An event as bytes: NumPy copies these at once, but fields one by one."""
+_MOST_IN_PACKET = 2**28 // EVENT.itemsize
+"""Events of the largest packet that is decompressed, whatever the recording's list says."""
+
 _NAMES = {"t": ("t", "timestamp", "t_us"), "x": ("x",), "y": ("y",), "on": ("on", "polarity", "p")}
 
 
@@ -128,14 +133,20 @@ class Recording:
         """The number of events, by the recording's list of packets."""
         return sum(count for _, count, _, _ in self._packets)
 
+    def _packets_between(self, begin_us: int | None, end_us: int | None) -> list[tuple[int, int, int, int]]:
+        """Index, number of events, first and last time of each packet that overlaps begin_us <= t < end_us."""
+        return [
+            packet
+            for packet in self._packets
+            if (end_us is None or packet[2] < end_us) and (begin_us is None or packet[3] >= begin_us)
+        ]
+
     def chunks(self, begin_us: int | None = None, end_us: int | None = None) -> Iterator[NDArray[Any]]:
         """The events with begin_us <= t < end_us, one packet of the recording after the other: arrays of EVENT.
 
         An array owns its memory, into which the packet was decompressed. It is not copied.
         """
-        for packet, _, first, last in self._packets:
-            if (end_us is not None and first >= end_us) or (begin_us is not None and last < begin_us):
-                continue
+        for packet, _, first, last in self._packets_between(begin_us, end_us):
             events = self._file.take_events(packet).view(EVENT)[:, 0]
             is_part = (begin_us is not None and first < begin_us) or (end_us is not None and last >= end_us)
             if is_part:
@@ -151,8 +162,16 @@ class Recording:
 
     def events(self, begin_us: int | None = None, end_us: int | None = None) -> NDArray[Any]:
         """All events with begin_us <= t < end_us: one array of EVENT, 16 bytes per event."""
-        chunks = list(self.chunks(begin_us, end_us))
-        return np.concatenate(chunks) if chunks else np.zeros(0, EVENT)
+        listed = sum(min(count, _MOST_IN_PACKET) for _, count, _, _ in self._packets_between(begin_us, end_us))
+        rows, count = np.empty(listed, _ROW), 0
+        for chunk in self.chunks(begin_us, end_us):
+            end = count + len(chunk)
+            if end > len(rows):  # the list says too little
+                rows.resize(2 * end, refcheck=False)
+            rows[count:end] = chunk.view(_ROW)
+            count = end
+        rows.resize(count, refcheck=False)
+        return rows.view(EVENT)
 
     def imu(self) -> ImuSample:
         """All samples of the inertial sensor."""

@@ -44,6 +44,15 @@ def test_a_part_has_the_events_from_its_begin_to_before_its_end(lab):
     assert len(part) and len(recording.events(end, begin)) == 0
 
 
+@pytest.mark.parametrize("listed", [1, 10**15])
+def test_the_list_of_packets_may_be_wrong_about_their_events(lab, listed):
+    recording = tactile.Recording(lab.recording)
+    everything = recording.events()
+    (packet, _, first, last), *others = recording._packets
+    recording._packets = [(packet, listed, first, last), *others]
+    assert np.array_equal(recording.events(), everything)
+
+
 VENDOR = pathlib.Path(__file__).resolve().parents[1] / "data/aedat4"
 
 
