@@ -82,8 +82,8 @@ def claim_item(head, claim, words):
     """A claim of the paper, its outcome, and what was measured."""
     if claim["id"].endswith("-delay"):  # the paper makes it of both touches
         words = f"{claim['id'].split('-')[0].capitalize()}: {words[0].lower()}{words[1:]}"
-    verdict = "does not hold" if claim["verdict"] == "does not" else claim["verdict"]
-    return f"- {head}, **{verdict}**. The paper: *{claim['paper']}.* {words}"
+    outcome = "does not hold" if claim["verdict"] == "does not" else claim["verdict"]
+    return f"- {head}, **{outcome}**. The paper: *{claim['paper']}.* {words}"
 
 
 def histories_part(study):
