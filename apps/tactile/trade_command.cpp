@@ -309,7 +309,7 @@ void add_trade_command(CLI::App& app) {
   add_list("--th", args->histories_ms, "Histories t_h to try [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks to try [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
   add_list("--factor", args->factors, "Heatmap sizes to try, divided by sensor size").check(in_range(0.001, 1.0));
-  add_list("--resize", args->resizes, "Ways of resizing to try: area, linear").check(one_of({"area", "linear"}));
+  add_list("--resize", args->resizes, "Resizing methods to try: area, linear").check(one_of({"area", "linear"}));
   add_list("--denoise", args->denoises, "Noise reductions to try: mean, literal, none")
       .check(one_of({"mean", "literal", "none"}));
   add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
