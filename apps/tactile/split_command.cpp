@@ -42,9 +42,9 @@ struct SplitArguments {
 
 std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * static_cast<double>(t.count())); }
 
-/// @param zero  of the times of begin and end
+/// @param zero  of the times of start and end
 std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names, CameraTime zero) {
-  std::vector<std::string> header{"run", "begin [s]", "end [s]", "length [s]", "events"};
+  std::vector<std::string> header{"run", "start [s]", "end [s]", "length [s]", "events"};
   if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
   std::vector<std::vector<std::string>> rows;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {

@@ -183,7 +183,7 @@ std::string text_of(const stress::StressSummary& summary) {
   return text;
 }
 
-/// Where a curve ends, compared with its begin: the loss of accuracy, or of quiet recordings the further alarms.
+/// Where a curve ends, compared with its start: the loss of accuracy, or of quiet recordings the further alarms.
 double harm_of(const results::StressCurve& curve, bool quiet) {
   const results::StressPoint &clean = curve.points.front(), &worst = curve.points.back();
   const double harm = quiet ? worst.false_alarms.outside_labels_per_min.value - clean.false_alarms.outside_labels_per_min.value

@@ -57,7 +57,7 @@ class TheArm(unittest.TestCase):
         self.assertEqual(np.abs(travel[t <= 1.0]).max(), 0)
         np.testing.assert_allclose(travel[t >= 1.7], -30)
 
-    def test_play_swallows_the_begin_of_each_move(self):
+    def test_play_swallows_the_start_of_each_move(self):
         np.testing.assert_allclose(motion.backlash(np.array([0, 0.05, 0.2, 0.3, 0.25, 0.05]), 0.1), [0, 0, 0.1, 0.2, 0.2, 0.05])
 
     def test_truths_begin_with_the_motion(self):
