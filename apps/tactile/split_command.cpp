@@ -201,7 +201,7 @@ void add_split_command(CLI::App& app) {
       .type_name("NN")
       .check(is_run());
   add_splitting_options(command, args->splitting);
-  command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
+  command.add_option("--at", args->at, "Cut at these times; do not search for cuts [s after the first event]")
       .type_name("S,...")
       .delimiter(',')
       .check(in_range(0.0, 1e6));

@@ -346,9 +346,7 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--runs", args->runs, "Use at most this many runs of each object").check(in_range(1U, 99U)).type_name("N");
   command.add_flag("--quick", args->quick, "Only three severities of each recipe: the first, the middle and the last");
-  command
-      .add_option("--sensor", args->sensor,
-                  "Sensor whose noise the recipes noise and hot-pixels add: a sensor.json of 'characterise'")
+  command.add_option("--sensor", args->sensor, "sensor.json of 'characterise': the noise for the recipes noise and hot-pixels")
       .check(is_existing_file())
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();

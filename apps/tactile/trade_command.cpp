@@ -286,8 +286,9 @@ void add_trade_command(CLI::App& app) {
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
-      .add_option("--at-most-delay-ms", args->at_most_delay,
-                  "Constraint: longest median delay of presses and slips, missed ones included; p90:MS: of 90 % of them [ms]")
+      .add_option(
+          "--at-most-delay-ms", args->at_most_delay,
+          "Constraint: longest median delay of all presses and slips, with missed ones [ms]. p90:MS limits the 90 % quantile")
       .check(is_delay_limit())
       .type_name("[p90:]MS");
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
@@ -297,9 +298,7 @@ void add_trade_command(CLI::App& app) {
       .type_name("FILE.json");
   command.add_flag("--full", args->full,
                    "Try every combination, not only single changes and promising combinations; takes many hours");
-  command
-      .add_option("--budget-minutes", args->budget_minutes,
-                  "Time limit of the whole command: steps beyond it are left out, and the next call resumes")
+  command.add_option("--budget-minutes", args->budget_minutes, "Time limit of the whole command. The next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
@@ -330,7 +329,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
   command
       .add_option("--trainings,--seeds", args->trainings,
-                  "Trainings of each setting that may be on a front, each on another run and with another seed; default: 2 for "
+                  "Trainings of each setting that is compared, each on another run and with another seed; default: 2 for "
                   "runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N");
