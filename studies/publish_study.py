@@ -212,7 +212,7 @@ def page(folder):
         f"- Revision {study['software']['revision']}, seed {settings['seed']}; {settings['trainings']} trainings of each setting, with the seeds {seeds}, each on "
         "another run. No network is judged on a run that it learned from or was chosen on.\n"
         f"- {machine['cpu']}, {machine['threads']} threads; {study['minutes']:.0f} min of work for the study, {trade['minutes']:.0f} min for the trade.\n"
-        "- Brackets are 95 % intervals over trainings, objects and runs. [numerics.md](numerics/figures.md#intervals) says how often they contain the true value.\n"
+        "- Brackets are 95 % intervals over trainings, objects and runs. [Intervals](numerics/figures.md#intervals) says how often they contain the true value.\n"
         "- Figures of the paper (Faris et al., arXiv:2403.10120) are numbered as in its LaTeX source: accuracy 8, delay 9, a run over time 10, unseen objects 11.\n",
         "## What was found\n",
         "".join(f"- {sentence}\n" for sentence in study["found"]),
