@@ -82,8 +82,8 @@ def claim_item(head, claim, words):
     """A claim of the paper, its outcome, and what was measured."""
     if claim["id"].endswith("-delay"):  # the paper makes it of both touches
         words = f"{claim['id'].split('-')[0].capitalize()}: {words[0].lower()}{words[1:]}"
-    verdict = "does not hold" if claim["verdict"] == "does not" else claim["verdict"]
-    return f"- {head}, **{verdict}**. The paper: *{claim['paper']}.* {words}"
+    outcome = "does not hold" if claim["verdict"] == "does not" else claim["verdict"]
+    return f"- {head}, **{outcome}**. The paper: *{claim['paper']}.* {words}"
 
 
 def histories_part(study):
@@ -212,7 +212,7 @@ def page(folder):
         f"- Revision {study['software']['revision']}, seed {settings['seed']}; {settings['trainings']} trainings of each setting, with the seeds {seeds}, each on "
         "another run. No network is judged on a run that it learned from or was chosen on.\n"
         f"- {machine['cpu']}, {machine['threads']} threads; {study['minutes']:.0f} min of work for the study, {trade['minutes']:.0f} min for the trade.\n"
-        "- Brackets are 95 % intervals over trainings, objects and runs. [numerics.md](numerics/figures.md#intervals) says how often they contain the true value.\n"
+        "- Brackets are 95 % intervals over trainings, objects and runs. [Intervals](numerics/figures.md#intervals) says how often they contain the true value.\n"
         "- Figures of the paper (Faris et al., arXiv:2403.10120) are numbered as in its LaTeX source: accuracy 8, delay 9, a run over time 10, unseen objects 11.\n",
         "## What was found\n",
         "".join(f"- {sentence}\n" for sentence in study["found"]),

@@ -79,7 +79,7 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
   command.add_option("--config", common->config, "JSON file with option values; the command line overrides them")
       .type_name("FILE.json")
       .check(is_existing_file());
-  command.add_flag("--print-config", common->print_config, "Print the effective settings as a file for --config, and end");
+  command.add_flag("--print-config", common->print_config, "Print the effective settings as a file for --config, and exit");
   command.add_flag("--json", common->json, "Print the result as JSON");
   command.add_flag("--quiet", common->quiet, "Hide progress and all log messages below warnings");
   command.add_option("--threads", common->threads, "Number of worker threads")

@@ -198,7 +198,7 @@ std::string text_of(const ConvertArguments& args, const conversion::ConvertOptio
   for (std::size_t i = 0; i < options.recipes.size(); ++i)
     text += line(i == 0 ? "worsened" : "", recipes::text_of(options.recipes[i]));
   if (summary.first) {
-    text += line("begin", begin_text(*summary.first));
+    text += line("start", begin_text(*summary.first));
     text += line("duration", duration_text(between(*summary.first, *summary.last)));
   }
   for (std::size_t i = 0; i < summary.streams.size(); ++i) {
@@ -260,7 +260,7 @@ std::string text_of(const ConvertArguments& args, const conversion::BagImportSum
   std::string text = args.out + "\n";
   text += line("from", fmt::format("{}, {}, {}", args.in, summary.format, bytes_text(summary.bytes_in)));
   text += line("to", fmt::format("run {}, {}", summary.run.name(), bytes_text(summary.bytes_out)));
-  text += line("begin", begin_text(summary.first));
+  text += line("start", begin_text(summary.first));
   text += line("duration", duration_text(between(summary.first, summary.last)));
   text += line("events", fmt::format("{}, {}x{}", summary.events, summary.size.width, summary.size.height));
   if (summary.imu_samples > 0) text += line("imu", fmt::format("{}", summary.imu_samples));

@@ -241,7 +241,7 @@ void add_source_options(Command& command, DetectArguments& args) {
 }
 
 void add_real_time_options(Command& command, DetectArguments& args) {
-  command.add_flag("--verbose", args.verbose, "Print every part of a tick's time, and how it is distributed");
+  command.add_flag("--verbose", args.verbose, "Print the time of each part of a tick, with its histogram");
   command.add_flag("--no-real-time", args.no_real_time,
                    "Do not use real-time priority and locked memory; default: used for live sources, where permitted");
   command.add_flag("--no-rehearsal", args.no_rehearsal,

@@ -196,8 +196,7 @@ void add_doctor_command(CLI::App& app) {
   auto data = std::make_shared<std::string>("data");
   Command command = add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera",
                                 [data](const CommonArguments& common) { examine_machine(common, *data); });
-  command.add_option("data", *data, "Folder whose disk is measured; default: the current folder if it does not exist")
-      .show_default();
+  command.add_option("data", *data, "Folder whose disk is measured; the current folder if DATA does not exist").show_default();
 }
 
 }  // namespace tactile::cli

@@ -21,9 +21,7 @@ void add_kind_options(Command command, KindArguments& args) {
   command.add_option("--rounds", args.trees.rounds, "With --kind trees: number of rounds, each with one tree per class")
       .check(in_range(1U, 10'000U))
       .show_default();
-  command.add_option("--depth", args.trees.depth, "With --kind trees: comparisons from the root to an answer")
-      .check(in_range(1U, 8U))
-      .show_default();
+  command.add_option("--depth", args.trees.depth, "With --kind trees: depth of each tree").check(in_range(1U, 8U)).show_default();
   command.add_option("--shrinkage", args.trees.learning_rate, "With --kind trees: share of each tree that counts")
       .check(in_range(1e-6, 1.0))
       .show_default();

@@ -84,7 +84,7 @@ struct Outcome {
 CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
   if (const auto us = labels.provenance.find("first_event_us"); us != labels.provenance.end() && us->is_number_integer())
     return camera_time(us->get<std::int64_t>());
-  // Labels that were not made here: their times still count from the recording's begin.
+  // Labels that were not made here: their times still count from the recording's start.
   const events::RecordingReader recording(run.events());
   CameraTime first = CameraTime::max();
   for (const events::PacketRecord& packet : recording.packets()) {
@@ -249,7 +249,7 @@ void run_label(const CommonArguments& common, const LabelArguments& arguments) {
 
 void add_label_command(CLI::App& app) {
   auto arguments = std::make_shared<LabelArguments>();
-  Command command = add_command(app, "label", "Align the clocks of runs, and find the begin and end of press and slip",
+  Command command = add_command(app, "label", "Align the clocks of runs, and find the start and end of press and slip",
                                 [arguments](const CommonArguments& common) { run_label(common, *arguments); });
   const Option data = command.add_option("data", arguments->places, "Folders of runs, or single runs").show_default();
   const Option compare_truth =

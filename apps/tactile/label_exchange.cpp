@@ -221,8 +221,8 @@ void add_label_exchange_options(Command command, LabelExchangeArguments& argumen
       .check(one_of({"audacity", "elan", "label-studio", "csv"}));
   command
       .add_option("--origin", arguments.origin,
-                  "Zero of exported times, and of imported times if their file does not state it; default: first-event, for ELAN "
-                  "the first video frame if its clock is known")
+                  "Time zero of the exchanged file: first-event, camera or video. Default: first-event; for ELAN: video, if its "
+                  "clock is known")
       .check(one_of({"first-event", "camera", "video"}));
 }
 

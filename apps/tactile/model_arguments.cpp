@@ -188,7 +188,7 @@ void add_decision_options(Command command, DecisionArguments& args) {
 void add_gate_options(Command command, GateArguments& args) {
   const Option gate =
       command.add_flag("--gate", args.on, "Report none without running the network while the events are likely to be background");
-  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips for which the gate may open too late")
+  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips at which the gate may open too late")
       .check(in_range(0.0, 0.999))
       .needs(gate)
       .show_default();

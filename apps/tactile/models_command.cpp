@@ -221,7 +221,7 @@ void add_models_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { run_models(*args, common); });
   command
       .add_option("action", args->action,
-                  "list: all models; show: one; compare: two or more; pin: the model that commands take; unpin; rm: remove")
+                  "list: all models; show: one; compare: two or more; pin: make this the default model; unpin; rm: remove")
       .check(one_of({"list", "show", "compare", "pin", "unpin", "rm"}))
       .show_default();
   command.add_option("names", args->names, "Names of models, as 'list' shows them").type_name("MODEL");

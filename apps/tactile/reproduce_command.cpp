@@ -304,10 +304,9 @@ void add_reproduce_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { reproduce(*args, common); });
   command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
   command
-      .add_option(
-          "--preset", args->preset,
-          "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, no run to choose settings on; quick: 3 runs, 6 epochs, "
-          "5 trainings, 1 run to choose on; paper: 10 runs, 10 epochs, 5 trainings, 2 runs to choose on, 20 splits")
+      .add_option("--preset", args->preset,
+                  "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, settings are not chosen; quick: 3 runs, 6 epochs, "
+                  "5 trainings, 1 run to choose on; paper: 10 runs, 10 epochs, 5 trainings, 2 runs to choose on, 20 splits")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
   command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")

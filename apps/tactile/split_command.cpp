@@ -42,9 +42,9 @@ struct SplitArguments {
 
 std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * static_cast<double>(t.count())); }
 
-/// @param zero  of the times of begin and end
+/// @param zero  of the times of start and end
 std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names, CameraTime zero) {
-  std::vector<std::string> header{"run", "begin [s]", "end [s]", "length [s]", "events"};
+  std::vector<std::string> header{"run", "start [s]", "end [s]", "length [s]", "events"};
   if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
   std::vector<std::vector<std::string>> rows;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
@@ -201,7 +201,7 @@ void add_split_command(CLI::App& app) {
       .type_name("NN")
       .check(is_run());
   add_splitting_options(command, args->splitting);
-  command.add_option("--at", args->at, "Cut at these times instead [s after the first event]")
+  command.add_option("--at", args->at, "Cut at these times; do not search for cuts [s after the first event]")
       .type_name("S,...")
       .delimiter(',')
       .check(in_range(0.0, 1e6));

@@ -185,7 +185,7 @@ std::string text_of(const stress::StressSummary& summary) {
   return text;
 }
 
-/// Where a curve ends, compared with its begin: the loss of accuracy, or of quiet recordings the further alarms.
+/// Where a curve ends, compared with its start: the loss of accuracy, or of quiet recordings the further alarms.
 double harm_of(const results::StressCurve& curve, bool quiet) {
   const results::StressPoint &clean = curve.points.front(), &worst = curve.points.back();
   const double harm = quiet ? worst.false_alarms.outside_labels_per_min.value - clean.false_alarms.outside_labels_per_min.value
@@ -349,9 +349,7 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
   command.add_option("--runs", args->runs, "Use at most this many runs of each object").check(in_range(1U, 99U)).type_name("N");
   command.add_flag("--quick", args->quick, "Only three severities of each recipe: the first, the middle and the last");
-  command
-      .add_option("--sensor", args->sensor,
-                  "Sensor whose noise the recipes noise and hot-pixels add: a sensor.json of 'characterise'")
+  command.add_option("--sensor", args->sensor, "sensor.json of 'characterise': the noise for the recipes noise and hot-pixels")
       .check(is_existing_file())
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();

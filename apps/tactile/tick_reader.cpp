@@ -22,7 +22,7 @@ constexpr std::size_t kept_at_most = 2'000'000;  // more than an hour
 TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std::move(options)), line_(line) {
   if (options_.csv.empty()) return;
   file_.open(options_.csv, std::ios::binary | std::ios::trunc);
-  file_ << "t_us,p_none,p_press,p_slip,verdict,said,events,gated,closed,skipped,beginning,incomplete\n";
+  file_ << "t_us,p_none,p_press,p_slip,verdict,predicted,events,gated,closed,skipped,beginning,incomplete\n";
   check_file();
 }
 

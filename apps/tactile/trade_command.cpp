@@ -286,8 +286,9 @@ void add_trade_command(CLI::App& app) {
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
-      .add_option("--at-most-delay-ms", args->at_most_delay,
-                  "Constraint: longest median delay of presses and slips, missed ones included; p90:MS: of 90 % of them [ms]")
+      .add_option(
+          "--at-most-delay-ms", args->at_most_delay,
+          "Constraint: longest median delay of all presses and slips, with missed ones [ms]. p90:MS limits the 90 % quantile")
       .check(is_delay_limit())
       .type_name("[p90:]MS");
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
@@ -297,9 +298,7 @@ void add_trade_command(CLI::App& app) {
       .type_name("FILE.json");
   command.add_flag("--full", args->full,
                    "Try every combination, not only single changes and promising combinations; takes many hours");
-  command
-      .add_option("--budget-minutes", args->budget_minutes,
-                  "Time limit of the whole command: steps beyond it are left out, and the next call resumes")
+  command.add_option("--budget-minutes", args->budget_minutes, "Time limit of the whole command. The next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
   command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
@@ -309,7 +308,7 @@ void add_trade_command(CLI::App& app) {
   add_list("--th", args->histories_ms, "Histories t_h to try [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks to try [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
   add_list("--factor", args->factors, "Heatmap sizes to try, divided by sensor size").check(in_range(0.001, 1.0));
-  add_list("--resize", args->resizes, "Ways of resizing to try: area, linear").check(one_of({"area", "linear"}));
+  add_list("--resize", args->resizes, "Resizing methods to try: area, linear").check(one_of({"area", "linear"}));
   add_list("--denoise", args->denoises, "Noise reductions to try: mean, literal, none")
       .check(one_of({"mean", "literal", "none"}));
   add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
@@ -330,7 +329,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
   command
       .add_option("--trainings,--seeds", args->trainings,
-                  "Trainings of each setting that may be on a front, each on another run and with another seed; default: 2 for "
+                  "Trainings of each setting that is compared, each on another run and with another seed; default: 2 for "
                   "runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N");

@@ -103,7 +103,7 @@ void add_view_command(CLI::App& app) {
   command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
       .check(in_range(0.001, 1e5))
       .show_default();
-  command.add_option("--from-ms", args->from_ms, "Begin of the part to show [ms after the first event]")
+  command.add_option("--from-ms", args->from_ms, "Start of the part to show [ms after the first event]")
       .check(in_range(0.0, 1e12));
   command.add_option("--to-ms", args->to_ms, "End of the part to show [ms after the first event]").check(in_range(0.0, 1e12));
   command.add_option("--speed", args->speed, "Speed of a video: 0.1 is ten times slower than real time")

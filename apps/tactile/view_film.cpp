@@ -26,7 +26,7 @@ constexpr microseconds default_length = 10s;   ///< of a recording without label
 constexpr std::size_t most_pictures = 1'000'000, metered_moments = 200;
 constexpr int quality = 20;
 
-/// The default range: all touches, or the recording's begin.
+/// The default range: all touches, or the recording's start.
 TickRange range_for(const ViewedRecording& recording, const ViewRequest& request) {
   std::optional<double> from_ms = request.from_ms, to_ms = request.to_ms;
   if (!recording.intervals().empty() && !from_ms && !to_ms) {

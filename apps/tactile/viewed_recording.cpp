@@ -92,7 +92,7 @@ TickRange ViewedRecording::ticks_between(const heatmaps::HeatmapOptions& options
   const CameraTime last_tick = range.at(range.count - 1);
   const auto after_first = [&](double ms) { return after(first_, microseconds{std::llround(ms * 1000)}); };
   if (from_ms && to_ms && *from_ms > *to_ms)
-    throw Error(fmt::format("--from-ms {:g}: is after --to-ms {:g}; expected a begin before the end", *from_ms, *to_ms));
+    throw Error(fmt::format("--from-ms {:g}: is after --to-ms {:g}; expected a start before the end", *from_ms, *to_ms));
   const CameraTime begin = std::max(range.first, first_tick_from(from_ms ? after_first(*from_ms) : range.first, options.tick));
   const CameraTime end = std::min(last_tick, last_tick_until(to_ms ? after_first(*to_ms) : last_tick, options.tick));
   if (begin > end) {

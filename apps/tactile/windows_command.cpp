@@ -209,8 +209,7 @@ void add_windows_command(CLI::App& app) {
       .check(in_range(0.0, 1e6))
       .show_default();
   command
-      .add_option("--history-ms", args->history_ms,
-                  "Events to store before each sample, the longest possible history [ms]; a whole number of ticks")
+      .add_option("--history-ms", args->history_ms, "Time before each sample whose events are stored [ms]. No t_h can be longer")
       .check(in_range(0.001, 1e5))
       .show_default();
   command.add_option("--tick-us", args->tick_us, "Time between two ticks [us]")

@@ -49,7 +49,7 @@ struct Spread {
 constexpr std::array<Spread, 2> spreads{
     {{"alike", {1, 1, 1, 1, 1, 1, 1, 1, 1, 1}}, {"one varies three times as much", {3, 1, 1, 1, 1, 1, 1, 1, 1, 1}}}};
 
-struct Verdict {
+struct Outcome {
   bool is_refuted = false, is_held = false;
 };
 constexpr std::array<std::string_view, 5> rules{"each object or the mean over them, in use", "each object",
@@ -60,7 +60,7 @@ constexpr std::array<std::string_view, 3> intervals{"mean over these objects, in
 
 /// Of one made-up study.
 struct Judged {
-  std::array<Verdict, rules.size()> verdicts;
+  std::array<Outcome, rules.size()> outcomes;
   std::array<double, intervals.size()> covered{};  // of those that are given
 };
 
@@ -181,7 +181,7 @@ void print_claims(const Arguments& arguments) {
                                             fmt::format("{}, {}, {}, {}", claim.name, name, design, sizes[size]), arguments);
             for (std::size_t i = 0; i < rules.size(); ++i)
               of_rules.add(i, size, percent(studies, [&, is_held = truth == Truth::one_at_limit](const Judged& study) {
-                             return (is_held ? study.verdicts[i].is_held : study.verdicts[i].is_refuted) ? 1.0 : 0.0;
+                             return (is_held ? study.outcomes[i].is_held : study.outcomes[i].is_refuted) ? 1.0 : 0.0;
                            }));
             for (std::size_t i = 0; i < intervals.size(); ++i)
               of_intervals.add(i, size, percent(studies, [&](const Judged& study) { return study.covered[i]; }));

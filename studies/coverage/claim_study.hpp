@@ -25,7 +25,7 @@ struct Arguments {
   bool takes(const Layout& layout) const { return layout.in_words().find(only) != std::string::npos; }
 };
 
-/// How often claims about each of ten objects get the wrong verdict, and the right one, by several rules; and how often the
+/// How often claims about each of ten objects get the wrong outcome, and the right one, by several rules; and how often the
 /// intervals that the rules look at contain the true figure. Of half of the repeats.
 void print_claims(const Arguments& arguments);
 

@@ -34,7 +34,7 @@ inline void add_move(MadeMotion& motion, double start_s, double lasts_s, double 
   motion.speeds.insert(motion.speeds.end(), {0, speed, speed, 0});
 }
 
-/// Down and up again: speeds up, brakes, comes back in the same way.
+/// Down and up again: speeds up, brakes, comes back with the same speeds.
 inline void add_tap(MadeMotion& motion, double start_s, double lasts_s, double peak_speed) {
   motion.knots_s.insert(motion.knots_s.end(), {start_s, start_s + 0.25 * lasts_s, start_s + 0.75 * lasts_s, start_s + lasts_s});
   motion.speeds.insert(motion.speeds.end(), {0, -peak_speed, peak_speed, 0});
@@ -56,7 +56,7 @@ inline robot::RobotLog log_of(const MadeMotion& motion) {
   const double d = motion.ringing.decay_s > 0 ? 1.0 / motion.ringing.decay_s : 1.0;
   Random random(motion.seed);
   robot::RobotLog log;
-  double way = 0, x = 0, v = 0;
+  double travel = 0, x = 0, v = 0;
   const auto steps = static_cast<std::int64_t>(std::llround(motion.length_s / step_s));
   const auto per_row = static_cast<std::int64_t>(std::llround(1e-3 * motion.period_ms / step_s));
   for (std::int64_t i = 0; i < steps; ++i) {
@@ -66,13 +66,13 @@ inline robot::RobotLog log_of(const MadeMotion& motion) {
       state.t = RobotTime{microseconds{1'000'000'000 + 20 * i}};
       state.tcp_pose = {-0.4, 0.2, 0.3, 2.2, -2.2, 0};
       for (std::size_t a = 0; a < 3; ++a) {
-        state.tcp_pose[a] += motion.direction[a] * (way + x) + motion.pose_noise * random.normal();
+        state.tcp_pose[a] += motion.direction[a] * (travel + x) + motion.pose_noise * random.normal();
         state.tcp_speed[a] = motion.direction[a] * (commanded(motion, t_s) + v) + motion.noise * random.normal();
       }
       log.states.push_back(state);
     }
     const double now = commanded(motion, t_s), next = commanded(motion, t_s + step_s);
-    way += 0.5 * step_s * (now + next);
+    travel += 0.5 * step_s * (now + next);
     if (motion.ringing.share > 0) {
       v += step_s * (-motion.ringing.share * (next - now) / step_s - 2.0 * d * v - (w * w + d * d) * x);
       x += step_s * v;

@@ -13,7 +13,7 @@
 
 namespace tactile::test {
 
-/// A burst of events, [start, end) in microseconds from the recording's begin.
+/// A burst of events, [start, end) in microseconds from the recording's start.
 struct MadeBurst {
   double start_us = 0;
   double end_us = 0;
@@ -56,7 +56,7 @@ inline void write_made_events(const std::filesystem::path& file, const MadeRun& 
   writer.close();
 }
 
-/// A lift from `start_us` (camera time from the recording's begin) with UR's usual acceleration, on a robot clock that is
+/// A lift from `start_us` (camera time from the recording's start) with UR's usual acceleration, on a robot clock that is
 /// `offset_us` later.
 inline robot::RobotLog made_lift(double start_us, double cruise_us, double speed_m_s, std::int64_t offset_us,
                                  double length_us = 3'000'000) {

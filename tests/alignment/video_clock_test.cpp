@@ -17,25 +17,25 @@ namespace {
 struct MadeMotion {
   double start_s = 0, end_s = 0, speed = 1, ramp_s = 0.06;
 
-  double way(double t_s) const {
+  double travel(double t_s) const {
     const auto ramped = [&](double u) { return u <= 0 ? 0.0 : u < ramp_s ? 0.5 * u * u / ramp_s : u - 0.5 * ramp_s; };
     return speed * (ramped(t_s - start_s) - ramped(t_s - end_s + ramp_s));
   }
-  double speed_at(double t_s) const { return (way(t_s + 1e-5) - way(t_s - 1e-5)) / 2e-5; }
+  double speed_at(double t_s) const { return (travel(t_s + 1e-5) - travel(t_s - 1e-5)) / 2e-5; }
 };
 
 constexpr std::int64_t run_begin_us = 1'700'000'000'000'000;
 
 struct MadeFilm {
-  std::vector<MadeMotion> motions;  ///< in seconds from the run's begin, in camera time
+  std::vector<MadeMotion> motions;  ///< in seconds from the run's start, in camera time
   double begins_s = -0.7;           ///< the first frame
   double ends_s = 5;
   double rate_hz = 30;
   double drift_ppm = 0;
-  double gain_scatter = 0.03;  ///< of what a step shows of the way, relative
+  double gain_scatter = 0.03;  ///< of what a step shows of the displacement, relative
   std::uint64_t seed = 1;
 
-  /// Camera time less video time, at the film's begin.
+  /// Camera time less video time, at the film's start.
   std::int64_t offset_us() const { return run_begin_us + std::llround(1e6 * begins_s); }
 };
 
@@ -51,9 +51,9 @@ MotionEnergy film_of(const MadeFilm& made) {
     const VideoTime next{microseconds{std::llround(1e6 * (i + 0.05 * random.normal()) / made.rate_hz)}};
     const auto camera_s = [&](VideoTime t) { return made.begins_s + camera_per_video * 1e-6 * static_cast<double>(us_of(t)); };
     if (camera_s(next) > made.ends_s) break;
-    double way = 0;
-    for (const MadeMotion& motion : made.motions) way += motion.way(camera_s(next)) - motion.way(camera_s(last));
-    const double change = way * (1 + made.gain_scatter * random.normal()) + 0.5 * energy.noise * random.uniform();
+    double travel = 0;
+    for (const MadeMotion& motion : made.motions) travel += motion.travel(camera_s(next)) - motion.travel(camera_s(last));
+    const double change = travel * (1 + made.gain_scatter * random.normal()) + 0.5 * energy.noise * random.uniform();
     MotionStep step;
     step.begin = last;
     step.end = next;

@@ -57,10 +57,10 @@ TEST_F(RawCommands, ConvertKeepsEventsAndTriggers) {
   EXPECT_NE(written.err.find("RAW can be read, but not written"), std::string::npos) << written.err;
 }
 
-TEST_F(RawCommands, ConvertPrintsTheBeginOnce) {
+TEST_F(RawCommands, ConvertPrintsTheStartOnce) {
   const test::CommandResult result = run_tactile("convert a.raw a.aedat4", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("  begin     4096 us\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("  start     4096 us\n"), std::string::npos) << result.out;
 }
 
 TEST_F(RawCommands, RecordMakesARunOfIt) {

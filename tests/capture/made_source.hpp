@@ -15,7 +15,7 @@
 
 namespace tactile::test {
 
-/// A camera that does what a test tells it to, on the recorder's thread.
+/// A camera that takes the steps of a test, on the recorder's thread.
 class MadeSource : public capture::CameraSource {
  public:
   using Step = std::function<Received(capture::CameraPacket& packet, std::chrono::milliseconds patience)>;

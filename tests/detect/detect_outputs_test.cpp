@@ -95,7 +95,7 @@ TEST(DetectCommand, WritesBitsThatFollowTheFilter) {
   EXPECT_GE(rises("verdict"), 2);
   EXPECT_EQ(json.at("robot").at("raised"), rises("verdict"));
   const bool differs =
-      std::any_of(ticks.begin(), ticks.end(), [](const Row& row) { return row.at("verdict") != row.at("said"); });
+      std::any_of(ticks.begin(), ticks.end(), [](const Row& row) { return row.at("verdict") != row.at("predicted"); });
   EXPECT_TRUE(differs) << "the filter changes no tick";
 }
 

@@ -65,7 +65,7 @@ TEST_F(CutRecording, GivesEachPieceTheEventsFromItsCutOnUntilTheNext) {
 }
 
 TEST_F(CutRecording, CopiesThePacketsThatLieInOnePieceBitForBit) {
-  // Packets of 10 ms, cut once at a packet's begin and once inside.
+  // Packets of 10 ms, cut once at a packet's start and once inside.
   test::write_plain_recording(in, test::steady_events(5'000, 0, 10, small), small);
   const auto before = test::packets_of(in);
   ASSERT_EQ(before.size(), 5U);

@@ -66,7 +66,7 @@ TEST(Evt3Decoder, TakesAStepBackOf16UpperHalvesForDisorderAnd17ForARollOver) {
             (std::vector<std::int64_t>{0x20000, 0x100F000}));
 }
 
-TEST(Evt3Decoder, StartsANewUpperHalfAtItsBegin) {
+TEST(Evt3Decoder, StartsANewUpperHalfAtItsStart) {
   EXPECT_EQ(times_of(decoded({0x8001, 0x6FF0, 0x0000, 0x2000, 0x8001, 0x2000, 0x8002, 0x2000})),
             (std::vector<std::int64_t>{0x1FF0, 0x1FF0, 0x2000}));
 }

@@ -189,7 +189,7 @@ TEST_F(DamagedRecording, IsReadOnlyWhereTheTimesOverlap) {
   EXPECT_EQ(recording.problems().broken_packets, 8U) << "and are counted once";
 }
 
-TEST_F(DamagedRecording, CutByTimeKeepsTheBeginAndLeavesTheEnd) {
+TEST_F(DamagedRecording, CutByTimeKeepsTheStartAndLeavesTheEnd) {
   RecordingReader recording = reader_of(vendor_bytes("dv-zstd"));
   const auto all = test::contents_of(recording).events;
   const CameraTime begin = all[1000].t;

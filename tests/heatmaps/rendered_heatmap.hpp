@@ -53,14 +53,14 @@ inline std::vector<std::uint32_t> dense_counts(const std::vector<Hits>& pixels, 
   return counts;
 }
 
-/// Every way to denoise and to resize.
-inline std::vector<heatmaps::HeatmapOptions> every_way(double factor = 0.2) {
-  std::vector<heatmaps::HeatmapOptions> ways;
+/// Every method to denoise and to resize.
+inline std::vector<heatmaps::HeatmapOptions> every_method(double factor = 0.2) {
+  std::vector<heatmaps::HeatmapOptions> methods;
   for (const heatmaps::Denoise denoise : {heatmaps::Denoise::mean, heatmaps::Denoise::literal, heatmaps::Denoise::none}) {
     for (const heatmaps::Resize resize : {heatmaps::Resize::area, heatmaps::Resize::linear})
-      ways.push_back({.history = std::chrono::milliseconds{40}, .denoise = denoise, .resize = resize, .factor = factor});
+      methods.push_back({.history = std::chrono::milliseconds{40}, .denoise = denoise, .resize = resize, .factor = factor});
   }
-  return ways;
+  return methods;
 }
 
 /// Whether floats are within 1e-6 of the true value or 1e-30, and bytes those of the true value, but where that lies within 1e-3

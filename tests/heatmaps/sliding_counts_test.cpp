@@ -42,7 +42,7 @@ void expect_histogram_of(const SlidingCounts& counts) {
   ASSERT_EQ(counts.histogram().largest(), occur.empty() ? 0 : *occur.rbegin());
 }
 
-TEST(SlidingCounts, KeepTheBeginOfTheWindowAndLeaveItsEnd) {
+TEST(SlidingCounts, KeepTheStartOfTheWindowAndLeaveItsEnd) {
   SlidingCounts counts({4, 3}, 10us);
   counts.add(std::vector{event_at(9, 0, 0), event_at(10, 1, 0), event_at(19, 2, 1), event_at(20, 3, 2)});
   counts.move_to(camera_time(20));

@@ -50,14 +50,14 @@ class TheSkin(unittest.TestCase):
 
 
 class TheArm(unittest.TestCase):
-    def test_a_move_takes_its_duration_and_ends_at_its_way(self):
+    def test_a_move_takes_its_duration_and_ends_at_its_travel(self):
         t = np.arange(0, 3, motion.STEP)
-        way = motion.ramp(t, 1.0, -30, 50, 500)
+        travel = motion.ramp(t, 1.0, -30, 50, 500)
         self.assertAlmostEqual(motion.duration(-30, 50, 500), 0.7)  # 0.1 s faster, 0.5 s even, 0.1 s slower
-        self.assertEqual(np.abs(way[t <= 1.0]).max(), 0)
-        np.testing.assert_allclose(way[t >= 1.7], -30)
+        self.assertEqual(np.abs(travel[t <= 1.0]).max(), 0)
+        np.testing.assert_allclose(travel[t >= 1.7], -30)
 
-    def test_play_swallows_the_begin_of_each_move(self):
+    def test_play_swallows_the_start_of_each_move(self):
         np.testing.assert_allclose(motion.backlash(np.array([0, 0.05, 0.2, 0.3, 0.25, 0.05]), 0.1), [0, 0, 0.1, 0.2, 0.2, 0.05])
 
     def test_truths_begin_with_the_motion(self):

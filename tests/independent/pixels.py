@@ -7,7 +7,7 @@ PIXELS = WIDTH * HEIGHT
 
 
 def frame_times(motion, numbers):
-    """Times to render at: no step moves the picture by more than about 0.4 px. Begins of motion are met exactly and followed at 1 kHz."""
+    """Times to render at: no step moves the picture by more than about 0.4 px. Starts of motion are met exactly and followed at 1 kHz."""
     t = motion.t
     step = t[1] - t[0]
     rate = lambda x: np.abs(np.gradient(x, step))

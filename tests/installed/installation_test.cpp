@@ -24,7 +24,7 @@ TEST(Installation, RunsWhereverItsFolderIsMoved) {
   const auto run = [&folder](const std::string& arguments) {
     return test::run_shell("PATH=\"$PWD/..:$PATH\" tactile " + arguments, folder / "work");
   };
-  // The begin of the README's pipeline.
+  // The start of the README's pipeline.
   for (const char* command : {"simulate --preset tiny --objects fan,usb-hub", "label", "windows", "heatmaps --th 40", "info data",
                               "doctor", "--version"}) {
     const auto result = run(command);

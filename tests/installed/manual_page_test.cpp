@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The commands and options that a help lists, each at the begin of a line.
+/// The commands and options that a help lists, each at the start of a line.
 std::set<std::string> entries_of(const std::string& help) {
   std::set<std::string> entries;
   const std::regex entry(R"((^|\n) {2}(?:-h, )?(--[a-z0-9-]+|[a-z]+)(?= |\n))");

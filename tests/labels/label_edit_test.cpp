@@ -201,7 +201,7 @@ TEST(EditHistory, EveryEditIsUndoneAndRedoneExactlyAlsoThroughTheFile) {
   EXPECT_EQ(text_without_history(undone(labels, states.size() - 1)), states.front());
 }
 
-TEST(EditHistory, TellsHowManyEditsCanBeUndoneAndRedone) {
+TEST(EditHistory, NamesHowManyEditsCanBeUndoneAndRedone) {
   Labels labels = edit(machines(), ConfirmRun{});
   EXPECT_EQ(test::error_of([&] { undone(labels, 2); }), "2 edits to undo, but only 1 edit made; expected at most 1");
   labels = undone(edit(labels, ConfirmInterval{"slip-1"}));

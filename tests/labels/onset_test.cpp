@@ -167,7 +167,7 @@ TEST(SlipOnset, IsNotBeforeTheLift) {
   EXPECT_GE(slip_onset(lit, {}, lift).time.low, before(lift.low, 1ms));
 }
 
-TEST(Onset, IsKeptInsideTheRecordingNearItsBegin) {
+TEST(Onset, IsKeptInsideTheRecordingNearItsStart) {
   const LitRate lit = test::lit_rate_of(
       300, [](double t_us) { return t_us < 4'000 ? 3.0 : 50.0; }, 1, 25, 300, 3.0);
   for (const FoundTime& found : {press_onset(lit), slip_onset(lit)})

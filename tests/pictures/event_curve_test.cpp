@@ -21,7 +21,7 @@ std::vector<events::Event> events_at(const std::vector<std::int64_t>& times_us) 
 using Counts = std::vector<std::uint64_t>;
 Counts counts_of(const EventCurve& curve) { return {curve.counts().begin(), curve.counts().end()}; }
 
-TEST(EventCurve, CountsEventsInHalfOpenBinsFromItsBegin) {
+TEST(EventCurve, CountsEventsInHalfOpenBinsFromItsStart) {
   EventCurve curve(camera_time(1000), 100us, 8);
   curve.add(events_at({999, 1000, 1000, 1099, 1100, 1350}));
   EXPECT_EQ(counts_of(curve), (Counts{3, 1, 0, 1}));

@@ -49,7 +49,7 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndWritesThresholdsNextToThePoi
   EXPECT_TRUE(contains(svg, "diamonds: no threshold"));
   EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are named, not all";
   EXPECT_TRUE(contains(svg, ">0.5<"));
-  // A label stands beside its point, in the colour of its curve.
+  // A label is near its point, in the colour of its curve.
   EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(pictures::figure_colours::slip) + "'"), std::string::npos);
   EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "no threshold"));
 }

@@ -96,10 +96,10 @@ def unseen():
     return {"runs": [f"{name}/04" for name in HELD_OUT], "mean": mean, "objects": objects}
 
 
-def claim(name, words, paper, unit, asked, limit, value, half, verdict, note="", objects=None):
-    side = {"measured": figure(value, half, 10, 1e9), "verdict": verdict, "objects": objects or {}, "note": note,
+def claim(name, words, paper, unit, asked, limit, value, half, outcome, note="", objects=None):
+    side = {"measured": figure(value, half, 10, 1e9), "verdict": outcome, "objects": objects or {}, "note": note,
             "in_words": "The claim is true for 7 of 10 objects; the lowest is white-box.", "kept": 7, "of": 10, "can_be_decided": True,
-            "why": "the interval lies across the limit" if verdict == "cannot tell" else ""}
+            "why": "the interval lies across the limit" if outcome == "cannot tell" else ""}
     return {"id": name, "claim": words, "paper": paper, "unit": unit, "asked": asked, "limit": limit, **side, "all_test": side}
 
 

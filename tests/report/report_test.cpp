@@ -105,18 +105,18 @@ const std::string prediction =
     "5000,0.1,0.8,0.1,press,press,press,400,\n"
     "7000,0.9,0.05,0.05,none,none,none,80,none\n";
 
-json claim(const std::string& words, const std::string& verdict) {
+json claim(const std::string& words, const std::string& outcome) {
   return {{"id", "x"},
           {"in_words", "Above 95 % for 1 of 2 objects."},
-          {"why", verdict == "cannot tell" ? "too few runs: 1 each, 3 wanted" : ""},
-          {"can_be_decided", verdict != "cannot tell"},
+          {"why", outcome == "cannot tell" ? "too few runs: 1 each, 3 wanted" : ""},
+          {"can_be_decided", outcome != "cannot tell"},
           {"claim", words},
           {"paper", "95 %"},
           {"unit", "%"},
           {"asked", "above"},
           {"limit", 95},
           {"measured", figure(96.5)},
-          {"verdict", verdict},
+          {"verdict", outcome},
           {"objects", {{"fan", figure(97.25)}}},
           {"note", "a note"},
           {"all_test", {{"measured", figure(91.5)}, {"verdict", "does not"}, {"note", ""}, {"objects", json::object()}}}};

@@ -191,7 +191,7 @@ TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
   for (const auto& found : {one, fast, two, slow}) ASSERT_NE(found, words.end());
   EXPECT_DOUBLE_EQ(one->y, fast->y) << "the list's numbers come first";
   EXPECT_DOUBLE_EQ(two->y, slow->y);
-  // In the panel each stands beside its mark.
+  // In the panel each is near its mark.
   const XAxis axis = x_axes(plot).at(0);
   for (const auto& [number, us] : {std::pair("1", 30.0), std::pair("2", 300.0)}) {
     const auto is_beside = [&axis, wanted = std::string(number), us = us](const Words& label) {

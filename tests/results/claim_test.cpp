@@ -22,9 +22,9 @@ TEST(Claim, ComesBackAsItWasWritten) {
   claim.measured = {96, 95.5, 97, 3};
   claim.objects["fan"] = {.value = 96};
   claim.kept = claim.of = 3;
-  claim.verdict = Verdict::holds;
+  claim.outcome = Outcome::holds;
   claim.can_be_decided = true;
-  claim.all_test = ClaimOutcome{.in_words = "Above 95 %.", .verdict = Verdict::does_not, .why = "", .note = "a note"};
+  claim.all_test = ClaimOutcome{.in_words = "Above 95 %.", .outcome = Outcome::does_not, .why = "", .note = "a note"};
   const nlohmann::json json = claim;
   EXPECT_EQ(json.at("asked"), "above");
   EXPECT_EQ(json.at("verdict"), "holds");
@@ -37,7 +37,7 @@ TEST(Claim, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.objects.at("fan").value, 96);
   EXPECT_EQ(read.of, 3U);
   ASSERT_TRUE(read.all_test);
-  EXPECT_EQ(read.all_test->verdict, Verdict::does_not);
+  EXPECT_EQ(read.all_test->outcome, Outcome::does_not);
   EXPECT_EQ(read.all_test->note, "a note");
   EXPECT_EQ(nlohmann::json(read), json);
 }
@@ -47,7 +47,7 @@ TEST(Claim, MayLackWhatOlderStudiesDidNotWrite) {
   EXPECT_TRUE(std::isnan(claim.limit));
   EXPECT_TRUE(claim.can_be_decided) << "not known to be otherwise";
   EXPECT_FALSE(claim.kept || claim.all_test);
-  EXPECT_EQ(claim_in(nlohmann::json::object()).verdict, Verdict::cannot_tell);
+  EXPECT_EQ(claim_in(nlohmann::json::object()).outcome, Outcome::cannot_tell);
 }
 
 TEST(Claim, IsReadFromFilesOfEarlierVersions) {

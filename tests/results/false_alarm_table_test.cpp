@@ -24,7 +24,7 @@ TEST(FalseAlarmTable, IsReadBackAsItIsWritten) {
   EXPECT_EQ(nlohmann::json(read), json);
 }
 
-TEST(FalseAlarms, OfARunAreReadBackAndSaidInThreeForms) {
+TEST(FalseAlarms, OfARunAreReadBackAndWrittenInThreeForms) {
   FalseAlarms alarms{.alarms = 1,
                      .after_intervals = 2,
                      .none_time = 20s,

@@ -268,7 +268,7 @@ class Client : public std::enable_shared_from_this<Client> {
         self->write();
         return;
       }
-      // A pause lets the next piece hold the end of one package and the begin of another.
+      // A pause lets the next piece hold the end of one package and the start of another.
       self->writes_.expires_after(std::chrono::microseconds(self->shared_.random.below(3'000)));
       self->writes_.async_wait([self](std::error_code cancelled) {
         self->writing_ = false;

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   std::string version = "5.11.6.1071234", session_file;
   std::size_t session_packages = 50;
   double restart_at = -1, garbage_at = -1;
-  std::vector<double> stall, away;  // begin and length [s]
+  std::vector<double> stall, away;  // start and length [s]
 
   CLI::App app{"A UR controller on loopback that speaks RTDE version 2"};
   app.add_option("--port", options.port, "To listen on; 0: any that is free")->capture_default_str();
@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
   app.add_option("--not-found", options.not_found, "Outputs that it does not have")->delimiter(',');
   app.add_option("--restart-at", restart_at, "Its clock starts again after so long [s]");
   app.add_option("--garbage-at", garbage_at, "It sends garbage after so long [s]");
-  app.add_option("--stall", stall, "It stays silent: begin, length [s]")->expected(2);
-  app.add_option("--away", away, "It closes all connections and refuses new ones: begin, length [s]")->expected(2);
+  app.add_option("--stall", stall, "It stays silent: start, length [s]")->expected(2);
+  app.add_option("--away", away, "It closes all connections and refuses new ones: start, length [s]")->expected(2);
   app.add_option("--seed", options.seed, "Of all that is random")->capture_default_str();
   app.add_option("--session", session_file, "Write what a controller sends in a session into this file, and end");
   app.add_option("--packages", session_packages, "Data packages of --session")->capture_default_str();

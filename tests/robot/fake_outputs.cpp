@@ -20,7 +20,7 @@ double trapezoid(double since_start_s) {
   return std::min({lift_speed, lift_acceleration * since_start_s, lift_acceleration * (lift_length_s - since_start_s)});
 }
 
-/// The way of the trapezoid until then.
+/// The displacement by the trapezoid until then.
 double travelled(double since_start_s) {
   const double ramp_s = lift_speed / lift_acceleration;
   const double t = std::clamp(since_start_s, 0.0, lift_length_s);

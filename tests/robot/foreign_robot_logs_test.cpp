@@ -142,11 +142,11 @@ std::string ur_rtde_log(const std::vector<std::pair<int, int>>& packages) {
   for (auto& of_package : noise) of_package = {1e-5 * random.normal(), 3e-4 * random.normal(), 3e-4 * random.normal()};
   for (const auto& [time, motion] : packages) {
     const double s = 0.008 * motion, speed = std::min(1.2 * std::max(0.0, s - 0.2), 0.06);
-    const double way = speed < 0.06 ? 0.5 * speed * speed / 1.2 : 0.06 * (s - 0.225);
+    const double lift = speed < 0.06 ? 0.5 * speed * speed / 1.2 : 0.06 * (s - 0.225);
     const std::array<double, 3>& off = noise.at(static_cast<std::size_t>(motion));
     made.add([&, time = time](const std::string& name, int i) -> std::string {
       if (name == "timestamp") return std::to_string(500.0 + 0.008 * time);
-      if (name == "actual_TCP_pose") return std::to_string(i == 2 ? 0.3 + way + off[0] : 0.1 * i);
+      if (name == "actual_TCP_pose") return std::to_string(i == 2 ? 0.3 + lift + off[0] : 0.1 * i);
       if (name == "actual_TCP_speed") return std::to_string(i == 2 ? speed + off[1] : i == 0 ? off[2] : 0.0);
       return "3";
     });
@@ -242,7 +242,7 @@ TEST(RobotLog, TakesItsSpeedFromTheBestThatIsThere) {
 
   file = read_of({"actual_TCP_speed"});
   EXPECT_EQ(file.speed_from, RobotSpeedSource::actual_tcp_speed);
-  EXPECT_NEAR(file.longest().states.at(30).tcp_pose[2], 0.05 * 0.24 * 0.24, 1e-6) << "the way that the speed makes";
+  EXPECT_NEAR(file.longest().states.at(30).tcp_pose[2], 0.05 * 0.24 * 0.24, 1e-6) << "the displacement that the speed makes";
   EXPECT_EQ(file.longest().smoothed_over, microseconds{0});
 
   file = read_of({"target_TCP_pose", "target_TCP_speed"});

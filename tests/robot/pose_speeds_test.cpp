@@ -95,7 +95,7 @@ TEST(PosesFromSpeeds, AreTheDisplacementSinceTheFirstRow) {
   set_poses_from_speeds(states);
   EXPECT_EQ(states[0].tcp_pose, (std::array<double, 6>{}));
   EXPECT_NEAR(states[2].tcp_pose[1], -0.008, 1e-12);
-  EXPECT_NEAR(states[3].tcp_pose[2], 0.016, 1e-12) << "nothing is known of the way over a gap";
+  EXPECT_NEAR(states[3].tcp_pose[2], 0.016, 1e-12) << "the displacement over a gap is not known";
   EXPECT_NEAR(states[4].tcp_pose[2], 0.024, 1e-12);
 }
 

@@ -198,7 +198,7 @@ TEST(Hysteresis, KeepsAShareOfTheDisplacementThatReturnsSlowly) {
   expect_true_to_poses(motion);
 }
 
-TEST(LightDrift, IsDrawnWithinItsRangesAndIsOneAtTheBegin) {
+TEST(LightDrift, IsDrawnWithinItsRangesAndIsOneAtTheStart) {
   const RunPlanOptions options = disturbed();
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const LightDrift light = drawn_plan(default_physics().objects.front(), options, seed).light_drift;

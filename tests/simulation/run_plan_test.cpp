@@ -172,7 +172,7 @@ TEST(RunPlan, TapsDownAndBack) {
   EXPECT_NEAR(tap.free_s() - 1.1, 1.1 - tap.contact_s(), 1e-12);
   RunPlan plan;
   plan.taps = {tap};
-  EXPECT_NEAR(plan.arm_travel_at(1.1), -4.0, 1e-12) << "the arm's way is upwards";
+  EXPECT_NEAR(plan.arm_travel_at(1.1), -4.0, 1e-12) << "the arm moves upwards";
 }
 
 TEST(RunPlan, MovesAtItsStatedSpeeds) {

@@ -66,7 +66,7 @@ class PowerCut {
     return image;
   }
 
-  /// Moments of power cuts, ascending, as numbers of entries. The first is the begin, the last is the end, and half of the others
+  /// Moments of power cuts, ascending, as numbers of entries. The first is the start, the last is the end, and half of the others
   /// are close to renames and syncs, where most errors happen. @param count  at least 2
   std::vector<std::size_t> moments(std::size_t count, Random& random) const {
     std::vector<std::size_t> near;

@@ -19,7 +19,7 @@ struct JournalEntry {
   std::uint64_t offset = 0;              ///< write: where; resize: the new size
   std::string bytes{};                   ///< write
   std::size_t sync = 0;                  ///< sync_begins, sync_ends: number of the sync
-  std::chrono::duration<double> time{};  ///< since the begin
+  std::chrono::duration<double> time{};  ///< since the start
   /// names: the names of the folder that change, and their new nodes; nothing for a name that is removed.
   std::vector<std::pair<std::string, std::optional<std::size_t>>> names{};
 };
@@ -31,7 +31,7 @@ struct JournalNode {
   std::map<std::string, std::size_t> names;  ///< of a folder: the nodes in it
 };
 
-/// All changes that a program made in a folder, in order. At the end of a sync, everything that was written before its begin is
+/// All changes that a program made in a folder, in order. At the end of a sync, everything that was written before its start is
 /// on the disk.
 struct WrittenJournal {
   std::vector<JournalNode> nodes;

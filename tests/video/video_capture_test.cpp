@@ -60,16 +60,16 @@ void write_jpegs(const fs::path& file, const std::vector<cv::Mat>& pictures) {
   }
 }
 
-/// Waits until `state` is as wished. What is waited for always comes; the bound is for a capture that hangs.
-template <class Wish>
-VideoCaptureState wait_until(const VideoCapture& capture, const Wish& wish) {
+/// Waits until `state` is as wanted. What is waited for always comes; the bound is for a capture that hangs.
+template <class Wanted>
+VideoCaptureState wait_until(const VideoCapture& capture, const Wanted& wanted) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   VideoCaptureState state = capture.state();
-  while (!wish(state) && std::chrono::steady_clock::now() < give_up) {
+  while (!wanted(state) && std::chrono::steady_clock::now() < give_up) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     state = capture.state();
   }
-  EXPECT_TRUE(wish(state)) << "waited in vain: " << state.frames << " frames, " << state.dropped << " dropped";
+  EXPECT_TRUE(wanted(state)) << "waited in vain: " << state.frames << " frames, " << state.dropped << " dropped";
   return state;
 }
 

@@ -16,7 +16,7 @@ using Key = std::tuple<std::int64_t, int, int, int>;
 
 Key key_of(const events::Event& event) { return {us_of(event.t), event.x, event.y, event.on}; }
 
-/// A run as it is compared, its windows those of samples at `ticks_us` from its begin.
+/// A run as it is compared, its windows those of samples at `ticks_us` from its start.
 PlannedRun planned(const RunFolder& folder, const std::vector<events::Event>& events, const std::vector<std::int64_t>& ticks_us) {
   PlannedRun run{};
   run.folder = folder;

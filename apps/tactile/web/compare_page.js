@@ -76,7 +76,7 @@ export class ComparePage {
       this.problem.textContent = error.message;
     };
     const strips = (signals, model) =>
-      new SignalStrips({ signals, length_us: this.length_us, failed, load: (wish, o) => api.getSignals(name, { ...wish, model }, o) });
+      new SignalStrips({ signals, length_us: this.length_us, failed, load: (request, o) => api.getSignals(name, { ...request, model }, o) });
     this.strips = [
       strips(
         run.signals.filter((signal) => signal.name === "event_rate"),

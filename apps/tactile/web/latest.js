@@ -1,7 +1,7 @@
-// Work that is asked for faster than it is done, such as the picture at the cursor while it moves. One at a time; only the newest wish counts.
+// Work that is asked for faster than it is done, such as the picture at the cursor while it moves. One at a time; only the newest request counts.
 
 export class Latest {
-  /// @param work  async (wish, signal) => anything; its errors go to `failed`
+  /// @param work  async (request, signal) => anything; its errors go to `failed`
   constructor(work, failed = () => {}) {
     this.work = work;
     this.failed = failed;
@@ -10,18 +10,18 @@ export class Latest {
     this.abort = new AbortController();
   }
 
-  ask(wish) {
-    this.next = { wish };
+  ask(request) {
+    this.next = { request };
     if (!this.running) this.#run();
   }
 
   async #run() {
     this.running = true;
     while (this.next && !this.abort.signal.aborted) {
-      const { wish } = this.next;
+      const { request } = this.next;
       this.next = null;
       try {
-        await this.work(wish, this.abort.signal);
+        await this.work(request, this.abort.signal);
       } catch (error) {
         if (!this.abort.signal.aborted) this.failed(error);
       }

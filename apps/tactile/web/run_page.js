@@ -122,7 +122,7 @@ export class RunPage {
       drag: this.drag,
       failed: (error) => this.#failed(error),
       load: {
-        signals: (wish, options) => api.getSignals(this.name, { ...wish, model }, options),
+        signals: (request, options) => api.getSignals(this.name, { ...request, model }, options),
         eventTimes: (window, options) => api.getEventTimes(this.name, window, options),
       },
     });

@@ -39,7 +39,7 @@ export class RunTable {
     this.abort = new AbortController();
     this.thumbnails = new Thumbnails();
     this.order = keptChoice("order", { column: "state", downward: false });
-    this.wish = keptChoice("filter", { search: "", state: "all" });
+    this.filter = keptChoice("filter", { search: "", state: "all" });
   }
 
   async start() {
@@ -52,18 +52,18 @@ export class RunTable {
 
   #build(answer) {
     document.body.dataset.data = answer.data;
-    const wish = this.wish.load();
+    const filter = this.filter.load();
     this.search = el("input", {
       type: "search",
       id: "search",
-      value: wish.search,
+      value: filter.search,
       placeholder: "object, run or flag",
       oninput: () => this.#draw(),
     });
     this.state = el(
       "select",
       { id: "state", onchange: () => this.#draw() },
-      STATES.map(([value, words]) => el("option", { value, selected: value === wish.state }, words)),
+      STATES.map(([value, words]) => el("option", { value, selected: value === filter.state }, words)),
     );
     this.bar = el("progress", { max: 1, value: 0, "aria-labelledby": "progress-words" });
     this.progress = el("span", { id: "progress-words" });
@@ -142,15 +142,15 @@ export class RunTable {
   }
 
   #draw() {
-    const wish = { search: this.search.value, state: this.state.value };
-    this.wish.save(wish);
+    const filter = { search: this.search.value, state: this.state.value };
+    this.filter.save(filter);
     const { column, downward } = this.order.load();
     for (const head of this.heads.querySelectorAll("[data-column]")) {
       const here = head.dataset.column === column;
       head.setAttribute("aria-sort", here ? (downward ? "descending" : "ascending") : "none");
     }
     const { runs } = this.answer;
-    const shown = sorted(filtered(runs, wish.search, wish.state), column, downward);
+    const shown = sorted(filtered(runs, filter.search, filter.state), column, downward);
     this.count.textContent =
       shown.length === runs.length ? counted(runs.length, "run") : `${shown.length} of ${counted(runs.length, "run")}`;
     refill(

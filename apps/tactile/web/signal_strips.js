@@ -43,7 +43,7 @@ export class SignalStrips {
     this.length_us = length_us;
     this.loaded = null;
     this.series = {};
-    this.latest = new Latest((wish, signal) => this.#fetch(wish, signal), failed);
+    this.latest = new Latest((request, signal) => this.#fetch(request, signal), failed);
     this.element = el(
       "div",
       { class: "strips" },

@@ -12,7 +12,7 @@ const LEAST_TIMES_US = 200; // of single events; with more than 20 000 in it, a 
 const CLICK_PX = 4; // a pointer that moved less has clicked
 
 export class Timeline {
-  /// @param load  {signals(wish, options), eventTimes(window, options)} of this run
+  /// @param load  {signals(request, options), eventTimes(window, options)} of this run
   /// @param drag  EndDrag: moves an end
   constructor({ state, signals, load, drag, failed }) {
     this.state = state;

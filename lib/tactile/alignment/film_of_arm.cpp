@@ -308,7 +308,7 @@ std::string refusal_of(const std::vector<FilmStep>& steps, const SeenMotion& see
   return {};
 }
 
-/// A film and the speed it should have seen. Offsets are those of the speed's begin against the film's.
+/// A film and the speed it should have seen. Offsets are those of the speed's start against the film's.
 class ArmMatch {
  public:
   ArmMatch(const MotionEnergy& energy, const SeenMotion& seen, std::vector<FilmStep> steps, const VideoClockOptions& options)

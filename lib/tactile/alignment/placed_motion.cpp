@@ -232,8 +232,8 @@ class TapMatch {
   static double half_of(const MotionPhase& tap) { return 0.5 * in_s(tap.end - tap.start); }
 
   /// How much of the activity is left unexplained, at the best length of contact, which `half_s` gets. Milliseconds are added
-  /// outwards from the lowest point on either side. The first pixels on the way back are those that have just fired on the way
-  /// in: they need twice their threshold, and so have a gain of their own.
+  /// outwards from the lowest point on either side. The first pixels of the motion out have just
+  /// fired in the motion in. They need twice their threshold, and so have a gain of their own.
   double unexplained(double shift, double& half_s) const {
     std::array<Sums, 3> sides{};  // in, turning, out
     const double middle_ms = 1e3 * (turn_s_ + shift) - static_cast<double>(from_);
@@ -265,9 +265,9 @@ class TapMatch {
     return all_ > 0 ? std::clamp(1.0 - left / all_, 0.0, 1.0) : 0.0;
   }
 
-  /// To a tenth of a millisecond by the way in alone: there the rate decreases with the speed to zero at the lowest point, and
+  /// To a tenth of a millisecond by the motion in alone. Its rate decreases with the speed to zero at the lowest point, and
   /// stays there until the pixels respond again. `milliseconds` gets how many were used.
-  LowestPoint by_way_in(double shift_s, double half_s, std::size_t& milliseconds) const {
+  LowestPoint by_motion_in(double shift_s, double half_s, std::size_t& milliseconds) const {
     const double lowest_ms = 1e3 * (turn_s_ + shift_s) - static_cast<double>(from_), n = static_cast<double>(counts_.size());
     const auto first = static_cast<std::size_t>(std::clamp(lowest_ms - 750 * half_s, 0.0, n));
     const auto last = static_cast<std::size_t>(std::clamp(lowest_ms + 500 * turning_s_, 0.0, n));
@@ -309,7 +309,7 @@ std::optional<PlacedMotion> place_tap(const Milliseconds& ms, const MotionPhase&
   const double likeness = match.likeness(rough.at, half_s);
   if (likeness < least_likeness) return std::nullopt;
   std::size_t milliseconds = 0;
-  const LowestPoint best = match.by_way_in(rough.at, half_s, milliseconds);
+  const LowestPoint best = match.by_motion_in(rough.at, half_s, milliseconds);
   if (milliseconds < 8 || !(best.curvature > 0)) return std::nullopt;
   const double dispersion = std::max({1.0, ms.dispersion, best.value / static_cast<double>(milliseconds - 2)});
   return PlacedMotion{.shift_s = best.at,

@@ -9,7 +9,7 @@
 
 namespace tactile::alignment {
 
-/// Events in whole milliseconds from the rate's begin on, and how many there are when the skin rests.
+/// Events in whole milliseconds from the rate's start on, and how many there are when the skin rests.
 struct Milliseconds {
   std::vector<double> counts;
   double quiet = 0;       ///< mean

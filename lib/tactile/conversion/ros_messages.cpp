@@ -38,7 +38,7 @@ void add_pose(ToolPose pose, std::vector<ToolPose>& into, std::uint64_t& unusabl
   into.push_back(pose);
 }
 
-/// The size of a JPEG or PNG; nothing if it is neither, or has none at its begin.
+/// The size of a JPEG or PNG; nothing if it is neither, or has none at its start.
 std::optional<cv::Size> size_of_picture(Bytes data) {
   const auto byte = [&](std::size_t at) { return std::to_integer<int>(data[at]); };
   const auto big_endian = [&](std::size_t at) { return byte(at) << 8 | byte(at + 1); };

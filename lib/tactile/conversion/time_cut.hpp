@@ -38,7 +38,7 @@ class TimeCut {
   bool holds(CameraTime t) const { return t >= from_ && (!to_ || t < *to_); }
   bool is_limited() const { return is_limited_; }
   std::string text() const {
-    return fmt::format("[{}, {})", from_ == CameraTime::min() ? "begin" : std::to_string(us_of(from_)),
+    return fmt::format("[{}, {})", from_ == CameraTime::min() ? "start" : std::to_string(us_of(from_)),
                        to_ ? std::to_string(us_of(*to_)) : "end");
   }
 
@@ -55,7 +55,7 @@ class TimeCut {
  private:
   void check() const {
     if (to_ && *to_ <= from_)
-      throw Error(fmt::format("the cut from {} to {} us is empty; expected an end after the begin", us_of(from_), us_of(*to_)));
+      throw Error(fmt::format("the cut from {} to {} us is empty; expected an end after the start", us_of(from_), us_of(*to_)));
   }
 
   CameraTime from_;

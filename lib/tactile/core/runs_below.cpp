@@ -45,9 +45,9 @@ int only_number_in(std::string_view name) {
   return count == 1 && number <= most_runs ? number : 0;
 }
 
-/// The first id that is not in `taken`, with `wished` first; empty if all are.
-std::string free_id(const std::set<std::string>& taken, int wished) {
-  if (wished > 0 && !taken.contains(id_of(wished))) return id_of(wished);
+/// The first id that is not in `taken`, with `wanted` first; empty if all are.
+std::string free_id(const std::set<std::string>& taken, int wanted) {
+  if (wanted > 0 && !taken.contains(id_of(wanted))) return id_of(wanted);
   for (int number = 1; number <= most_runs; ++number) {
     if (!taken.contains(id_of(number))) return id_of(number);
   }
@@ -212,16 +212,16 @@ class Search {
   }
 
   void report_run(const fs::path& run, std::set<std::string>& taken) {
-    const int wished = only_number_in(name_of(run));
-    const std::string needed = free_id(taken, wished);
+    const int wanted = only_number_in(name_of(run));
+    const std::string needed = free_id(taken, wanted);
     const std::string begin = run.string() + ": is left out, because a run's name is two digits from 01 on; ";
     if (needed.empty()) {
       found_.misnamed.push_back(begin + "rename it, once one of 01 to 99 is free");
       return;
     }
-    const bool is_second = wished > 0 && needed != id_of(wished);
+    const bool is_second = wanted > 0 && needed != id_of(wanted);
     found_.misnamed.push_back(begin + "rename it to " + needed +
-                              (is_second ? ", which is free; " + id_of(wished) + " is taken" : std::string()));
+                              (is_second ? ", which is free; " + id_of(wanted) + " is taken" : std::string()));
     taken.insert(needed);
   }
 

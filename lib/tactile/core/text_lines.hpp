@@ -10,7 +10,7 @@ namespace tactile {
 /// Characters of UTF-8, not bytes: "µs" is two wide.
 std::size_t characters_in(std::string_view text);
 
-/// How many bytes the UTF-8 character at the text's begin has; 0 if there is none. @param text  not empty
+/// How many bytes the UTF-8 character at the text's start has; 0 if there is none. @param text  not empty
 std::size_t character_at(std::string_view text);
 
 /// `text` in lines of at most `width` characters where its words allow it; all but the first are indented.

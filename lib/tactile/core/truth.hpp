@@ -14,7 +14,7 @@ namespace tactile {
 /// An interval of the true motion, in camera time.
 struct TrueInterval {
   TouchInterval interval;                 ///< onset and end by the rules of labels
-  std::optional<CameraTime> gross;        ///< slip only: begin of relative motion between object and tip
+  std::optional<CameraTime> gross;        ///< slip only: start of relative motion between object and tip
   std::optional<CameraTime> first_event;  ///< the first event due to this motion
   bool labelled = true;                   ///< false: real motion without a label
   std::string what = {};                  ///< "press", "slip", "release", "micro-slip", ...; empty if the file lacks it

@@ -11,7 +11,7 @@ namespace tactile {
 enum class IfThere : std::uint8_t { refuse, replace };
 
 /// A hidden folder `.NAME.part-XXXXXX` next to a target, with a random name that no other process has, removed when this goes.
-/// A lock in it dies with the process, so that others can tell a folder in use from one that a killed process left.
+/// A lock in it dies with the process, so that others can distinguish a folder in use from one that a killed process left.
 class PartFolder {
  public:
   /// Makes the folder above `target` if it is missing, and removes what killed processes left of this target.

@@ -17,7 +17,7 @@ struct SceneWatchOptions {
   /// Measure each window as soon as it is full, on the thread that adds events: in a replay, so that the same events give the
   /// same lines at any speed.
   bool at_once = false;
-  /// From the end of a window that agrees with the state to the begin of the next one. After one that disagrees, the next one
+  /// From the end of a window that agrees with the state to the start of the next one. After one that disagrees, the next one
   /// begins at once.
   microseconds pause{4'000'000};
 };

@@ -146,7 +146,7 @@ struct EventCsvReader::State {
   int lowest_polarity = 1;  ///< 0 or -1 once one was read
   std::uint64_t size_bytes = 0;
   std::vector<char> buffer = std::vector<char>(chunk_bytes + longest_line);
-  std::size_t waiting = 0;  ///< bytes at the buffer's begin that are not parsed yet
+  std::size_t waiting = 0;  ///< bytes at the buffer's start that are not parsed yet
   bool at_end = false;
   std::uint64_t bytes = 0;
   std::uint64_t line = 0;        ///< the last one parsed, from 1

@@ -34,7 +34,7 @@ struct Evt3Problems {
 };
 
 /// Decodes a stream of EVT3, as cameras of Prophesee send it: little-endian words of 16 bits, with their type in the upper four.
-/// A word sets the row, the upper or lower 12 bits of the time, or the begin of a vector; or it has one event, or 8 or 12 pixels
+/// A word sets the row, the upper or lower 12 bits of the time, or the start of a vector; or it has one event, or 8 or 12 pixels
 /// of a row as a mask. The decoder keeps its state between calls, so a stream may be divided anywhere.
 ///
 /// - The 24 bits of the time count microseconds and roll over every 16.8 s. The decoder carries them on: its times rise as far as
@@ -54,7 +54,7 @@ class Evt3Decoder {
     std::int64_t t_us = 0;
     unsigned y = 0, base_x = 0;
     bool base_on = false;
-    bool has_clock = false;  ///< a time was seen: a later one is a step, not the begin
+    bool has_clock = false;  ///< a time was seen: a later one is a step, not the start
     bool has_high = false, has_low = false, has_row = false;
   };
 

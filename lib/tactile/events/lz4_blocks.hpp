@@ -26,7 +26,7 @@ struct Lz4Block {
 /// Source: the LZ4 block format, https://github.com/lz4/lz4/blob/dev/doc/lz4_Block_format.md
 std::optional<std::size_t> decode_lz4_block(const Lz4Block& block);
 
-/// Decodes two blocks alternately: the begin of a sequence depends on the one before, and a processor can work on the other block
+/// Decodes two blocks alternately: the start of a sequence depends on the one before, and a processor can work on the other block
 /// meanwhile. Neither may overlap the other's room or, by `before`, need its contents.
 std::optional<std::array<std::size_t, 2>> decode_lz4_blocks(const Lz4Block& first, const Lz4Block& second);
 

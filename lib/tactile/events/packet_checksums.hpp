@@ -14,7 +14,7 @@ namespace tactile::events {
 /// A recording that is being written has no hash yet. A file next to it has a checksum of its header and of each packet:
 ///
 ///   the line "#!TACTILE-CRC1\r\n", then records of 24 bytes, little-endian:
-///   uint64 position   packet: its begin [B]; header: the place of the data table's position; end: the end of the packets
+///   uint64 position   packet: its start [B]; header: the place of the data table's position; end: the end of the packets
 ///   uint32 size       of the header, or of the packet with its header of 8 bytes [B]; 0 for the end
 ///   uint32 kind       0 header, 1 packet, 2 end
 ///   uint32 checksum   CRC-32 of these bytes; the table's position in the header, which is written last, counts as -1

@@ -43,7 +43,7 @@ class PacketProbe {
   void release_memory() { content_ = {}, stored_ = {}; }
 
  private:
-  static constexpr std::size_t longest_head = 20;  ///< a packet's header and the known begin of its contents [B]
+  static constexpr std::size_t longest_head = 20;  ///< a packet's header and the known start of its contents [B]
 
   bool may_be_payload(std::span<const std::byte> payload, std::uint32_t payload_size) const;
   bool is_likely_end(std::uint64_t at, std::uint64_t end);

@@ -99,7 +99,7 @@ class DecodedPieces final : public RawPieces {
   std::uint64_t begin_;  ///< of the words [B]
   SensorSize sensor_;
   Decoder decoder_;
-  std::vector<typename Decoder::State> states_;  ///< at the begin of each piece
+  std::vector<typename Decoder::State> states_;  ///< at the start of each piece
   std::vector<std::byte> bytes_;
   std::vector<Event> events_;
   std::vector<Evt3Trigger> triggers_;

@@ -12,7 +12,7 @@
 namespace tactile::events {
 
 /// The events and triggers of a Prophesee RAW file. The file has no packets: it is divided into pieces of 64 KiB, which are read
-/// as packets are. A piece is decoded from the state that the decoder had at its begin. Memory follows the piece, and the list of
+/// as packets are. A piece is decoded from the state that the decoder had at its start. Memory follows the piece, and the list of
 /// pieces.
 class RawPieces {
  public:

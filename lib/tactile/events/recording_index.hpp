@@ -18,7 +18,7 @@ struct PacketList {
 /// the search resumes
 ///
 ///   1. at the packet that the data table has there, or at its next one, if there is a table and that place holds a packet,
-///   2. otherwise at the next place that looks like a packet: a declared stream, a size that fits, a valid begin of the contents,
+///   2. otherwise at the next place that looks like a packet: a declared stream, a size that fits, a valid start of the contents,
 ///      and then the end of the data, another such place, or contents that prove complete.
 ///
 /// A wrong size in a header is corrected from the table or from the place of the next packet. The cost grows linearly with the

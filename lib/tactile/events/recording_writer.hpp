@@ -26,7 +26,7 @@ struct WrittenStream {
   CameraTime first{}, last{};  ///< of all elements; meaningless without elements
 };
 
-/// Writes an AEDAT4 recording that the vendor's software reads. The file has its final name from the begin, and is always
+/// Writes an AEDAT4 recording that the vendor's software reads. The file has its final name from the start, and is always
 /// readable up to its last whole packet. Elements are collected until a packet is full; `flush` writes the waiting ones.
 ///
 /// The times of a stream must not go back, and events must lie inside the sensor. Otherwise the whole span is refused. Further

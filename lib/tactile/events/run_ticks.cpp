@@ -15,7 +15,7 @@ constexpr std::size_t chunk = 8192;  // at most this many events are given befor
 /// Receives the events of a run, and passes on each full tick as soon as an event at or after it proves that it is full.
 class EveryTick {
  public:
-  /// @param where  the begin of the error for too many ticks
+  /// @param where  the start of the error for too many ticks
   EveryTick(microseconds history, microseconds tick, const TickFollower& follower, const ChangeEvents& change,
             std::string where = {})
       : history_(history), follower_(follower), change_(change), where_(std::move(where)) {

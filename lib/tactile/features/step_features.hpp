@@ -45,7 +45,7 @@ class StepFeatures {
  private:
   using OfStep = std::array<float, features_of_step>;
   struct Known {
-    CameraTime end = CameraTime::min();  ///< of the window; of none at the begin of the clock
+    CameraTime end = CameraTime::min();  ///< of the window; of none at the start of the clock
     OfStep features{};
   };
   OfStep read(CameraTime end) const;

@@ -16,7 +16,7 @@
 //     Of files without checksums in their structure the child reads every value, because a damaged size in an index shows only on
 //     reading. Our datasets have such checksums (`create_file`): HDF5 detects damage itself, and the child visits only the
 //     structure.
-//   - A file that is read once from begin to end (a recording of another program) is read only by the child, which sends the
+//   - A file that is read once from start to end (a recording of another program) is read only by the child, which sends the
 //   values.
 //     So an unnoticed bad access in the child cannot harm the parent.
 // If the child does not finish, for any reason, the file is damaged. Limits on time and memory end loops and invalid sizes.

@@ -66,7 +66,7 @@ class CellCounts {
                          [&](std::uint32_t cell) { return cell * blocks_across * block_length; });
   }
 
-  /// The begin of the numbers of the pixel's cell, in each plane.
+  /// The start of the numbers of the pixel's cell, in each plane.
   std::uint32_t place_of(int x, int y) const {
     return std::min(place_of_x_[static_cast<std::size_t>(x)] + place_of_y_[static_cast<std::size_t>(y)], nowhere_);
   }

@@ -39,9 +39,9 @@ std::vector<Push> pushes_in(const alignment::ImuMotion& motion) {
   for (std::size_t i = 0; i < n; ++i) {
     const Vector3 a{axes[0][i], axes[1][i], axes[2][i]};
     if (length_of(a) < limit) continue;
-    // A push goes one way; what goes the other way is the next one.
-    const bool goes_on = !pushes.empty() && i <= pushes.back().end + samples(apart_s) && dot(a, pushes.back().gained) > 0;
-    if (!goes_on) pushes.push_back({.begin = i, .end = i});
+    // A push has one direction. Acceleration in the opposite direction is the next push.
+    const bool continues = !pushes.empty() && i <= pushes.back().end + samples(apart_s) && dot(a, pushes.back().gained) > 0;
+    if (!continues) pushes.push_back({.begin = i, .end = i});
     pushes.back().end = i + 1;
     for (std::size_t k = 0; k < 3; ++k) pushes.back().gained[k] += step_s * a[k];
   }

@@ -185,7 +185,7 @@ class Labeller {
     allow_for_gaps(start.time, "onset");
     allow_for_gaps(end.time, "end");
     if (!start.doubt.empty()) flag(start.doubt, labels_.intervals.size());
-    // Learning uses the begin of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
+    // Learning uses the start of a touch, and no `none` sample lies where its end may be: a doubtful end needs a look only if it
     // may lie far off and soon after the onset. Tips that creep on a little after a press are in its interval.
     const double end_width_ms = in_ms(between(end.time.low, end.time.high));
     const bool end_is_wide = !ends_with_arm && end_width_ms > options_.end.too_wide_ms &&

@@ -31,7 +31,7 @@ struct LitRate {
   std::size_t burst_begin = 0;  ///< in bins of `rate`
   std::size_t burst_end = 0;
   double lit_share = 0;  ///< of the image
-  /// Share of the lit pixels that noise has reset since the burst before, or the recording's begin, 0 to 1: they need a whole
+  /// Share of the lit pixels that noise has reset since the burst before, or the recording's start, 0 to 1: they need a whole
   /// threshold of change until they fire, the others less.
   double reset_share = 0;
   std::vector<LitPlace> places;  ///< those that stand out by themselves, at most `most_places`; may be none

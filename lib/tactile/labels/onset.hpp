@@ -19,7 +19,7 @@ struct FoundTime {
 };
 
 struct OnsetOptions {
-  microseconds before{60'000};          ///< a slip is searched from this long before its burst's begin
+  microseconds before{60'000};          ///< a slip is searched from this long before its burst's start
   microseconds first_contact{300'000};  ///< a first, weak contact is searched from this long before a press's burst
   microseconds rise{150'000};           ///< a slip's tips reach their speed within this time
   microseconds first_drag{25'000};      ///< the first drag reaches its speed within this time

@@ -10,7 +10,7 @@
 namespace tactile::labels {
 namespace {
 
-/// The best b, c >= 0 of rate = base + b + c x, with x in bins from the stretch's begin, and its log-likelihood.
+/// The best b, c >= 0 of rate = base + b + c x, with x in bins from the stretch's start, and its log-likelihood.
 struct Rise {
   double b = 0, c = 0;
   double log_likelihood = -infinite;

@@ -37,7 +37,7 @@ std::vector<Filled> filled_bins(Counts counts);
 /// Those from bin `from` on.
 std::span<const Filled> filled_from(const std::vector<Filled>& filled, std::size_t from);
 
-/// The log-likelihood of the best rise of a rate, base + b + c x with b, c >= 0 and x in bins from the stretch's begin.
+/// The log-likelihood of the best rise of a rate, base + b + c x with b, c >= 0 and x in bins from the stretch's start.
 /// @param filled  of the bins [from, to)
 double best_rise(std::span<const Filled> filled, std::size_t from, std::size_t to, double base);
 

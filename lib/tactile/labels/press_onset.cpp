@@ -9,7 +9,7 @@ namespace tactile::labels {
 namespace {
 
 /// Up to where the events above the quiet rate stand out clearly (Page's cumulative sum). Later events say nothing about the
-/// begin of a burst, but would distort the fit, since their counts are the largest.
+/// start of a burst, but would distort the fit, since their counts are the largest.
 /// @param from  the first bin that may be returned
 std::size_t clear_by(Counts counts, double quiet, double dispersion, std::size_t from) {
   constexpr double sure = 40.0;  // events

@@ -59,7 +59,7 @@ std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, co
   return bursts;
 }
 
-/// The burst that a slow rise is the begin of: it follows at once, and a lift that it lies in began before the rise.
+/// The burst that a slow rise is the start of: it follows at once, and a lift that it lies in began before the rise.
 alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment::Burst>& bursts,
                              const alignment::EventRate& rate, const std::vector<ArmMove>& lifts) {
   const auto soon = static_cast<std::size_t>(alignment::SlowBurstOptions{}.slot / rate.bin);

@@ -27,7 +27,7 @@ class EventWatch {
     scene_.add(events);
   }
 
-  std::uint64_t events() const { return events_.load(std::memory_order_relaxed); }  ///< since the begin
+  std::uint64_t events() const { return events_.load(std::memory_order_relaxed); }  ///< since the start
 
   // For the thread that looks on.
   SampledWindow& picture() { return picture_; }

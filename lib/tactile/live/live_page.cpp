@@ -27,7 +27,7 @@ constexpr std::size_t steps_per_second = 10;
 
 double seconds(Steady::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// How many events came in the last second, by their number at the begin of each step.
+/// How many events came in the last second, by their number at the start of each step.
 class RateMeter {
  public:
   struct Rates {

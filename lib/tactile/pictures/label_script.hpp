@@ -29,7 +29,7 @@ class LabelScript : public PlotWriter {
   const LabelPicture& picture() const { return picture_; }
   double seconds() const { return seconds_; }  ///< shown
   double seconds_from_begin(CameraTime t) const;
-  double shown(CameraTime t) const;  ///< seconds from the begin, clamped to what is shown
+  double shown(CameraTime t) const;  ///< seconds from the start, clamped to what is shown
 
   /// Forgets the settings of the panel before. The picture's own words were drawn with the first.
   void begin_panel(const PlotBox& box, double x_low, double x_high);
@@ -37,7 +37,7 @@ class LabelScript : public PlotWriter {
 
   /// The square root of the events per ms, since its noise is the same for low and high rates.
   /// @param bin             about, a multiple of the rate's own bin is used
-  /// @param from_us, to_us  from the rate's begin
+  /// @param from_us, to_us  from the rate's start
   /// @param unit_us         of the x axis, whose 0 is at `zero_us`
   std::vector<PlotPoint> root_rate(microseconds bin, double from_us, double to_us, double unit_us, double zero_us) const;
 

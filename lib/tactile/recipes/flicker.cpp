@@ -8,7 +8,7 @@
 namespace tactile::recipes {
 namespace {
 
-/// Pixels that see the flicker of the light. The light is darkest at the begin of a period and brightest in its middle. Each of
+/// Pixels that see the flicker of the light. The light is darkest at the start of a period and brightest in its middle. Each of
 /// these pixels gives one ON event at each rise and one OFF event at each fall, when the light has done a share of its change
 /// that is the pixel's own, from one half to all: where the flicker just exceeds a pixel's threshold, it does so at the end.
 class Flicker final : public AddedEvents {

@@ -22,12 +22,12 @@ std::string with_unit(const results::Figure& measured, const std::string& unit) 
   return text;
 }
 
-HtmlCell verdict_cell(const results::ClaimOutcome& outcome, const std::string& second_line) {
-  const results::Verdict verdict = outcome.verdict;
-  const HtmlTone tone = verdict == results::Verdict::holds      ? HtmlTone::good
-                        : verdict == results::Verdict::does_not ? HtmlTone::bad
+HtmlCell outcome_cell(const results::ClaimOutcome& result, const std::string& second_line) {
+  const results::Outcome outcome = result.outcome;
+  const HtmlTone tone = outcome == results::Outcome::holds      ? HtmlTone::good
+                        : outcome == results::Outcome::does_not ? HtmlTone::bad
                                                                 : HtmlTone::open;
-  return {.text = std::string(name_of(verdict)), .tone = tone, .second_line = second_line};
+  return {.text = std::string(name_of(outcome)), .tone = tone, .second_line = second_line};
 }
 
 std::string joined(std::initializer_list<std::string> sentences) {
@@ -49,12 +49,12 @@ std::vector<HtmlCell> row_of(const results::Claim& claim) {
   const bool has_words = !claim.in_words.empty();
   std::vector<HtmlCell> row{
       {.text = claim.claim},
-      verdict_cell(claim, claim.why),
+      outcome_cell(claim, claim.why),
       {.text = claim.paper},
       {.text = has_words ? claim.in_words : measured, .second_line = joined({has_words ? measured : std::string(), claim.note})}};
   if (claim.all_test) {
     const results::ClaimOutcome& all = *claim.all_test;
-    row.push_back(verdict_cell(all, joined({all.why, all.in_words, with_unit(all.measured, claim.unit), all.note})));
+    row.push_back(outcome_cell(all, joined({all.why, all.in_words, with_unit(all.measured, claim.unit), all.note})));
   } else {
     row.push_back({.text = "-"});
   }

@@ -12,7 +12,7 @@ namespace {
 
 std::string count_text(std::uint64_t count) { return fmt::format("{}", count); }
 
-/// Accuracies, one column for each way to measure them.
+/// Accuracies, one column for each method to measure them.
 HtmlTable accuracy_table(const results::Evaluation& scores) {
   std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"model", &scores.accuracy}};
   // The first guard is the dataset's own, which is the model's column.

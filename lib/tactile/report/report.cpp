@@ -126,9 +126,9 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
   add_trainings(page, input);
   end(page, input);
 
-  const auto count = [&](results::Verdict verdict) {
+  const auto count = [&](results::Outcome outcome) {
     return static_cast<std::size_t>(std::count_if(input.claims.begin(), input.claims.end(),
-                                                  [verdict](const results::Claim& claim) { return claim.verdict == verdict; }));
+                                                  [outcome](const results::Claim& claim) { return claim.outcome == outcome; }));
   };
   const ReportSummary summary{.title = page.html.title(),
                               .simulated = input.simulated,
@@ -137,8 +137,8 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
                               .missing = page.missing,
                               .errors = page.errors,
                               .claims = input.claims.size(),
-                              .hold = count(results::Verdict::holds),
-                              .do_not = count(results::Verdict::does_not)};
+                              .hold = count(results::Outcome::holds),
+                              .do_not = count(results::Outcome::does_not)};
   write_whole(summary.page, page.html.text());
   remove_old_figures(out / "figures", summary.figures);
   return summary;

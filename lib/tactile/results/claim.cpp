@@ -28,13 +28,13 @@ Named named_in(const JsonView& json, const std::array<Named, count>& all) {
 
 }  // namespace
 
-std::string_view name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::holds:
+std::string_view name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::holds:
       return "holds";
-    case Verdict::does_not:
+    case Outcome::does_not:
       return "does not";
-    case Verdict::cannot_tell:
+    case Outcome::cannot_tell:
       return "cannot tell";
   }
   return "cannot tell";
@@ -42,16 +42,16 @@ std::string_view name_of(Verdict verdict) {
 
 std::string_view name_of(Asked asked) { return asked == Asked::below ? "below" : "above"; }
 
-void to_json(nlohmann::json& json, const ClaimOutcome& outcome) {
-  json = {{"in_words", outcome.in_words},
-          {"measured", outcome.measured},
-          {"objects", outcome.objects},
-          {"kept", count_or_null(outcome.kept)},
-          {"of", count_or_null(outcome.of)},
-          {"verdict", name_of(outcome.verdict)},
-          {"why", outcome.why},
-          {"can_be_decided", outcome.can_be_decided},
-          {"note", outcome.note}};
+void to_json(nlohmann::json& json, const ClaimOutcome& result) {
+  json = {{"in_words", result.in_words},
+          {"measured", result.measured},
+          {"objects", result.objects},
+          {"kept", count_or_null(result.kept)},
+          {"of", count_or_null(result.of)},
+          {"verdict", name_of(result.outcome)},
+          {"why", result.why},
+          {"can_be_decided", result.can_be_decided},
+          {"note", result.note}};
 }
 
 void to_json(nlohmann::json& json, const Claim& claim) {
@@ -65,17 +65,17 @@ void to_json(nlohmann::json& json, const Claim& claim) {
   if (claim.all_test) json["all_test"] = *claim.all_test;
 }
 
-void from_json(const JsonView& json, ClaimOutcome& outcome) {
+void from_json(const JsonView& json, ClaimOutcome& result) {
   const JsonView can_be_decided = json.renamed("can_be_decided", "can_be_told");
-  outcome = {.measured = json["measured"].get<Figure>(),
-             .objects = json["objects"].map_of<Figure>(),
-             .kept = json["kept"].count_if_there(),
-             .of = json["of"].count_if_there(),
-             .in_words = json["in_words"].text(),
-             .verdict = named_in(json["verdict"], std::array{Verdict::holds, Verdict::does_not, Verdict::cannot_tell}),
-             .why = json["why"].text(),
-             .can_be_decided = !can_be_decided || can_be_decided.truth(),
-             .note = json["note"].text()};
+  result = {.measured = json["measured"].get<Figure>(),
+            .objects = json["objects"].map_of<Figure>(),
+            .kept = json["kept"].count_if_there(),
+            .of = json["of"].count_if_there(),
+            .in_words = json["in_words"].text(),
+            .outcome = named_in(json["verdict"], std::array{Outcome::holds, Outcome::does_not, Outcome::cannot_tell}),
+            .why = json["why"].text(),
+            .can_be_decided = !can_be_decided || can_be_decided.truth(),
+            .note = json["note"].text()};
 }
 
 void from_json(const JsonView& json, Claim& claim) {

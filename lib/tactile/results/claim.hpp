@@ -13,9 +13,9 @@
 
 namespace tactile::results {
 
-enum class Verdict : std::uint8_t { holds, does_not, cannot_tell };
+enum class Outcome : std::uint8_t { holds, does_not, cannot_tell };
 
-std::string_view name_of(Verdict verdict);  ///< "holds", "does not", "cannot tell"
+std::string_view name_of(Outcome outcome);  ///< "holds", "does not", "cannot tell"
 
 enum class Asked : std::uint8_t { below, above };
 
@@ -34,7 +34,7 @@ struct ClaimOutcome {
   std::map<std::string, Figure> objects{};  ///< where the claim is about each object
   std::optional<std::size_t> kept{}, of{};  ///< of how many objects the claim is true by their values, and of how many measured
   std::string in_words{};  ///< the measurement as a sentence: which object decides, and for how many the claim is true
-  Verdict verdict = Verdict::cannot_tell;
+  Outcome outcome = Outcome::cannot_tell;
   std::string why{};            ///< why it cannot be decided; empty where it can
   bool can_be_decided = false;  ///< there are enough runs and objects to decide
   std::string note{};           ///< a remark, such as the number of missed intervals; may be empty
@@ -55,9 +55,9 @@ struct Claim : ClaimOutcome {
 
 /// {"id", "claim", "paper", "unit", "asked", "limit", "measured", "objects", "kept", "of", "in_words", "verdict", "why",
 /// "can_be_decided", "note", "all_test"}; "all_test" has all from "measured" to "note", and is there only where it is known.
-void to_json(nlohmann::json& json, const ClaimOutcome& outcome);
+void to_json(nlohmann::json& json, const ClaimOutcome& result);
 void to_json(nlohmann::json& json, const Claim& claim);
-void from_json(const JsonView& json, ClaimOutcome& outcome);
+void from_json(const JsonView& json, ClaimOutcome& result);
 void from_json(const JsonView& json, Claim& claim);
 
 }  // namespace tactile::results

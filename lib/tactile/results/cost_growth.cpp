@@ -3,11 +3,11 @@
 namespace tactile::results {
 namespace {
 
-nlohmann::json json_of(const GrowthPoint::Way& way) {
-  return {{"rendering_us", way.rendering_us}, {"network_us", way.network_us}, {"p50_us", way.p50_us}, {"p99_us", way.p99_us}};
+nlohmann::json json_of(const GrowthPoint::MethodTime& time) {
+  return {{"rendering_us", time.rendering_us}, {"network_us", time.network_us}, {"p50_us", time.p50_us}, {"p99_us", time.p99_us}};
 }
 
-GrowthPoint::Way way_in(const JsonView& json) {
+GrowthPoint::MethodTime method_time_in(const JsonView& json) {
   return {json["rendering_us"].number(), json["network_us"].number(), json["p50_us"].number(), json["p99_us"].number()};
 }
 
@@ -36,8 +36,8 @@ void from_json(const JsonView& json, GrowthPoint& point) {
            .sensor = size_in(json["sensor"]),
            .heatmap = size_in(json["heatmap"]),
            .lit_share = json["lit_share"].number(),
-           .sparse = way_in(json["sparse"]),
-           .dense = way_in(json["dense"])};
+           .sparse = method_time_in(json["sparse"]),
+           .dense = method_time_in(json["dense"])};
 }
 
 void to_json(nlohmann::json& json, const CostGrowth& growth) {

@@ -17,11 +17,11 @@ struct GrowthPoint {
   events::SensorSize sensor{};
   events::SensorSize heatmap{};
   double lit_share = 0;  ///< of the heatmap's cells that are not 0, on average
-  struct Way {
+  struct MethodTime {
     double rendering_us = 0, network_us = 0;  ///< medians over ticks
     double p50_us = 0, p99_us = 0;            ///< of both together
   };
-  Way sparse{}, dense{};
+  MethodTime sparse{}, dense{};
 };
 
 struct CostGrowth {

@@ -13,7 +13,7 @@
 namespace tactile::review {
 
 /// The frames of a run's film as JPEG pictures in grey, 640 px wide at the most, in a nameless file that ends with its owner: a
-/// film can only be decoded from its begin, and its pictures do not fit into memory.
+/// film can only be decoded from its start, and its pictures do not fit into memory.
 class FilmFrames {
  public:
   /// Decodes the whole film. Frames without a time, or whose time does not ascend, are left out.

@@ -44,7 +44,7 @@ void read_study(json& entry, const results::JsonView& study) {
   for (const auto& claim : study["claims"].list_of<results::Claim>()) {
     entry["claims"].push_back({{"id", claim.id},
                                {"claim", claim.claim},
-                               {"outcome", results::name_of(claim.verdict)},
+                               {"outcome", results::name_of(claim.outcome)},
                                {"in_words", claim.in_words},
                                {"unit", claim.unit},
                                {"measured", figure_json(claim.measured.value, claim.measured.low, claim.measured.high)}});

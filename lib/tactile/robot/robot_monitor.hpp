@@ -30,7 +30,7 @@ struct RobotMonitorState {
   double rate_hz = 0;         ///< over the last second
   std::uint64_t rows = 0;     ///< written to the present log
   std::uint64_t gaps = 0;     ///< in the present log: more than 1.5 periods between two packages, or a broken connection, or
-                              ///< none at its begin or end
+                              ///< none at its start or end
   std::uint64_t missing = 0;  ///< packages that those gaps lack, by the controller's own clock if it did not restart; at the
                               ///< log's two ends by the host's, once the first package has arrived or the log has ended
   std::uint64_t reconnects = 0;

@@ -66,7 +66,7 @@ class EventCamera {
 
   double next_us() const { return clock_.next_us(); }  ///< when the next read-out begins, since the start
 
-  /// The next read-out, with the poses of the markers at its begin: as many as at the start.
+  /// The next read-out, with the poses of the markers at its start: as many as at the start.
   ReadOut read_out(std::span<const MarkerPose> poses);
 
  private:

@@ -10,7 +10,7 @@ namespace tactile::simulation {
 
 /// When the camera is read out, and the stamps of a read-out's events. Times are in us since the first read-out.
 ///
-/// A read-out holds the light of all pixels at its begin. Read-out k begins at
+/// A read-out holds the light of all pixels at its start. Read-out k begins at
 ///
 ///   k readout_us + delay + wander + jitter
 ///
@@ -21,7 +21,7 @@ namespace tactile::simulation {
 ///   deviation is wander_us. Its autocorrelation, (1 + x) exp(-x) with x in proportion to the time, is 1 / e after wander_s.
 /// - The jitter of each read-out is normal with the standard deviation jitter_us, limited to a quarter of readout_us.
 ///
-/// Columns are stamped one after another. With scan_us_per_column > 0 the last column has the time of the begin, and each lower x
+/// Columns are stamped one after another. With scan_us_per_column > 0 the last column has the time of the start, and each lower x
 /// is that much later; below 0 the first column is the earliest. scan_us_per_row does the same for rows. A scan lasts at most
 /// readout_us, and a read-out begins after the scan of the one before. Stamps are whole us, rounded down.
 class ReadoutClock {
@@ -29,14 +29,14 @@ class ReadoutClock {
   /// @throws Error  if both scans are set
   ReadoutClock(const EventCameraOptions& options, std::uint64_t seed);
 
-  double next_us() const { return next_us_; }  ///< the begin of the next read-out
+  double next_us() const { return next_us_; }  ///< the start of the next read-out
   /// Moves to the next read-out. @param events  of the read-out that ends
   void advance(std::size_t events);
 
   bool scans() const { return scan_us_ != 0; }
   bool scans_rows() const { return by_rows_; }
   bool falls() const { return scan_us_ > 0; }  ///< the highest x or y is the earliest
-  /// From the begin of a read-out to the stamp of this pixel, which is not rounded yet.
+  /// From the start of a read-out to the stamp of this pixel, which is not rounded yet.
   double offset_us(int x, int y) const {
     const int place = by_rows_ ? y : x;
     return scan_us_ > 0 ? scan_us_ * (last_ - place) : -scan_us_ * place;

@@ -14,7 +14,7 @@ namespace tactile::simulation {
 /// The distribution of the clocks of camera, robot, video and host.
 struct ClockPhysics {
   Range drift_ppm{-100, 100};         ///< of robot and video against the camera
-  Range before_camera_s{0.1, 1.5};    ///< time from the begin of robot log and video to that of the camera
+  Range before_camera_s{0.1, 1.5};    ///< time from the start of robot log and video to that of the camera
   Range robot_up_s{600, 200'000};     ///< uptime of the controller at the first run of a session
   double shared_session_share = 0.5;  ///< share of the objects whose runs are one session: camera and controller started once
   Range between_runs_s{20, 60};       ///< in a session, from the end of the longest possible run to the next start

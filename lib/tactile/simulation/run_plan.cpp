@@ -227,7 +227,7 @@ double RunPlan::stage_travel_at(double t_s) const {
     } else if (!press.release_start_s || t_s < *press.release_start_s) {
       travel = touching_mm + pushed_mm;
     } else {
-      // Opening: away from the tips with the speed of the release, then to the begin of the next press.
+      // Opening: away from the tips with the speed of the release, then to the start of the next press.
       const double freed_s = *press.release_start_s + press.release_s;
       const double open = std::min(1.0, (t_s - *press.release_start_s) / press.release_s);
       const double whole_mm = press.depth_at(std::min(press.still_s(), *press.release_start_s)) / press.stage_share;

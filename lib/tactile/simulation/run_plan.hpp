@@ -392,7 +392,7 @@ struct RunPlan {
   double vibration_acceleration_at(double t_s) const;  ///< of the camera's housing [mm/s^2]
   /// What is left of the displacement of a tip after its release, as a share of what it had then. @param press  with a release
   double kept_share_at(const PressPlan& press, double t_s) const;
-  double stage_travel_at(double t_s) const;   ///< of the stage towards the object since the begin of the run [mm]
+  double stage_travel_at(double t_s) const;   ///< of the stage towards the object since the start of the run [mm]
   bool stage_commanded_at(double t_s) const;  ///< closed
 };
 

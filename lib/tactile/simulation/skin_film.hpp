@@ -20,7 +20,7 @@ struct FilmedSkin {
   /// The time of the first event of each motion of the skin, in their order; nothing if it has caused none yet. If an unlabelled
   /// motion overlaps a labelled one, the events of the labelled one count from its start.
   std::vector<std::optional<CameraTime>> first_events;
-  CameraTime last_readout{};  ///< its begin
+  CameraTime last_readout{};  ///< its start
 };
 
 /// The camera in front of the skin, read-out by read-out. Between two poses the skin moves evenly.

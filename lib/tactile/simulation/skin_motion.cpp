@@ -16,7 +16,7 @@ constexpr double press_still_s = 0.020;
 
 microseconds whole_us(double seconds) { return microseconds{std::llround(1e6 * seconds)}; }
 
-/// The begin of the first 20 ms in which the tip speed of a press is below 1 % of its peak. Speeds are exact; only the search
+/// The start of the first 20 ms in which the tip speed of a press is below 1 % of its peak. Speeds are exact; only the search
 /// samples.
 double press_end_s(const PressPlan& press, double until_s) {
   std::array<double, marker_count> path_share{};  // a tip's displacement, inward and sideways, per displacement of the object

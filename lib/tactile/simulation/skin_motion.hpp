@@ -48,8 +48,8 @@ struct SkinMotion {
 /// the touched tips move with it. A partial slip moves some tips back slowly. Released tips keep a share of their displacement
 /// for a while.
 ///
-/// After contact, a press ends at the begin of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
-/// ends at the begin of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
+/// After contact, a press ends at the start of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
+/// ends at the start of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
 /// unlabelled. Motions that move no marker by a hundredth of a pixel are omitted.
 /// @param step  > 0
 SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random);

@@ -135,7 +135,7 @@ class Grouping {
     return run.changes[first == bursts.end() ? 0 : static_cast<std::size_t>(first - bursts.begin())];
   }
 
-  /// Whether a run begins as a press does: it changes the picture as the run before it did, or as the begin of the next run that
+  /// Whether a run begins as a press does: it changes the picture as the run before it did, or as the start of the next run that
   /// ends in no press, or of the last one before it.
   bool begins_with_press(std::size_t index) const {
     const labels::Brightening& change = first_change(runs_[index]);

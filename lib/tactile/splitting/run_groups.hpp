@@ -30,7 +30,7 @@ struct RunGroups {
 /// - While an object is held, a quiet stretch is the hold, however long: if the last touch before it is a press that neither
 ///   slipped nor was released, what follows belongs to the same run. Two cases end a run nevertheless. Nothing was recorded
 ///   meanwhile (`activity.pauses`, unless the sensor is silent when nothing moves): the press may have been released unseen. Or
-///   what follows begins with a press: its first burst changes the picture as the standing press did, or as the begin of a
+///   what follows begins with a press: its first burst changes the picture as the standing press did, or as the start of a
 ///   neighbouring run that has its slip or release (a correlation of `Brightening` above `TouchesOptions::deepens`). Presses of
 ///   one sensor have correlations above 0.9, a press and a slip have some below 0.1.
 ///

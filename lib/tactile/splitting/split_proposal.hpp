@@ -39,7 +39,7 @@ struct SplitProposal {
 struct ProposedRun {
   CameraTime begin{}, end{};                   ///< of the first run the first event, of the last one just after the last event
   std::uint64_t events = 0;                    ///< as the list of packets has it
-  std::optional<microseconds> quiet_before{};  ///< without a touch around its begin; nothing for the first run, or if not known
+  std::optional<microseconds> quiet_before{};  ///< without a touch around its start; nothing for the first run, or if not known
   std::vector<SeenTouch> touches;              ///< that begin in it
 };
 

@@ -93,18 +93,18 @@ ClaimInputs with_histories(std::map<microseconds, std::vector<results::RunConfus
   return inputs;
 }
 
-TEST(Verdict, IsGivenOnlyIfTheWholeIntervalLiesOnOneSide) {
-  EXPECT_EQ(below(figure(3, 2, 4), 5), results::Verdict::holds);
-  EXPECT_EQ(below(figure(6, 5.1, 7), 5), results::Verdict::does_not);
-  EXPECT_EQ(below(figure(6, 5, 7), 5), results::Verdict::cannot_tell) << "a bound at the limit is on neither side";
-  EXPECT_EQ(below(figure(4, 3, 5), 5), results::Verdict::cannot_tell);
-  EXPECT_EQ(above(figure(6, 5.1, 7), 5), results::Verdict::holds);
-  EXPECT_EQ(above(figure(4, 3, 4.9), 5), results::Verdict::does_not);
-  EXPECT_EQ(above(figure(4, 3, 5), 5), results::Verdict::cannot_tell);
-  EXPECT_EQ(above(figure(6, 5, 7), 5), results::Verdict::cannot_tell);
-  EXPECT_EQ(below(without_bounds(1), 5), results::Verdict::cannot_tell);
-  EXPECT_EQ(above(results::Figure{}, 5), results::Verdict::cannot_tell);
-  EXPECT_EQ(name_of(results::Verdict::does_not), "does not");
+TEST(Outcome, IsGivenOnlyIfTheWholeIntervalLiesOnOneSide) {
+  EXPECT_EQ(below(figure(3, 2, 4), 5), results::Outcome::holds);
+  EXPECT_EQ(below(figure(6, 5.1, 7), 5), results::Outcome::does_not);
+  EXPECT_EQ(below(figure(6, 5, 7), 5), results::Outcome::cannot_tell) << "a bound at the limit is on neither side";
+  EXPECT_EQ(below(figure(4, 3, 5), 5), results::Outcome::cannot_tell);
+  EXPECT_EQ(above(figure(6, 5.1, 7), 5), results::Outcome::holds);
+  EXPECT_EQ(above(figure(4, 3, 4.9), 5), results::Outcome::does_not);
+  EXPECT_EQ(above(figure(4, 3, 5), 5), results::Outcome::cannot_tell);
+  EXPECT_EQ(above(figure(6, 5, 7), 5), results::Outcome::cannot_tell);
+  EXPECT_EQ(below(without_bounds(1), 5), results::Outcome::cannot_tell);
+  EXPECT_EQ(above(results::Figure{}, 5), results::Outcome::cannot_tell);
+  EXPECT_EQ(name_of(results::Outcome::does_not), "does not");
 }
 
 TEST(LargestOf, TakesTheLargestOfEachAndLeavesOpenWhatOneLeavesOpen) {
@@ -131,7 +131,7 @@ TEST(LargestOf, AllowsForManyLooksWhereOneObjectDecides) {
       largest_of({{{"a", figure(6, 5.5, 7)}, {"b", figure(5, 4, 8)}}, {{"a", figure(6, 4.5, 7.5)}, {"b", figure(5, 3, 9)}}});
   EXPECT_EQ(all.low, 4.5) << "of the wide interval";
   EXPECT_EQ(all.high, 8) << "of the objects' own";
-  EXPECT_EQ(below(all, 5), results::Verdict::cannot_tell);
+  EXPECT_EQ(below(all, 5), results::Outcome::cannot_tell);
 }
 
 TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
@@ -139,17 +139,17 @@ TEST(Claims, History2IsWorstOnlyIfItIsSoForEveryObject) {
       with_histories({{2ms, runs_of(80, 81, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 84, 95)}}), "history-2-worst");
   EXPECT_NEAR(holds.measured.value, -3, 1e-9) << "usb-hub: 81 less 84";
   EXPECT_EQ(holds.measured.n, 3U);
-  EXPECT_EQ(holds.verdict, results::Verdict::holds);
+  EXPECT_EQ(holds.outcome, results::Outcome::holds);
   EXPECT_NEAR(holds.objects.at("fan").value, -5, 1e-9);
   const auto not_for_one = claim_named(
       with_histories({{2ms, runs_of(80, 91, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 95, 95)}}), "history-2-worst");
   EXPECT_NEAR(not_for_one.measured.value, 1, 1e-9);
-  EXPECT_EQ(not_for_one.verdict, results::Verdict::does_not);
+  EXPECT_EQ(not_for_one.outcome, results::Outcome::does_not);
   EXPECT_EQ(not_for_one.in_words,
             "2 ms is the worst for 2 of 3 objects; furthest off: usb-hub, where another history is 1.00 points worse.");
   EXPECT_EQ(holds.in_words, "2 ms is the worst for 3 of 3 objects; least so: usb-hub, where it is 3.00 points below the next.");
   const auto tied = claim_named(with_histories({{2ms, runs_of(80, 80, 80)}, {40ms, runs_of(80, 90, 90)}}), "history-2-worst");
-  EXPECT_EQ(tied.verdict, results::Verdict::cannot_tell) << "a tie is on neither side";
+  EXPECT_EQ(tied.outcome, results::Outcome::cannot_tell) << "a tie is on neither side";
   EXPECT_EQ(tied.kept, 2U);
 }
 
@@ -157,7 +157,7 @@ TEST(Claims, NeedFiveTrainings) {
   const ClaimInputs inputs =
       with_histories({{2ms, runs_of(80, 81, 82)}, {20ms, runs_of(85, 90, 90)}, {40ms, runs_of(90, 84, 95)}});
   const auto claim = claim_of_one_training(inputs, "history-2-worst");
-  EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim.outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(claim.why, "too few trainings: 1, 5 needed");
   EXPECT_FALSE(claim.can_be_decided);
 }
@@ -185,7 +185,7 @@ TEST(Claims, RunsThatDisagreeLeaveItOpen) {
   for (std::size_t i : {0U, 1U, 2U}) longer[i] = run_of("fan", 70);  // the mean of nine is 80
   const auto claim = claim_named(with_histories({{2ms, runs_of(79, 80, 80)}, {40ms, longer}}), "history-2-worst");
   EXPECT_NEAR(claim.measured.value, -1, 1e-9);
-  EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim.outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(claim.why,
             "the interval lies across the limit; the value is so near the limit that 20 times the data would not decide");
   EXPECT_TRUE(claim.can_be_decided);
@@ -200,9 +200,9 @@ TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
   };
   for (const unsigned gain : {14U, 12U, 10U, 8U, 6U}) add("fan", 60 + gain, 60);
   add("fan", 45, 60);
-  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").outcome, results::Outcome::cannot_tell);
   at_2.back() = run_of("fan", 60);
-  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").verdict, results::Verdict::does_not)
+  EXPECT_EQ(claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst").outcome, results::Outcome::does_not)
       << "one look";
   for (int object = 0; object < 9; ++object) {
     for (int i = 0; i < 3; ++i) add("object-" + std::to_string(object), 50, 90);
@@ -210,18 +210,18 @@ TEST(Claims, OfManyObjectsOneThatIsBarelyBeyondTheLimitDecidesNothing) {
   const auto of_ten = claim_named(with_histories({{2ms, at_2}, {40ms, at_40}}), "history-2-worst");
   EXPECT_GT(*of_ten.objects.at("fan").low, 0) << "its own interval";
   EXPECT_LT(*of_ten.measured.low, 0) << "ten looks";
-  EXPECT_EQ(of_ten.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(of_ten.outcome, results::Outcome::cannot_tell);
 }
 
 TEST(Claims, OneRunOfAnObjectDecidesNothingAboutEveryObject) {
   const std::vector<results::RunConfusion> low{run_of("fan", 50), run_of("usb-hub", 50), run_of("white-box", 50)};
   const std::vector<results::RunConfusion> high{run_of("fan", 99), run_of("usb-hub", 99), run_of("white-box", 99)};
   const ClaimInputs inputs = with_histories({{2ms, low}, {20ms, high}, {40ms, high}});
-  EXPECT_EQ(claim_named(inputs, "history-2-worst").verdict, results::Verdict::cannot_tell);
-  EXPECT_EQ(claim_named(inputs, "accuracy-at-40").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "history-2-worst").outcome, results::Outcome::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "accuracy-at-40").outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "history-2-worst").why, "too few runs: 1 each, 3 needed");
   EXPECT_FALSE(claim_named(inputs, "history-2-worst").can_be_decided);
-  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "marginal-past-20").outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(claim_named(inputs, "marginal-past-20").why, "too few objects: 3, 5 needed");
   std::vector<results::RunConfusion> some = runs_of(50, 50, 50);
   some.resize(some.size() - 7);
@@ -240,17 +240,17 @@ TEST(Claims, BestHistoryCountsObjectsAndTheShorterOfEquals) {
   const auto all =
       claim_named(with_histories({{2ms, ten_objects(50, 50, 50)}, {40ms, ten_objects(90, 92, 90)}}), "best-history-40");
   EXPECT_NEAR(all.measured.value, 10, 1e-9);
-  EXPECT_EQ(all.verdict, results::Verdict::holds);
+  EXPECT_EQ(all.outcome, results::Outcome::holds);
 }
 
 TEST(Claims, NoHistoryIsTheBestOfThoseThatWereNotTrained) {
   ClaimInputs inputs = with_histories({{20ms, ten_objects(50, 50, 50)}, {40ms, ten_objects(90, 92, 90)}});
-  ASSERT_EQ(claim_named(inputs, "best-history-40").verdict, results::Verdict::holds);
+  ASSERT_EQ(claim_named(inputs, "best-history-40").outcome, results::Outcome::holds);
   inputs.untrained = {2ms, 50ms};
   const auto open = claim_named(inputs, "best-history-40");
-  EXPECT_EQ(open.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(open.outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(open.why, "no model was trained for 2, 50 ms, which the paper compares");
-  EXPECT_EQ(claim_named(inputs, "marginal-past-20").verdict, results::Verdict::does_not) << "one history suffices for that";
+  EXPECT_EQ(claim_named(inputs, "marginal-past-20").outcome, results::Outcome::does_not) << "one history suffices for that";
 }
 
 TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
@@ -259,19 +259,19 @@ TEST(Claims, GainsPast20AreThoseOfTheBestMean) {
       "marginal-past-20");
   EXPECT_NEAR(claim.measured.value, 3, 1e-9);
   EXPECT_EQ(claim.in_words, "The mean over 10 objects is 90.00 % at 20 ms, and past that 93.00 % at best, at 40 ms.");
-  EXPECT_EQ(claim.verdict, results::Verdict::does_not);
-  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(93, 93, 93)}}), "marginal-past-20").verdict,
-            results::Verdict::cannot_tell);
+  EXPECT_EQ(claim.outcome, results::Outcome::does_not);
+  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(93, 93, 93)}}), "marginal-past-20").outcome,
+            results::Outcome::cannot_tell);
 }
 
 TEST(Claims, AccuracyAt40IsThatOfTheLowestObject) {
   const auto claim = claim_named(with_histories({{40ms, runs_of(99, 96, 97)}}), "accuracy-at-40");
   EXPECT_NEAR(claim.measured.value, 96, 1e-9);
-  EXPECT_EQ(claim.verdict, results::Verdict::holds);
-  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(99, 95, 97)}}), "accuracy-at-40").verdict, results::Verdict::cannot_tell)
+  EXPECT_EQ(claim.outcome, results::Outcome::holds);
+  EXPECT_EQ(claim_named(with_histories({{40ms, runs_of(99, 95, 97)}}), "accuracy-at-40").outcome, results::Outcome::cannot_tell)
       << "95 is on neither side of 95";
   const auto low = claim_named(with_histories({{40ms, runs_of(99, 94, 97)}}), "accuracy-at-40");
-  EXPECT_EQ(low.verdict, results::Verdict::does_not);
+  EXPECT_EQ(low.outcome, results::Outcome::does_not);
   EXPECT_EQ(low.why, "");
   EXPECT_EQ(low.in_words, "Above 95 % for 2 of 3 objects; the lowest is usb-hub with 94.00 %.");
 }
@@ -280,15 +280,15 @@ TEST(Claims, DelayIsThatOfTheSlowestObjectAndMissesKeepItFromHolding) {
   ClaimInputs inputs;
   for (int i = 0; i < 9; ++i) inputs.detections.insert(inputs.detections.end(), {met("fan", 2, 2), met("usb-hub", 4, 4)});
   inputs.detections.push_back(met("fan", 2, 0));
-  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "press-delay").outcome, results::Outcome::holds);
   EXPECT_NEAR(claim_named(inputs, "press-delay").measured.value, 4, 1e-9);
   EXPECT_EQ(claim_named(inputs, "press-delay").in_words, "Below 5 ms for 2 of 2 objects; the slowest is usb-hub with 4.00 ms.");
   const auto slip = claim_named(inputs, "slip-delay");
-  EXPECT_EQ(slip.verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(slip.outcome, results::Outcome::cannot_tell);
   EXPECT_EQ(slip.why, "some intervals have no delay; of the others the claim would hold");
   EXPECT_NE(slip.note.find("Of 95 intervals (of 5 trainings) 5 were missed"), std::string::npos) << slip.note;
   for (int i = 0; i < 9; ++i) inputs.detections.push_back(met("white-box", 30, 2));
-  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "press-delay").outcome, results::Outcome::does_not);
 }
 
 TEST(Claims, AboutEveryObjectDoNotHoldWhereTheMeanOverTheseIsBeyondTheLimit) {
@@ -299,7 +299,7 @@ TEST(Claims, AboutEveryObjectDoNotHoldWhereTheMeanOverTheseIsBeyondTheLimit) {
   for (int object = 0; object < 10; ++object) add_object("box-" + std::to_string(object), 8);
   const auto claim = claim_named(inputs, "press-delay");
   EXPECT_LT(*claim.measured.low, 5) << "three runs of no object are enough by themselves";
-  EXPECT_EQ(claim.verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim.outcome, results::Outcome::does_not);
   EXPECT_EQ(claim.why, "");
   // On the logarithm, a run left out moves the mean by 0.1 of 8: V = 40 / 3 / 80^2, nearly; t = 2.26 of 20 degrees.
   EXPECT_NEAR(*claim.mean.low, 8 * std::exp(-2.26 * std::sqrt(40.0 / 3) / 80), 0.02);
@@ -312,7 +312,7 @@ TEST(Claims, AboutEveryObjectDoNotHoldWhereTheMeanOverTheseIsBeyondTheLimit) {
   for (auto& run : inputs.detections) {
     for (auto& detection : run.detections) detection.delay -= run.object == "box-0" ? 0ms : 4ms;
   }
-  EXPECT_EQ(claim_named(inputs, "press-delay").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "press-delay").outcome, results::Outcome::cannot_tell);
 }
 
 TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
@@ -327,7 +327,7 @@ TEST(Claims, SlipAtOnceCountsObjectsWithoutALateMissedOrEarlySlip) {
   for (results::RunDetections& run : inputs.detections) {
     if (run.object != "none") run = met(run.object, 2, 2);
   }
-  EXPECT_EQ(claim_named(inputs, "slip-at-once").verdict, results::Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "slip-at-once").outcome, results::Outcome::holds);
 }
 
 TEST(Claims, SlipAtOnceHasTheExactIntervalOverObjects) {
@@ -350,18 +350,18 @@ TEST(Claims, BeginningAndEndOfIntervals) {
                       .still_predicted = of_five(0.35, 0.3, 0.4),
                       .intervals = 20,
                       .short_ones = 12};
-  EXPECT_EQ(claim_named(inputs, "right-at-first").verdict, results::Verdict::holds);
+  EXPECT_EQ(claim_named(inputs, "right-at-first").outcome, results::Outcome::holds);
   EXPECT_NEAR(claim_named(inputs, "right-at-first").measured.value, 97, 1e-9);
   const auto end = claim_named(inputs, "worse-near-the-end");
-  EXPECT_EQ(end.verdict, results::Verdict::holds);
+  EXPECT_EQ(end.outcome, results::Outcome::holds);
   EXPECT_NE(end.in_words.find("10.00 points lower than before"), std::string::npos) << end.in_words;
   EXPECT_NE(end.in_words.find("8 of 20 intervals; 12 have no tick before"), std::string::npos) << end.in_words;
   EXPECT_NE(end.note.find("in the 100 ms after an interval 35.0 %"), std::string::npos) << end.note;
   EXPECT_NE(end.note.find("which looks 30 ms back"), std::string::npos) << end.note;
   inputs.over_time.last_minus_before = of_five(0.1, 0.05, 0.2);
-  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").outcome, results::Outcome::does_not);
   inputs.over_time.last_minus_before.n = 4;
-  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").verdict, results::Verdict::cannot_tell);
+  EXPECT_EQ(claim_named(inputs, "worse-near-the-end").outcome, results::Outcome::cannot_tell);
 }
 
 TEST(Claims, PlasticContainerIsTheExceptionAndNotAmongTheOthers) {
@@ -376,30 +376,30 @@ TEST(Claims, PlasticContainerIsTheExceptionAndNotAmongTheOthers) {
   EXPECT_NEAR(near.measured.value, -2, 1e-9);
   EXPECT_EQ(near.measured.n, 3U);
   EXPECT_FALSE(near.objects.contains("plastic-container"));
-  EXPECT_EQ(near.verdict, results::Verdict::holds);
+  EXPECT_EQ(near.outcome, results::Outcome::holds);
   ClaimInputs one_far = inputs;
   for (results::RunConfusion& run : one_far.held_out) {
     if (run.object == "sprayer") run = run_of("sprayer", 90);
   }
   const auto far = claim_named(one_far, "unseen-near-seen");
-  EXPECT_EQ(far.verdict, results::Verdict::does_not) << "the mean is -4";
+  EXPECT_EQ(far.outcome, results::Outcome::does_not) << "the mean is -4";
   EXPECT_EQ(far.in_words, "Less than 5 points are lost for 2 of 3 objects; sprayer loses most, 8.00 points.");
   EXPECT_NE(far.note.find("-4.00 points"), std::string::npos) << far.note;
   const auto exception = claim_named(inputs, "unseen-plastic-container");
   EXPECT_NEAR(exception.measured.value, -28, 1e-9);
-  EXPECT_EQ(exception.verdict, results::Verdict::holds);
+  EXPECT_EQ(exception.outcome, results::Outcome::holds);
   const auto one_of_two = claim_named(one_far, "unseen-plastic-container");
-  EXPECT_EQ(one_of_two.verdict, results::Verdict::does_not) << "sprayer loses 8 points: there are two exceptions";
+  EXPECT_EQ(one_of_two.outcome, results::Outcome::does_not) << "sprayer loses 8 points: there are two exceptions";
   EXPECT_NE(one_of_two.why.find("does not"), std::string::npos) << one_of_two.why;
   inputs.held_out = inputs.seen;
-  EXPECT_EQ(claim_named(inputs, "unseen-plastic-container").verdict, results::Verdict::does_not);
+  EXPECT_EQ(claim_named(inputs, "unseen-plastic-container").outcome, results::Outcome::does_not);
 }
 
 TEST(Claims, OfNoInputsAreAllPresentAndCannotTell) {
   const auto claims = claims_of({});
   EXPECT_EQ(claims.size(), 11U);
   for (const results::Claim& claim : claims) {
-    EXPECT_EQ(claim.verdict, results::Verdict::cannot_tell) << claim.id;
+    EXPECT_EQ(claim.outcome, results::Outcome::cannot_tell) << claim.id;
     EXPECT_EQ(claim.note, "Not measured in this study.") << claim.id;
   }
   EXPECT_EQ(

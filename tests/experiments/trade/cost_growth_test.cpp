@@ -75,10 +75,10 @@ TEST(MeasureGrowth, HasAPointForEachPlaceAndBothWays) {
   EXPECT_EQ(growth.by_history[2].history, microseconds(8000));
   EXPECT_EQ(growth.by_resolution[0].heatmap, (events::SensorSize{32, 24}));
   for (const auto& point : {growth.by_rate[0], growth.by_rate[1], growth.by_history[0], growth.by_resolution[0]}) {
-    for (const auto& way : {point.sparse, point.dense}) {
-      EXPECT_GT(way.rendering_us, 0);
-      EXPECT_GT(way.network_us, 0);
-      EXPECT_GE(way.p99_us, way.p50_us);
+    for (const auto& time : {point.sparse, point.dense}) {
+      EXPECT_GT(time.rendering_us, 0);
+      EXPECT_GT(time.network_us, 0);
+      EXPECT_GE(time.p99_us, time.p50_us);
     }
   }
   EXPECT_THROW(measure_growth({}, sensor, options), Error);

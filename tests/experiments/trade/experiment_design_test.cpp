@@ -18,7 +18,7 @@ std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
-  // 5 histories, 4 ticks, 2 factors, 1 way to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
+  // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
   // confirmations, 2 widths, 1 last pooling, 2 other kinds.
   EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 2);
   std::set<std::string> ids;

@@ -320,17 +320,17 @@ test("new labels of others are taken only while nothing waits", async () => {
   assert.equal(queue.labels.version, "v2");
 });
 
-test("of many wishes only the first and the newest are worked on", async () => {
+test("of many requests only the first and the newest are worked on", async () => {
   const done = [];
   const release = [];
   const latest = new Latest(
-    (wish) =>
+    (request) =>
       new Promise((resolve) => {
-        done.push(wish);
+        done.push(request);
         release.push(resolve);
       }),
   );
-  for (const wish of [1, 2, 3, 4]) latest.ask(wish);
+  for (const request of [1, 2, 3, 4]) latest.ask(request);
   release[0]();
   await new Promise((r) => setImmediate(r));
   assert.deepEqual(done, [1, 4]);

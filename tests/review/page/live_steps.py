@@ -53,7 +53,7 @@ def watches_a_recording(world):
         tab.wait("/events\\/s/.test(document.querySelector('.live-facts')?.textContent)", "the event rate is there")
         tab.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the last minute is a chart")
         before = tab.text(".live-detail")
-        tab.wait(f"document.querySelector('.live-detail').textContent !== '{before}'", "the time goes on")
+        tab.wait(f"document.querySelector('.live-detail').textContent !== '{before}'", "the time advances")
         for width, dark in ((1280, True), (390, False)):
             look = Tab(world.browser, width, dark)
             look.go(live.url)

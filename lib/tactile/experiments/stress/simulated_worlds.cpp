@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::array<double, 2> way{50, 100};
+constexpr std::array<double, 2> nearer{50, 100};
 constexpr std::array<double, 4> dim{50, 75, 90, 97};
 constexpr std::array<double, 4> flicker{2, 5, 10, 30};
 constexpr std::array<double, 3> faster{50, 100, 200};
@@ -26,7 +26,7 @@ constexpr std::array<double, 3> slower{50, 75, 90};
 constexpr std::array<double, 3> shaken{2, 9, 29};
 
 constexpr std::array<SimulatedWorld, 6> worlds{{
-    {"camera-noisy", "% of the way to the camera 'noisy'", way, 200,
+    {"camera-noisy", "% of the difference to the camera 'noisy'", nearer, 200,
      "A camera with more noise, more hot pixels, slower pixels and a slower read-out."},
     {"light-dim", "% of the light lost", dim, 99,
      "Less light: pixels react more slowly, and contrasts drown in the dark current."},
@@ -44,7 +44,7 @@ void scale(json& value, double factor) {
   }
 }
 
-/// Moves the numbers of a camera towards those of another; at the end of the way it is the other.
+/// Moves the numbers of a camera towards those of another; with a share of 1 it is the other.
 void move_towards(json& camera, const json& other, double share) {
   for (auto& [name, value] : camera.items()) {
     if (!value.is_number() || share == 1) {

@@ -76,7 +76,7 @@ std::size_t enough_for(double factor, std::size_t count, double confidence) {
   return enough;
 }
 
-results::Verdict verdict_of(const results::Claim& claim, const results::Figure& figure) {
+results::Outcome outcome_of(const results::Claim& claim, const results::Figure& figure) {
   return claim.asked == results::Asked::below ? below(figure, claim.limit) : above(figure, claim.limit);
 }
 
@@ -124,16 +124,16 @@ std::string enough_of(const results::Claim& claim) {
 
 }  // namespace
 
-results::Verdict below(const results::Figure& figure, double limit) {
-  if (figure.high && *figure.high < limit) return results::Verdict::holds;
-  if (figure.low && *figure.low > limit) return results::Verdict::does_not;
-  return results::Verdict::cannot_tell;
+results::Outcome below(const results::Figure& figure, double limit) {
+  if (figure.high && *figure.high < limit) return results::Outcome::holds;
+  if (figure.low && *figure.low > limit) return results::Outcome::does_not;
+  return results::Outcome::cannot_tell;
 }
 
-results::Verdict above(const results::Figure& figure, double limit) {
-  if (figure.low && *figure.low > limit) return results::Verdict::holds;
-  if (figure.high && *figure.high < limit) return results::Verdict::does_not;
-  return results::Verdict::cannot_tell;
+results::Outcome above(const results::Figure& figure, double limit) {
+  if (figure.low && *figure.low > limit) return results::Outcome::holds;
+  if (figure.high && *figure.high < limit) return results::Outcome::does_not;
+  return results::Outcome::cannot_tell;
 }
 
 results::Figure largest_of(const ObjectFigures& figures) {
@@ -154,17 +154,17 @@ void judge(results::Claim& claim) {
     return;
   }
   const std::string lacking = too_few(claim);
-  claim.verdict = verdict_of(claim, claim.measured);
+  claim.outcome = outcome_of(claim, claim.measured);
   const bool by_mean =
-      claim.verdict == results::Verdict::cannot_tell && verdict_of(claim, claim.mean) == results::Verdict::does_not;
-  if (by_mean) claim.verdict = results::Verdict::does_not;
+      claim.outcome == results::Outcome::cannot_tell && outcome_of(claim, claim.mean) == results::Outcome::does_not;
+  if (by_mean) claim.outcome = results::Outcome::does_not;
   if (!lacking.empty() && (claim.scope == results::ClaimScope::over_objects || claim.measured.trainings < fewest_trainings))
-    claim.verdict = results::Verdict::cannot_tell;
-  claim.can_be_decided = lacking.empty() || claim.verdict != results::Verdict::cannot_tell;
-  if (by_mean && claim.verdict == results::Verdict::does_not)
+    claim.outcome = results::Outcome::cannot_tell;
+  claim.can_be_decided = lacking.empty() || claim.outcome != results::Outcome::cannot_tell;
+  if (by_mean && claim.outcome == results::Outcome::does_not)
     claim.in_words += fmt::format(" It does not hold because of the mean over these {} objects: {}.", claim.measured.n,
                                   results::text_of(claim.mean, " " + claim.unit, ".2f"));
-  if (claim.verdict != results::Verdict::cannot_tell) return;
+  if (claim.outcome != results::Outcome::cannot_tell) return;
   const bool is_bounded = claim.measured.has_interval();
   claim.why = !lacking.empty() ? lacking
               : is_bounded     ? "the interval lies across the limit; " + enough_of(claim)

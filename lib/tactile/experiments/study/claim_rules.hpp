@@ -10,8 +10,8 @@ namespace tactile::study {
 
 /// Whether a figure lies below or above a limit: only if its whole interval lies on that side. Otherwise, and if
 /// a bound is unknown, the result is cannot_tell.
-results::Verdict below(const results::Figure& figure, double limit);
-results::Verdict above(const results::Figure& figure, double limit);
+results::Outcome below(const results::Figure& figure, double limit);
+results::Outcome above(const results::Figure& figure, double limit);
 
 /// Objects' figures, with two intervals for each.
 struct ObjectFigures {

@@ -271,16 +271,16 @@ results::Claim delay_claim(Touch touch, const ClaimInputs& inputs, const results
 
 /// A claim on delays holds only if every interval has one.
 void judge_delay(results::Claim& claim) {
-  if (claim.verdict != results::Verdict::holds || claim.note.empty()) return;
-  claim.verdict = results::Verdict::cannot_tell;
+  if (claim.outcome != results::Outcome::holds || claim.note.empty()) return;
+  claim.outcome = results::Outcome::cannot_tell;
   claim.why = "some intervals have no delay; of the others the claim would hold";
 }
 
 /// An object is the only exception only if the others come near.
 void judge_exception(results::Claim& exception, const results::Claim& others) {
-  if (exception.verdict != results::Verdict::holds || others.verdict == results::Verdict::holds) return;
-  exception.verdict = others.verdict;
-  exception.why = fmt::format("the others come near: {}", name_of(others.verdict));
+  if (exception.outcome != results::Outcome::holds || others.outcome == results::Outcome::holds) return;
+  exception.outcome = others.outcome;
+  exception.why = fmt::format("the others come near: {}", name_of(others.outcome));
 }
 
 /// Nothing if the runs have no slip.
@@ -422,10 +422,10 @@ std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::
   for (results::Claim& claim : claims) judge(claim);
   // One history can disprove a claim about histories; to prove it takes all.
   for (std::size_t i = 0; i < 3 && !inputs.untrained.empty(); ++i) {
-    if (claims[i].verdict != results::Verdict::holds) continue;
+    if (claims[i].outcome != results::Outcome::holds) continue;
     std::vector<std::string> lacking;
     for (const microseconds history : inputs.untrained) lacking.push_back(experiments::ms_text(history));
-    claims[i].verdict = results::Verdict::cannot_tell;
+    claims[i].outcome = results::Outcome::cannot_tell;
     claims[i].why = fmt::format("no model was trained for {} ms, which the paper compares", fmt::join(lacking, ", "));
     claims[i].can_be_decided = false;
   }
@@ -435,14 +435,14 @@ std::vector<results::Claim> claims_of(const ClaimInputs& inputs, const results::
 }
 
 std::string summary_of(const std::vector<results::Claim>& claims, bool simulated) {
-  const auto number_of = [&](results::Verdict verdict) {
-    return std::count_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.verdict == verdict; });
+  const auto number_of = [&](results::Outcome outcome) {
+    return std::count_if(claims.begin(), claims.end(), [&](const results::Claim& claim) { return claim.outcome == outcome; });
   };
   const auto undecidable =
       std::count_if(claims.begin(), claims.end(), [](const results::Claim& claim) { return !claim.can_be_decided; });
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
-                                 simulated ? "simulated" : "real", number_of(results::Verdict::holds), claims.size(),
-                                 number_of(results::Verdict::does_not), number_of(results::Verdict::cannot_tell));
+                                 simulated ? "simulated" : "real", number_of(results::Outcome::holds), claims.size(),
+                                 number_of(results::Outcome::does_not), number_of(results::Outcome::cannot_tell));
   if (undecidable > 0) text += fmt::format(": for {} of them there are too few trainings, runs or objects", undecidable);
   return text + ".";
 }

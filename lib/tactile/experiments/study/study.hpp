@@ -24,7 +24,7 @@ struct StudySummary {
 /// each history, chooses one history, and evaluates it on full runs. Does the same with objects held out. Keeps all that is done
 /// and unchanged. An interrupted study resumes, with the same results.
 ///
-/// @param new_progress  called at the begin of each step; returns the callback for its progress
+/// @param new_progress  called at the start of each step; returns the callback for its progress
 /// @param on_step       see `StepCallback`
 /// @param warn          see `WarningCallback`; called before a dataset with other settings is replaced, among others
 /// @throws Error  if an option is out of its range, another study works in the same folder, or a step fails: the step's command

@@ -44,9 +44,9 @@ std::string unseen_csv(const std::vector<UnseenRow>& rows) {
 
 std::string claims_csv(const std::vector<results::Claim>& claims) {
   CsvTable table("id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict");
-  const auto add = [&](const results::Claim& claim, const char* runs, const results::ClaimOutcome& outcome) {
-    table.add_row(claim.id, runs, cells(outcome.measured), claim.unit, name_of(claim.asked), fmt::format("{}", claim.limit),
-                  outcome.kept, outcome.of, name_of(outcome.verdict));
+  const auto add = [&](const results::Claim& claim, const char* runs, const results::ClaimOutcome& result) {
+    table.add_row(claim.id, runs, cells(result.measured), claim.unit, name_of(claim.asked), fmt::format("{}", claim.limit),
+                  result.kept, result.of, name_of(result.outcome));
   };
   for (const results::Claim& claim : claims) {
     add(claim, "reported", claim);

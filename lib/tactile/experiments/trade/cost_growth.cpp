@@ -47,7 +47,7 @@ void keep_shorter(TickParts& kept, Clock::time_point begin, Clock::time_point re
   if (now.rendering + now.network < kept.rendering + kept.network) kept = now;
 }
 
-results::GrowthPoint::Way way_of(std::span<const TickParts> ticks) {
+results::GrowthPoint::MethodTime method_time_of(std::span<const TickParts> ticks) {
   std::vector<double> rendering, network, both;
   for (const TickParts& one : ticks) {
     rendering.push_back(one.rendering);
@@ -119,8 +119,8 @@ class MeasuredPoint {
   results::GrowthPoint result() const {
     results::GrowthPoint point = point_;
     point.lit_share = cells_ == 0 ? 0 : static_cast<double>(lit_) / static_cast<double>(cells_);
-    point.sparse = way_of(sparse_);
-    point.dense = way_of(dense_);
+    point.sparse = method_time_of(sparse_);
+    point.dense = method_time_of(dense_);
     return point;
   }
 

@@ -40,8 +40,8 @@ fs::path times_file(const TradePlan& plan, const std::string& step_name) {
 
 experiments::Step step_to_time(const TradePlan& plan, const std::vector<TimedSetting>& settings, const std::string& name,
                                const TickTimesOptions& timing) {
-  json ways = json::array();
-  for (const TimedSetting& setting : settings) ways.push_back(json_of(setting));
+  json timed = json::array();
+  for (const TimedSetting& setting : settings) timed.push_back(json_of(setting));
   const std::vector<std::uint32_t> tested = plan.tested();
   std::vector<fs::path> recordings;
   for (const std::uint32_t run : tested) recordings.push_back(plan.recording(run));
@@ -50,7 +50,7 @@ experiments::Step step_to_time(const TradePlan& plan, const std::vector<TimedSet
       name,
       {{"manifest", plan.dataset.manifest_hash()},
        {"runs", names_of(plan.dataset, tested)},
-       {"ways", ways},
+       {"ways", timed},
        {"machine", cpu_name()},
        {"revision", revision()},
        {"pieces", timing.pieces},

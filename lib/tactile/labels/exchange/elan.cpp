@@ -277,7 +277,7 @@ ImportedLabels read_elan(const fs::path& path) {
     const auto time_of = [&](const char* reference) {
       const auto slot = slots.find(annotation.attribute(reference).value());
       if (slot == slots.end()) {
-        throw Error(fmt::format("{} has no time ({}); expected an annotation with its own begin and end", interval.where,
+        throw Error(fmt::format("{} has no time ({}); expected an annotation with its own start and end", interval.where,
                                 shown_text(annotation.attribute(reference).value())));
       }
       return slot->second * us_per_ms;

@@ -14,7 +14,7 @@
 namespace tactile::labels {
 
 /// The labels of a run, on the axis of `origin`. Without an origin: the film's axis if `prefer_film`, its clock is known and no
-/// label is before its begin; otherwise times from the first event.
+/// label is before its start; otherwise times from the first event.
 /// @throws Error  if the run has no labels, they or the recording cannot be read, or the origin is the film and its clock is
 /// unknown
 LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film);
