@@ -1,12 +1,12 @@
 #include "detect_page.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "tactile/core/duration_units.hpp"
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -66,11 +66,9 @@ nlohmann::json DetectPage::lateness_json() const {
   if (lateness_.empty()) return nullptr;
   std::vector<double> ms;
   for (const Lateness& one : lateness_) ms.push_back(one.ms);
-  std::sort(ms.begin(), ms.end());
-  const auto at = [&](double share) {
-    return ms[std::min(ms.size() - 1, static_cast<std::size_t>(share * static_cast<double>(ms.size())))];
-  };
-  return {{"p50_ms", at(0.5)}, {"p99_ms", at(0.99)}, {"max_ms", ms.back()}};
+  return {{"p50_ms", nearest_rank_quantile(ms, 0.5)},
+          {"p99_ms", nearest_rank_quantile(ms, 0.99)},
+          {"max_ms", nearest_rank_quantile(ms, 1)}};
 }
 
 nlohmann::json DetectPage::state_json(const char* state) {

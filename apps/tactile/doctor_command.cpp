@@ -124,70 +124,98 @@ std::optional<double> disk_write_speed(const fs::path& folder) {
   return written ? std::optional(chunks * 1.048576 / seconds) : std::nullopt;
 }
 
-void examine_machine(const CommonArguments& common, const fs::path& data) {
-  const fs::path folder = fs::is_directory(data) ? data : fs::path(".");
-  std::vector<std::string> warnings;
+#ifdef TACTILE_HAS_LIBCAER
+constexpr bool has_libcaer = true;
+#else
+constexpr bool has_libcaer = false;
+#endif
+
+/// What was found out about this machine.
+struct Examination {
+  fs::path folder;                    ///< whose disk was measured
+  std::vector<std::string> warnings;  ///< in the order of the checks
+  Blas blas;
+  std::vector<std::string> features;  ///< of the CPU
+  double step_ns = 0;                 ///< of the timer
+  double delay_us = 0;                ///< of a wake-up
+  std::optional<double> disk_mb_s;    ///< nothing if the folder cannot be written
+};
+
+Examination examine_machine(const fs::path& data) {
+  Examination found;
+  found.folder = fs::is_directory(data) ? data : fs::path(".");
   for (const auto load : {model::load_libtorch, video::load_picture_codec}) {
     try {
       load();
     } catch (const Error& e) {
-      warnings.emplace_back(e.what());
+      found.warnings.emplace_back(e.what());
     }
   }
-  const Blas blas = blas_in_use();
-  const std::vector<std::string> features = cpu_features();
+  found.blas = blas_in_use();
+  found.features = cpu_features();
   stop_if_interrupted();
-  const double step_ns = timer_step_ns(), delay_us = wake_up_delay_us();
+  found.step_ns = timer_step_ns();
+  found.delay_us = wake_up_delay_us();
   stop_if_interrupted();
-  const std::optional<double> disk_mb_s = disk_write_speed(folder);
+  found.disk_mb_s = disk_write_speed(found.folder);
   stop_if_interrupted();
-#ifdef TACTILE_HAS_LIBCAER
-  constexpr bool has_libcaer = true;
-#else
-  constexpr bool has_libcaer = false;
-#endif
 
-  if (blas.slow) {
-    warnings.push_back(fmt::format(
-        "libtorch runs on {}, two to three times slower than OpenBLAS; install the package libopenblas0-pthread", blas.name));
+  if (found.blas.slow) {
+    found.warnings.push_back(
+        fmt::format("libtorch runs on {}, two to three times slower than OpenBLAS; install the package libopenblas0-pthread",
+                    found.blas.name));
   }
-  if (!disk_mb_s)
-    warnings.push_back(fmt::format("{} cannot be written; recordings and results need a writable folder", folder.string()));
-  if (disk_mb_s && *disk_mb_s < 100)
-    warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs about 100 MB/s uncompressed",
-                                   folder.string(), *disk_mb_s));
+  if (!found.disk_mb_s) {
+    found.warnings.push_back(
+        fmt::format("{} cannot be written; recordings and results need a writable folder", found.folder.string()));
+  }
+  if (found.disk_mb_s && *found.disk_mb_s < 100) {
+    found.warnings.push_back(fmt::format("the disk under {} writes {:.0f} MB/s; a fast scene needs about 100 MB/s uncompressed",
+                                         found.folder.string(), *found.disk_mb_s));
+  }
+  return found;
+}
 
+nlohmann::json machine_json(const Examination& found) {
   nlohmann::json versions;
   for (const LibraryVersion& library : library_versions()) versions[lower_case(library.name)] = library.version;
-  const nlohmann::json result = {
-      {"version", version()},
-      {"revision", revision()},
-      {"libraries", versions},
-      {"blas", {{"name", blas.name}, {"file", blas.file}}},
-      {"cpu", {{"name", cpu_name()}, {"cores", std::thread::hardware_concurrency()}, {"features", features}}},
-      {"timer_step_ns", step_ns},
-      {"wake_up_delay_us", delay_us},
-      {"disk_write_mb_per_s", disk_mb_s ? nlohmann::json(*disk_mb_s) : nlohmann::json(nullptr)},
-      {"libcaer", has_libcaer},
-      {"warnings", warnings}};
+  return {{"version", version()},
+          {"revision", revision()},
+          {"libraries", versions},
+          {"blas", {{"name", found.blas.name}, {"file", found.blas.file}}},
+          {"cpu", {{"name", cpu_name()}, {"cores", std::thread::hardware_concurrency()}, {"features", found.features}}},
+          {"timer_step_ns", found.step_ns},
+          {"wake_up_delay_us", found.delay_us},
+          {"disk_write_mb_per_s", found.disk_mb_s ? nlohmann::json(*found.disk_mb_s) : nlohmann::json(nullptr)},
+          {"libcaer", has_libcaer},
+          {"warnings", found.warnings}};
+}
+
+std::string machine_text(const Examination& found) {
   std::string text = fmt::format("tactile {} ({})\n\n", version(), revision());
   std::vector<std::pair<std::string, std::string>> lines{
       {"CPU", fmt::format("{}, {} cores", cpu_name(), std::thread::hardware_concurrency())},
-      {"CPU features", fmt::format("{}", fmt::join(features, ", "))}};
+      {"CPU features", fmt::format("{}", fmt::join(found.features, ", "))}};
   std::string libraries;
   for (const LibraryVersion& library : library_versions())
     libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", library.name, library.version);
   lines.emplace_back("libraries", libraries);
   lines.insert(lines.end(),
-               {{"BLAS", blas.file.empty() ? blas.name : fmt::format("{} ({})", blas.name, blas.file)},
-                {"timer step", fmt::format("{:.0f} ns", step_ns)},
-                {"wake-up delay", fmt::format("{:.0f} µs after a sleep of 2 ms", delay_us)},
-                {"disk write", disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *disk_mb_s, folder.string()) : "not writable"},
+               {{"BLAS", found.blas.file.empty() ? found.blas.name : fmt::format("{} ({})", found.blas.name, found.blas.file)},
+                {"timer step", fmt::format("{:.0f} ns", found.step_ns)},
+                {"wake-up delay", fmt::format("{:.0f} µs after a sleep of 2 ms", found.delay_us)},
+                {"disk write",
+                 found.disk_mb_s ? fmt::format("{:.0f} MB/s in {}", *found.disk_mb_s, found.folder.string()) : "not writable"},
                 {"camera driver", has_libcaer ? "libcaer" : "built without libcaer"}});
   text += text_list(lines);
-  for (const std::string& warning : warnings) text += "\nwarning: " + warning + "\n";
-  if (warnings.empty()) text += "\nNo problem was found.\n";
-  print_result(common, result, text);
+  for (const std::string& warning : found.warnings) text += "\nwarning: " + warning + "\n";
+  if (found.warnings.empty()) text += "\nNo problem was found.\n";
+  return text;
+}
+
+void report_on_machine(const CommonArguments& common, const fs::path& data) {
+  const Examination found = examine_machine(data);
+  print_result(common, machine_json(found), machine_text(found));
 }
 
 }  // namespace
@@ -195,7 +223,7 @@ void examine_machine(const CommonArguments& common, const fs::path& data) {
 void add_doctor_command(CLI::App& app) {
   auto data = std::make_shared<std::string>("data");
   Command command = add_command(app, "doctor", "Check this machine: libraries, BLAS, CPU, timer, disk, camera",
-                                [data](const CommonArguments& common) { examine_machine(common, *data); });
+                                [data](const CommonArguments& common) { report_on_machine(common, *data); });
   command.add_option("data", *data, "Folder whose disk is measured; the current folder if DATA does not exist").show_default();
 }
 

@@ -57,68 +57,90 @@ void add_place(const std::string& place, Places& places) {
   for (const std::string& recording : loose) add_place(recording, places);
 }
 
+/// What the recordings and bags show, and what cannot be read.
+struct Findings {
+  std::vector<RecordingReport> reports;
+  nlohmann::json recordings = nlohmann::json::array(), bags = nlohmann::json::array(), failed = nlohmann::json::array();
+  std::string text;
+  std::vector<std::string> errors;
+  bool sick = false;
+};
+
+/// Notes an error of `step` under `name`, so that the others are shown nevertheless.
+template <class Step>
+void attempt(Findings& findings, const std::string& name, const Step& step) {
+  try {
+    step();
+  } catch (const std::exception& e) {
+    findings.errors.push_back(sentence_of(e, name));
+    findings.failed.push_back({{"file", name}, {"error", findings.errors.back()}});
+  }
+}
+
+void note_health(Findings& findings, const std::string& name, const std::vector<std::string>& reasons, bool check) {
+  if (reasons.empty() || !check) return;
+  findings.sick = true;
+  for (const std::string& reason : reasons) spdlog::error("{}: {}", name, reason);
+}
+
+Places find_places(const std::vector<std::string>& named, Findings& findings) {
+  Places places;
+  for (const std::string& place : named) attempt(findings, place, [&] { add_place(place, places); });
+  for (const std::string& unreadable : places.unreadable)
+    attempt(findings, unreadable.substr(0, unreadable.find(": ")), [&] { throw Error(unreadable); });
+  return places;
+}
+
+void report_on_recordings(const std::vector<RecordingPlace>& places, const ReportOptions& options, unsigned threads,
+                          const ProgressCallback& progress, Findings& findings) {
+  for (const RecordingPlace& place : places) {
+    attempt(findings, place.name, [&] {
+      const RecordingReport& report = findings.reports.emplace_back(examine(place, options, threads, progress));
+      findings.recordings.push_back(json_of(report, options));
+      note_health(findings, place.name, report.health.reasons, options.check);
+    });
+  }
+  if (findings.reports.size() > 1 && !options.verbose) {
+    findings.text = summary_of(findings.reports, options);
+  } else {
+    for (const RecordingReport& report : findings.reports)
+      findings.text += (findings.text.empty() ? "" : "\n") + text_of(report, options);
+  }
+}
+
+void report_on_bags(const std::vector<std::string>& bags, bool check, const ProgressCallback& progress, Findings& findings) {
+  for (const std::string& bag : bags) {
+    attempt(findings, bag, [&] {
+      const bags::BagContents contents = bags::read_bag_contents(bag, progress);
+      findings.bags.push_back(json_of_bag(bag, contents));
+      findings.text += (findings.text.empty() ? "" : "\n") + text_of_bag(bag, contents);
+      note_health(findings, bag, reasons_of(contents), check);
+    });
+  }
+}
+
 void report_on(const InfoArguments& args, const CommonArguments& common) {
   const ProgressCallback progress = progress_line(common);
-  Places places;
-  std::vector<std::string> errors;
-  nlohmann::json recordings = nlohmann::json::array();
-  nlohmann::json failed = nlohmann::json::array();
-  std::vector<RecordingReport> reports;
-  std::string text;
-  bool sick = false;
-  const auto attempt = [&](const std::string& name, const auto& step) {
-    try {
-      step();
-    } catch (const std::exception& e) {
-      errors.push_back(sentence_of(e, name));
-      failed.push_back({{"file", name}, {"error", errors.back()}});
-    }
-  };
-  for (const std::string& place : args.places) attempt(place, [&] { add_place(place, places); });
-  for (const std::string& unreadable : places.unreadable)
-    attempt(unreadable.substr(0, unreadable.find(": ")), [&] { throw Error(unreadable); });
+  Findings findings;
+  const Places places = find_places(args.places, findings);
   for (const std::string& misnamed : places.misnamed) spdlog::warn("{}", misnamed);
   const std::string missing = sentence_on_missing_recordings(places.without_recording);
   if (!missing.empty()) spdlog::warn("{}", missing);
-  for (const RecordingPlace& place : places.found) {
-    attempt(place.name, [&] {
-      const RecordingReport& report = reports.emplace_back(examine(place, args.report, common.threads, progress));
-      recordings.push_back(json_of(report, args.report));
-      if (report.health.healthy() || !args.report.check) return;
-      sick = true;
-      for (const std::string& reason : report.health.reasons) spdlog::error("{}: {}", place.name, reason);
-    });
-  }
-  if (reports.size() > 1 && !args.report.verbose) {
-    text = summary_of(reports, args.report);
-  } else {
-    for (const RecordingReport& report : reports) text += (text.empty() ? "" : "\n") + text_of(report, args.report);
-  }
-  nlohmann::json bag_reports = nlohmann::json::array();
-  for (const std::string& bag : places.bags) {
-    attempt(bag, [&] {
-      const bags::BagContents contents = bags::read_bag_contents(bag, progress);
-      bag_reports.push_back(json_of_bag(bag, contents));
-      text += (text.empty() ? "" : "\n") + text_of_bag(bag, contents);
-      const std::vector<std::string> reasons = reasons_of(contents);
-      if (reasons.empty() || !args.report.check) return;
-      sick = true;
-      for (const std::string& reason : reasons) spdlog::error("{}: {}", bag, reason);
-    });
-  }
-  if (!recordings.empty() || !bag_reports.empty() || common.json) {
+  report_on_recordings(places.found, args.report, common.threads, progress, findings);
+  report_on_bags(places.bags, args.report.check, progress, findings);
+  if (!findings.recordings.empty() || !findings.bags.empty() || common.json) {
     nlohmann::json without_recording = nlohmann::json::array();
     for (const fs::path& run : places.without_recording) without_recording.push_back(run.string());
     print_result(common,
-                 {{"recordings", recordings},
-                  {"bags", bag_reports},
-                  {"failed", failed},
+                 {{"recordings", findings.recordings},
+                  {"bags", findings.bags},
+                  {"failed", findings.failed},
                   {"misnamed", places.misnamed},
                   {"without_recording", without_recording}},
-                 text);
+                 findings.text);
   }
-  end_with(errors);
-  if (sick || (args.report.check && !(places.misnamed.empty() && missing.empty()))) throw CheckFailed{};
+  end_with(findings.errors);
+  if (findings.sick || (args.report.check && !(places.misnamed.empty() && missing.empty()))) throw CheckFailed{};
 }
 
 }  // namespace

@@ -129,7 +129,8 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
 namespace {
 
 /// Whether `program` can be loaded within the limit on memory. A child process tries it first, because the loader ends a process
-/// with its own message if the program cannot be loaded.
+/// with its own message if the program cannot be loaded. No `ChildProcess`, which has no limit on time: a program that lacks
+/// memory may also wait for its threads for ever, and the alarm outlasts the exec.
 bool can_be_loaded(const std::string& program) {
   rlimit limit{};
   const auto is_limited = [&limit](auto which) { return ::getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY; };

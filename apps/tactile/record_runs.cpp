@@ -1,13 +1,8 @@
 #include "record_runs.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <poll.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
 #include <ctime>
 #include <optional>
@@ -15,6 +10,7 @@
 #include <utility>
 
 #include "command.hpp"
+#include "input_lines.hpp"
 #include "interruption.hpp"
 #include "quantity_text.hpp"
 #include "tactile/capture/new_run.hpp"
@@ -29,44 +25,6 @@ namespace tactile::cli {
 namespace {
 
 using Steady = std::chrono::steady_clock;
-
-/// Lines of standard input, with a limited wait.
-class Answers {
- public:
-  /// The next line, without its end; nothing if none arrives within `patience`.
-  std::optional<std::string> next(std::chrono::milliseconds patience) {
-    if (auto line = buffered()) return line;
-    if (ended_) {
-      std::this_thread::sleep_for(patience);
-      return {};
-    }
-    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-    if (::poll(&input, 1, static_cast<int>(patience.count())) <= 0) return {};
-    std::array<char, 256> bytes{};
-    const ssize_t got = ::read(STDIN_FILENO, bytes.data(), bytes.size());
-    if (got < 0 && (errno == EINTR || errno == EAGAIN)) return {};
-    if (got <= 0) {
-      ended_ = true;
-    } else {
-      text_.append(bytes.data(), static_cast<std::size_t>(got));
-    }
-    return buffered();
-  }
-  bool ended() const { return ended_; }
-
- private:
-  std::optional<std::string> buffered() {
-    const std::size_t end = text_.find('\n');
-    if (end == std::string::npos) return {};
-    std::string line = text_.substr(0, end);
-    text_.erase(0, end + 1);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    return line;
-  }
-
-  std::string text_;
-  bool ended_ = false;
-};
 
 /// Names the sessions: runs that share one start of camera and controller. The camera starts with this program; the monitor
 /// counts the starts of the controller's clock. While the robot is not connected this is unknown: such a run is a session of its
@@ -174,7 +132,7 @@ class Walk {
   const capture::SessionPlan& plan_;
   LiveLine& line_;
   SessionId session_;
-  Answers answers_;
+  InputLines answers_;
   bool has_reported_end_ = false;  ///< of standard input
   std::size_t object_index_ = 0;
   std::vector<capture::RunSummary> done_;

@@ -11,6 +11,7 @@
 #include "standard_streams.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/model/inference/tick_cells.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::size_t kept_at_most = 2'000'000;  // more than an hour
 TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std::move(options)), line_(line) {
   if (options_.csv.empty()) return;
   file_.open(options_.csv, std::ios::binary | std::ios::trunc);
-  file_ << "t_us,p_none,p_press,p_slip,verdict,predicted,events,gated,closed,skipped,beginning,incomplete\n";
+  file_ << model::tick_columns << ",predicted,events,gated,closed,skipped,beginning,incomplete\n";
   check_file();
 }
 
@@ -50,10 +51,9 @@ void TickReader::read(std::span<const detect::ReportedTick> ticks) {
 
 void TickReader::write(const detect::ReportedTick& tick) {
   const detect::TickVerdict& verdict = tick.verdict;
-  const model::Probabilities& p = verdict.probabilities;
-  file_ << fmt::format("{},{:.9g},{:.9g},{:.9g},{},{},{},{},{},{},{},{}\n", us_of(verdict.t), p[0], p[1], p[2],
-                       name_of(verdict.verdict), name_of(verdict.predicted), verdict.events, verdict.gated ? 1 : 0,
-                       tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
+  file_ << fmt::format("{},{},{},{},{},{},{},{}\n", model::tick_cells(verdict.t, verdict.probabilities, verdict.verdict),
+                       name_of(verdict.predicted), verdict.events, verdict.gated ? 1 : 0, tick.due.by_events ? "event" : "host",
+                       tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
 }
 
 void TickReader::end() {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "tactile/core/robust_statistics.hpp"
+#include "tactile/core/straight_line.hpp"
 
 namespace tactile::alignment {
 namespace {
@@ -13,27 +13,15 @@ namespace {
 using Speed = SpeedProfile::Speed;
 
 /// Where a straight line through points of time and speed meets zero.
-UncertainSeconds zero_of_line(std::span<const std::pair<double, double>> points, const MotionRows& rows, bool rising) {
-  double n = 0, t_mean = 0, v_mean = 0;
-  for (const auto& [t, v] : points) {
-    n += 1;
-    t_mean += t;
-    v_mean += v;
-  }
-  t_mean /= n;
-  v_mean /= n;
-  double tt = 0, tv = 0;
-  for (const auto& [t, v] : points) {
-    tt += (t - t_mean) * (t - t_mean);
-    tv += (t - t_mean) * (v - v_mean);
-  }
-  const double gradient = tt > 0 ? tv / tt : 0.0;
-  if (points.size() < 2 || (rising ? gradient <= 0 : gradient >= 0)) return {};
-  const double zero = t_mean - v_mean / gradient;
+UncertainSeconds zero_of_line(std::span<const WeightedPoint> points, const MotionRows& rows, bool rising) {
+  const StraightLine line = line_through(points);
+  if (points.size() < 2 || (rising ? line.gradient <= 0 : line.gradient >= 0)) return {};
+  const double n = static_cast<double>(points.size());
+  const double zero = line.mean_x - line.mean_y / line.gradient, lever = zero - line.mean_x;
   double squares = 0;
-  for (const auto& [t, v] : points) squares += std::pow(v - gradient * (t - zero), 2.0);
+  for (const WeightedPoint& p : points) squares += std::pow(p.y - line.gradient * (p.x - zero), 2.0);
   const double sigma = std::max(rows.noise(), std::sqrt(squares / std::max(1.0, n - 2.0)));
-  const double by_noise = sigma / std::abs(gradient) * std::sqrt(1.0 / n + (zero - t_mean) * (zero - t_mean) / tt);
+  const double by_noise = sigma / std::abs(line.gradient) * std::sqrt(1.0 / n + lever * lever / line.weighted_xx);
   return {zero, std::hypot(by_noise, points.size() < 3 ? rows.period_s() : 0.3 * rows.period_s())};
 }
 
@@ -99,12 +87,12 @@ LobeCorners corners_of(const MotionRows& rows, const MotionLobe& lobe) {
 
 UncertainSeconds lobe_edge(const MotionRows& rows, const MotionLobe& lobe, bool is_start) {
   const double height = corners_of(rows, lobe).height;
-  std::vector<std::pair<double, double>> points;
+  std::vector<WeightedPoint> points;
   for (std::size_t k = 0; k < lobe.end - lobe.begin; ++k) {
     const std::size_t row = is_start ? lobe.begin + k : lobe.end - 1 - k;
     const double size = rows.speed(row);
     if (size > 0.6 * height && points.size() > 1) break;
-    if (size >= 0.1 * height) points.emplace_back(rows.t_s(row), size);
+    if (size >= 0.1 * height) points.push_back({.x = rows.t_s(row), .y = size, .weight = 1});
     if (size > 0.6 * height) break;
   }
   const double rest_s = is_start ? rows.t_s(lobe.begin > 0 && !rows.gap_before(lobe.begin) ? lobe.begin - 1 : lobe.begin)

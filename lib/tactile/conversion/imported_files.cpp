@@ -13,6 +13,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/robot_log.hpp"
 #include "tactile/video/film_picture.hpp"
+#include "tactile/video/filmed_times.hpp"
 
 namespace tactile::conversion {
 namespace fs = std::filesystem;
@@ -138,6 +139,7 @@ void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolP
   for (std::size_t i = 0; joints_ && i < row.joints.size(); ++i) line += fmt::format(",{}", row.joints.at(i).value_or(0));
   add(row.pose.place);
   add(rotation_vector(row.pose.turn));
+  // Between the neighbours, by which `robot::smoothing_of` knows such speeds; `set_speeds_from_poses` needs rows still to come.
   const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
   std::array<double, 3> velocity{}, turning{};
   if (seconds > 0) {
@@ -155,7 +157,7 @@ void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolP
 ImportedFilm::ImportedFilm(const RunFolder& run, events::SensorSize size)
     : size_(size.width, size.height),
       file_(run.video()),
-      times_(run.video_times(), "index,pts_us,host_time_us"),
+      times_(run.video_times(), video::filmed_columns),
       writer_(file_, options_for(size_)) {}
 
 bool ImportedFilm::add(const RosImage& image, HostTime received) {
@@ -165,7 +167,7 @@ bool ImportedFilm::add(const RosImage& image, HostTime received) {
   last_ = image.t;
   const auto pts = VideoTime{image.t - *first_};
   writer_.write(video::film_picture(image.pixels, size_), pts);
-  times_.write(fmt::format("{},{},{}\n", frames_++, us_of(pts), us_of(received)));
+  times_.write(video::filmed_row(frames_++, pts, received));
   return true;
 }
 

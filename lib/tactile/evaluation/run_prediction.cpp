@@ -1,15 +1,15 @@
 #include "tactile/evaluation/run_prediction.hpp"
 
 #include <fmt/core.h>
-#include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/simulated_recording.hpp"
+#include "tactile/model/inference/tick_cells.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -59,7 +59,7 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
 nlohmann::json outcome_json(const RunPrediction& prediction) {
   nlohmann::json json{{"run", prediction.run},
                       {"simulated", prediction.simulated},
-                      {"tick_ms", static_cast<double>(prediction.full.ticks.tick.count()) / 1000},
+                      {"tick_ms", in_ms(prediction.full.ticks.tick)},
                       {"first_event_us", nullptr},
                       {"confirm", text_of(prediction.decision.confirmation)},
                       {"alarm_cost", nullptr},
@@ -88,19 +88,14 @@ void write_prediction(const std::filesystem::path& file, const RunPrediction& pr
   const std::vector<TouchInterval> labels = prediction.truth.all_labelled();
   WholeFile whole(file, IfThere::replace);
   std::ofstream out(whole.path(), std::ios::binary);
-  out << "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n";
-  std::string line;
+  out << model::tick_columns << ",label,truth,events,sample\n";
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const CameraTime t = prediction.full.ticks.at(static_cast<std::int64_t>(k));
-    const model::Probabilities& p = prediction.full.probabilities[k];
     const auto sample = samples.find(t);
-    line.clear();
-    // 9 digits name a float32.
-    fmt::format_to(std::back_inserter(line), "{},{:.9g},{:.9g},{:.9g},{},{},{},{},{}\n", us_of(t), p[0], p[1], p[2],
-                   name_of(prediction.verdicts[k]), labels.empty() ? "" : name_of(touch_at(t, labels)),
-                   prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
-                   sample == samples.end() ? "" : name_of(sample->second));
-    out << line;
+    out << fmt::format("{},{},{},{},{}\n", model::tick_cells(t, prediction.full.probabilities[k], prediction.verdicts[k]),
+                       labels.empty() ? "" : name_of(touch_at(t, labels)),
+                       prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
+                       sample == samples.end() ? "" : name_of(sample->second));
   }
   out.close();
   if (!out) throw Error(file.string() + ": cannot be written; expected a disk with room");

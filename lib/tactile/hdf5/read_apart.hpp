@@ -20,6 +20,8 @@
 //   values.
 //     So an unnoticed bad access in the child cannot harm the parent.
 // If the child does not finish, for any reason, the file is damaged. Limits on time and memory end loops and invalid sizes.
+// The child is a fork of this process without an exec, so no `ChildProcess`: what it runs is a function with what that captures,
+// and a program of its own would have to be found wherever the library is used.
 namespace tactile::hdf5 {
 
 /// A file that is not sound HDF5.

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/table_file.hpp"
 #include "tactile/video/picture_codec.hpp"
 
 namespace tactile::pictures {
@@ -25,12 +26,17 @@ fs::path folder_meant(const fs::path& target) {
 
 /// What a list in the folder names, itself included; nothing where there is none.
 std::set<fs::path> listed_in(const fs::path& folder) {
-  std::ifstream list(folder / list_name);
   std::set<fs::path> names;
-  std::string line;
-  if (!std::getline(list, line) || !line.starts_with("file,")) return names;
-  names.insert(list_name);
-  while (std::getline(list, line)) names.insert(line.substr(0, line.find(',')));
+  try {
+    TableFile list(folder / list_name, {.name = "the list of the pictures", .header = "file"});
+    if (list.names().size() < 2 || list.names().front() != "file" || list.separator() != ',') return names;
+    names.insert(list_name);
+    while (list.next()) {
+      if (!list.is_blank()) names.insert(list.cells().front());
+    }
+  } catch (const Error&) {
+    return {};  // no list of ours
+  }
   return names;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/report/detection_plots.hpp"
 #include "tactile/report/report_page.hpp"
 
@@ -17,7 +18,7 @@ HtmlTable accuracy_table(const results::Evaluation& scores) {
   std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"model", &scores.accuracy}};
   // The first guard is the dataset's own, which is the model's column.
   for (std::size_t i = 1; i < scores.guards.size(); ++i) {
-    const double guard_ms = static_cast<double>(scores.guards[i].guard.count()) / 1000;
+    const double guard_ms = in_ms(scores.guards[i].guard);
     columns.emplace_back(fmt::format("guard {:g} ms", guard_ms), &scores.guards[i].accuracy);
   }
   for (const results::BaselineScore& baseline : scores.baselines)
@@ -164,7 +165,7 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
                     has_standard_errors(press) || has_standard_errors(slip)
                         ? " with standard errors, where an object has two detected intervals"
                         : "; no object has two detected intervals, which a standard error needs",
-                    static_cast<double>(scores.tick.count()) / 1000));
+                    in_ms(scores.tick)));
     HtmlTable table = delay_table(
         "Detection delay from the labelled onset. Median and 90 % are of all intervals: a miss counts with the time until which "
         "it could be detected. If misses are below the quantile, it is a lower bound. The mean is over detected intervals, as in "
@@ -365,8 +366,7 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool
   if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
   page.html.paragraph(fmt::format(
       "{}, a tick every {:g} ms, {}. Runs: {}.",
-      has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model,
-      static_cast<double>(scores.tick.count()) / 1000,
+      has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model, in_ms(scores.tick),
       scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost) : "confirmation " + scores.confirm,
       evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
   if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {

@@ -24,6 +24,7 @@
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/video/film_picture.hpp"
+#include "tactile/video/filmed_times.hpp"
 #include "tactile/video/frame_clock.hpp"
 #include "tactile/video/video_source.hpp"
 #include "tactile/video/video_writer.hpp"
@@ -76,7 +77,7 @@ class Film {
       options.quality = quality;
       options.fragment_span = kept_per_kill;
       writer_.emplace(mp4_, options);
-      write_row("index,pts_us,host_time_us\n");
+      write_row(std::string(filmed_columns) + "\n");
       sync();
       sync_to_disk(csv_.has_parent_path() ? csv_.parent_path() : fs::path("."));
     } catch (...) {
@@ -95,7 +96,7 @@ class Film {
     if (index_ == 0) begin_ = frame.t;
     const VideoTime t{frame.t - begin_};
     writer_->write(picture, t);
-    write_row(fmt::format("{},{},{}\n", index_++, us_of(t), us_of(frame.came)));
+    write_row(filmed_row(index_++, t, frame.came));
     if (Steady::now() - synced_ >= kept_per_kill) sync();
     return true;
   }

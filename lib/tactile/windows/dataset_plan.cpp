@@ -172,8 +172,8 @@ bool holds_runs_of_an_object(const fs::path& folder) {
                      [](const fs::path& run) { return is_run_id(run.filename().string()) && is_there(run / "events.aedat4"); });
 }
 
-/// The labelled runs below `data` that may be used together. The plan lists the others.
-std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
+/// The runs below `data` whose run.json can be read. The plan lists the others. @throws Error  if there is none of either
+std::vector<PlannedRun> readable_runs(const fs::path& data, DatasetPlan& plan) {
   std::vector<PlannedRun> found;
   RunsBelow below = look_for_runs(data);
   plan.misnamed = std::move(below.misnamed);
@@ -209,6 +209,12 @@ std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& 
         (holds_runs_of_an_object(data)
              ? ": is the folder of one object's runs; expected the folder above it, DATA"
              : ": no runs; expected DATA/<object>/<run>/events.aedat4: 'tactile import' makes such folders of recordings"));
+  return found;
+}
+
+/// The labelled runs below `data` that may be used together. The plan lists the others.
+std::vector<PlannedRun> choose_runs(const fs::path& data, const WindowsOptions& options, DatasetPlan& plan) {
+  std::vector<PlannedRun> found = readable_runs(data, plan);
   const bool any_real = std::any_of(found.begin(), found.end(), [](const PlannedRun& run) { return !run.info.simulated; });
   std::vector<std::string> unlabelled, simulated;
   std::vector<PlannedRun> chosen;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
@@ -10,8 +11,6 @@ namespace tactile::model {
 namespace {
 
 std::size_t place_of(Touch touch) { return static_cast<std::size_t>(touch); }
-
-double seconds_in(microseconds time) { return static_cast<double>(time.count()) / 1e6; }
 
 }  // namespace
 
@@ -29,15 +28,15 @@ void Transitions::add(CameraTime begin, CameraTime end, std::span<const TouchInt
   for (const TouchInterval& interval : labelled) {
     if (interval.start > until) {
       change_to(Touch::none);
-      seconds[place_of(Touch::none)] += seconds_in(interval.start - until);
+      seconds[place_of(Touch::none)] += in_s(interval.start - until);
     }
     change_to(interval.touch);
-    seconds[place_of(interval.touch)] += seconds_in(interval.end - std::max(interval.start, until));
+    seconds[place_of(interval.touch)] += in_s(interval.end - std::max(interval.start, until));
     until = interval.end;
   }
   if (end <= until) return;
   change_to(Touch::none);
-  seconds[place_of(Touch::none)] += seconds_in(end - until);
+  seconds[place_of(Touch::none)] += in_s(end - until);
 }
 
 void to_json(nlohmann::json& json, const Transitions& transitions) {

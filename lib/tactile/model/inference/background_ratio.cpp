@@ -156,6 +156,7 @@ void BackgroundRatio::take_median() {
   std::array<std::uint32_t, samples> of_cell{};
   for (std::size_t cell = 0; cell < cells_; ++cell) {
     for (std::size_t i = 0; i < samples; ++i) of_cell[i] = samples_[i * cells_ + cell];
+    // As `value_of_rank`, but in place: that copies into new memory, here for every cell in the time between two ticks.
     std::nth_element(of_cell.begin(), of_cell.begin() + samples / 2, of_cell.end());
     set_background(cell, static_cast<double>(of_cell[samples / 2]));
   }
