@@ -92,7 +92,7 @@ TEST(HeatmapProperties, CountsFromOneToAMillionAreWeighedRight) {
                         static_cast<int>(random.below(static_cast<std::uint64_t>(sensor.height))),
                         1 + static_cast<std::uint32_t>(random.below(static_cast<std::uint64_t>(largest)))});
     }
-    for (const HeatmapOptions& options : test::every_way()) ASSERT_TRUE(test::is_true(pixels, sensor, options)) << round;
+    for (const HeatmapOptions& options : test::every_method()) ASSERT_TRUE(test::is_true(pixels, sensor, options)) << round;
   }
 }
 

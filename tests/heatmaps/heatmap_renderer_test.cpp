@@ -14,7 +14,7 @@
 namespace tactile::heatmaps {
 namespace {
 
-using test::every_way;
+using test::every_method;
 using test::Hits;
 using test::is_true;
 using test::rendered;
@@ -22,7 +22,7 @@ using test::rendered;
 constexpr microseconds history = 40ms;
 
 TEST(Heatmap, OfNoEventIsAllZero) {
-  for (const HeatmapOptions& options : every_way()) {
+  for (const HeatmapOptions& options : every_method()) {
     for (const float value : rendered<float>({}, {20, 10}, options)) EXPECT_EQ(value, 0.0F);
     for (const std::uint8_t value : rendered<std::uint8_t>({}, {20, 10}, options)) EXPECT_EQ(value, 0);
   }
@@ -30,7 +30,7 @@ TEST(Heatmap, OfNoEventIsAllZero) {
 
 TEST(Heatmap, OfOneEventIsATwentyFifthOfItsMaximumInOneCell) {
   const std::vector<Hits> one{{.x = 7, .y = 2}};
-  for (HeatmapOptions options : every_way()) {
+  for (HeatmapOptions options : every_method()) {
     options.resize = Resize::area;
     const auto exact = rendered<float>(one, {20, 10}, options);
     const auto bytes = rendered<std::uint8_t>(one, {20, 10}, options);
@@ -45,7 +45,7 @@ TEST(Heatmap, OfOneEventIsATwentyFifthOfItsMaximumInOneCell) {
 
 TEST(Heatmap, DoesNotCountMaskedPixels) {
   const std::vector<Hits> both{{.x = 2, .y = 2, .count = 4}, {.x = 7, .y = 2, .count = 900}}, first{both.front()};
-  for (HeatmapOptions options : every_way()) {
+  for (HeatmapOptions options : every_method()) {
     const auto expected = rendered<float>(first, {20, 10}, options);
     options.mask = {{7, 2}};
     EXPECT_EQ(rendered<float>(both, {20, 10}, options), expected);
@@ -114,7 +114,7 @@ TEST(Heatmap, IsThatOfThePlainFormulaForRandomEvents) {
                           static_cast<int>(random.below(static_cast<std::uint64_t>(sensor.height))),
                           static_cast<std::uint32_t>(random.below(100) == 0 ? random.below(60) + 1 : 1)});
       }
-      for (const HeatmapOptions& options : every_way()) ASSERT_TRUE(is_true(pixels, sensor, options));
+      for (const HeatmapOptions& options : every_method()) ASSERT_TRUE(is_true(pixels, sensor, options));
     }
   }
 }
@@ -207,7 +207,7 @@ TEST(HeatmapOptions, RefuseAFactorThatIsNoWholePart) {
 }
 
 TEST(HeatmapOptions, ComeBackFromJson) {
-  for (const HeatmapOptions& options : every_way(0.1)) EXPECT_EQ(nlohmann::json(options).get<HeatmapOptions>(), options);
+  for (const HeatmapOptions& options : every_method(0.1)) EXPECT_EQ(nlohmann::json(options).get<HeatmapOptions>(), options);
   EXPECT_THROW(nlohmann::json({{"history_us", 1}}).get<HeatmapOptions>(), Error);
   nlohmann::json json = HeatmapOptions{};
   json["denoise"] = "mild";

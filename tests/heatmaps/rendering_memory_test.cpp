@@ -37,7 +37,7 @@ std::size_t requests_once_warm(events::SensorSize sensor, const HeatmapOptions& 
 
 TEST(RenderingMemory, IsNotAskedForOnceWarm) {
   for (const double factor : {0.2, 1.0 / 20}) {
-    for (const HeatmapOptions& options : test::every_way(factor)) EXPECT_EQ(requests_once_warm({346, 260}, options), 0U);
+    for (const HeatmapOptions& options : test::every_method(factor)) EXPECT_EQ(requests_once_warm({346, 260}, options), 0U);
   }
   EXPECT_GT(test::memory_requests, 0U);  // they are counted
 }

@@ -31,7 +31,7 @@ TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
   claim.unit = "points";
   claim.limit = 0;
   claim.measured = {.value = -3.5, .low = -5, .high = -2, .n = 5};
-  claim.verdict = results::Verdict::holds;
+  claim.outcome = results::Outcome::holds;
   claim.in_words = "true for 5 of 5 objects";
   const json figure = {{"value", 0.875}, {"low", 0.75}, {"high", nullptr}, {"n", 5}, {"trainings", 1}};
   write("study", "study",

@@ -32,7 +32,7 @@ TEST(StudyTables, HaveARowForEachFigure) {
   claim.kept = 4;
   claim.of = 6;
   claim.measured = {3, 2, 4, 3};
-  claim.verdict = results::Verdict::holds;
+  claim.outcome = results::Outcome::holds;
   EXPECT_EQ(claims_csv({claim}),
             "id,runs,value,low,high,n,unit,asked,limit,kept,of,verdict\nx,reported,3.0,2.0,4.0,3,ms,below,5,4,6,holds\n");
 }
