@@ -20,6 +20,7 @@
 #include "eval_tables.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
+#include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -127,7 +128,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
         fmt::format("{}: no such dataset; expected one with a model, run '{}' first", file.string(), train_command(args, {})));
   }
   const windows::Dataset dataset(file);
-  const std::string hash = dataset.manifest_hash();
+  const std::string& hash = dataset.manifest_hash();
   std::optional<ChosenModel> chosen =
       args.model.empty() ? model_without_name(args.models, &hash) : ChosenModel{bundle_named(args), {}};
   if (!chosen) chosen = model_without_name(args.models);
@@ -207,7 +208,7 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
 /// The model to compare with one of the other split: the named one, else the one that commands take if it is of this dataset.
 std::optional<ChosenModel> one_of_pair(const EvalArguments& args, const windows::Dataset& dataset) {
   if (!args.model.empty()) return ChosenModel{bundle_named(args), {}};
-  const std::string hash = dataset.manifest_hash();
+  const std::string& hash = dataset.manifest_hash();
   auto chosen = model_without_name(args.models, &hash);
   if (chosen && model::read_description(chosen->bundle).manifest_hash != hash) {
     spdlog::info("{} is pinned, but learned from another dataset; it is not compared", chosen->bundle.name());

@@ -7,8 +7,8 @@ namespace tactile::experiments {
 
 double EstimatedPart::seconds_on(unsigned cores) const {
   if (!one_thread || count <= exist) return seconds / cores;
-  const std::size_t due = count - exist;
-  return seconds / static_cast<double>(due) * static_cast<double>((due + cores - 1) / cores);
+  const std::size_t due = count - exist, rounds = (due + cores - 1) / cores;
+  return seconds / static_cast<double>(due) * static_cast<double>(rounds);
 }
 
 void Estimate::add(EstimatedPart part, double seconds, double bytes) {

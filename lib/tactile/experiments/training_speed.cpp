@@ -19,7 +19,7 @@ double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_P
 }  // namespace
 
 double measured_training_speed(const model::LeNetOptions& network, model::EngineKind engine) {
-  constexpr std::size_t images = 96, cells = 128 * 96;
+  constexpr std::size_t images = 96, cells = std::size_t{128} * 96;
   constexpr double wanted_s = 1;
   Random random(1);
   std::vector<std::uint8_t> heatmaps(images * cells);

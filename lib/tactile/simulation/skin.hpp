@@ -53,7 +53,10 @@ using SkinPose = std::array<MarkerPose, marker_count>;
 
 /// The position of marker `index` from the middle of the skin: x to the right, y down [mm].
 constexpr double marker_x_mm(std::size_t index) { return (static_cast<double>(index % 3) - 1.0) * column_pitch_mm; }
-constexpr double marker_y_mm(std::size_t index) { return (static_cast<double>(index / 3) - 1.0) * row_pitch_mm; }
+constexpr double marker_y_mm(std::size_t index) {
+  const std::size_t row = index / 3;
+  return (static_cast<double>(row) - 1.0) * row_pitch_mm;
+}
 
 /// The pose of a marker whose tip is pushed inward by `inward_mm` and sideways by (`aside_x_mm`, `aside_y_mm`).
 inline MarkerPose marker_pose(const SkinView& view, std::size_t index, double inward_mm, double aside_x_mm, double aside_y_mm) {
