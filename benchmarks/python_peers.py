@@ -78,8 +78,9 @@ READERS = {
 }
 
 
-# Renderers: what makes pictures of a path, the size of its sensor and the ticks. They return what tells the number of pictures, the number of
-# events in all of them, and the number of pixels that are not 0, after the clock has stopped; None is what they cannot tell.
+# Renderers: each makes pictures of a path, the size of its sensor and the ticks, and returns a function. After the clock has
+# stopped, that gives the number of pictures, the number of events in all of them, and the number of pixels that are not 0; None
+# stands for what a library does not give.
 
 
 def of_counts(pictures):

@@ -4,13 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "quantity_text.hpp"
-#include "tactile/core/runs_below.hpp"
+#include "tactile/core/machine.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -27,15 +25,6 @@ std::string hours_text(double seconds) {
 std::string size_text(double bytes) {
   const double mb = bytes / 1e6;
   return mb < 1000 ? fmt::format("{:.0f} MB", std::ceil(mb)) : fmt::format("{:.1f} GB", mb / 1000);
-}
-
-/// The free space where the folder is or will be; nothing if that cannot be found out.
-std::optional<double> free_bytes_at(const fs::path& folder) {
-  fs::path place = fs::absolute(folder);
-  while (!is_there(place) && place.has_relative_path()) place = place.parent_path();
-  std::error_code unknown;
-  const fs::space_info space = fs::space(place, unknown);
-  return unknown ? std::nullopt : std::optional(static_cast<double>(space.available));
 }
 
 nlohmann::json json_of(const experiments::Estimate& estimate) {
@@ -85,8 +74,10 @@ std::string table_of(const experiments::Estimate& estimate, bool on_cluster) {
 void print_estimate(const experiments::Estimate& estimate, const fs::path& out, bool on_cluster, const CommonArguments& common) {
   print_result(common, json_of(estimate), table_of(estimate, on_cluster));
   const auto free = free_bytes_at(out);
-  if (free && *free < estimate.bytes())
-    spdlog::warn("{}: {} are free there; expected {}", out.string(), size_text(*free), size_text(estimate.bytes()));
+  if (free && static_cast<double>(*free) < estimate.bytes()) {
+    spdlog::warn("{}: {} are free there; expected {}", out.string(), size_text(static_cast<double>(*free)),
+                 size_text(estimate.bytes()));
+  }
 }
 
 }  // namespace tactile::cli

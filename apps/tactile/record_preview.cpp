@@ -8,6 +8,7 @@
 
 #include "quantity_text.hpp"
 #include "tactile/core/duration_units.hpp"
+#include "tactile/core/machine.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -26,22 +27,18 @@ bool has_imu(const capture::RunRecorder& recorder) {
 
 /// Room on the disk of the runs, and for how long it lasts at the run's pace.
 nlohmann::json disk_json(const std::filesystem::path& data, const capture::RunState* run, std::vector<std::string>& warnings) {
-  std::error_code failed;
-  std::filesystem::path there = std::filesystem::absolute(data, failed);
-  while (!failed && !std::filesystem::exists(there, failed) && there.has_parent_path() && there != there.parent_path())
-    there = there.parent_path();
-  const std::filesystem::space_info space = std::filesystem::space(there, failed);
-  if (failed) return nullptr;
-  nlohmann::json json = {{"free_bytes", space.available}, {"minutes", nullptr}};
+  const std::optional<std::uint64_t> free = free_bytes_at(data);
+  if (!free) return nullptr;
+  nlohmann::json json = {{"free_bytes", *free}, {"minutes", nullptr}};
   double minutes = least_minutes;
   if (run != nullptr && run->bytes > 0 && in_s(run->elapsed) > 1) {
-    minutes = static_cast<double>(space.available) * in_s(run->elapsed) / static_cast<double>(run->bytes) / 60;
+    minutes = static_cast<double>(*free) * in_s(run->elapsed) / static_cast<double>(run->bytes) / 60;
     json["minutes"] = minutes;
   }
   if (minutes < least_minutes)
     warnings.push_back(fmt::format("the disk is full in {:.1f} min at this rate", minutes));
-  else if (space.available < least_bytes)
-    warnings.push_back("the disk has only " + bytes_text(space.available) + " left");
+  else if (*free < least_bytes)
+    warnings.push_back("the disk has only " + bytes_text(*free) + " left");
   return json;
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <system_error>
 
 namespace tactile {
 
@@ -43,6 +44,15 @@ std::size_t allow_open_files(std::size_t count) {
   const rlimit now = limit;
   limit.rlim_cur = std::min<rlim_t>(count, limit.rlim_max);
   return now.rlim_cur >= count || ::setrlimit(RLIMIT_NOFILE, &limit) != 0 ? now.rlim_cur : limit.rlim_cur;
+}
+
+std::optional<std::uint64_t> free_bytes_at(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::path there = std::filesystem::absolute(folder, failed);
+  while (!failed && !std::filesystem::exists(there, failed) && there.has_parent_path() && there != there.parent_path())
+    there = there.parent_path();
+  const std::filesystem::space_info space = std::filesystem::space(there, failed);
+  return failed ? std::nullopt : std::optional<std::uint64_t>(space.available);
 }
 
 }  // namespace tactile

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 namespace tactile {
@@ -9,6 +11,9 @@ namespace tactile {
 std::string cpu_name();        ///< as the system has it, "unknown" where it has none
 std::uint64_t memory_bytes();  ///< of the machine; 0 where it is not known
 std::string system_name();     ///< "Linux 6.1.0 x86_64"
+
+/// The free space where a folder is or will be [bytes]; nothing if that cannot be found out.
+std::optional<std::uint64_t> free_bytes_at(const std::filesystem::path& folder);
 
 /// Whether the process may take so much more address space. Libraries that need more than the limit (ulimit -v) abort or hang.
 bool has_room_for(std::size_t bytes);

@@ -3,12 +3,12 @@
 namespace tactile {
 
 std::optional<std::chrono::duration<double>> TimeLeft::after(const Progress& progress, Clock::time_point now) {
-  const bool begins_again = !last_ || progress.total != last_->total || progress.done < last_->done;
-  if (begins_again) {
+  if (progress.total != total_ || progress.done < done_) {
     measured_from_ = progress.done;
     begun_ = now;
   }
-  last_ = progress;
+  total_ = progress.total;
+  done_ = progress.done;
   if (progress.total <= progress.done || progress.done <= measured_from_) return std::nullopt;
   return std::chrono::duration<double>(now - begun_) *
          (static_cast<double>(progress.total - progress.done) / static_cast<double>(progress.done - measured_from_));

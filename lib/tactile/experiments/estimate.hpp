@@ -36,6 +36,9 @@ struct Estimate {
   double bytes() const;
 };
 
+/// Of a second of a simulated run: all its files. Mean of 30 runs.
+inline constexpr double bytes_of_second = 1.9e6;
+
 /// What work costs on the machine that the figures were measured on: processor time [s] of one unit.
 struct WorkCost {
   double simulated_second, labelled_second, second_of_windows;  ///< of a run

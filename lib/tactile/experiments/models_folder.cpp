@@ -1,11 +1,11 @@
 #include "tactile/experiments/models_folder.hpp"
 
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
+#include "tactile/experiments/step_runner.hpp"
 
 namespace tactile::experiments {
 
@@ -13,13 +13,9 @@ namespace fs = std::filesystem;
 
 fs::path models_folder(const fs::path& named, const fs::path& out) {
   if (!named.empty()) return named;
-  std::error_code none;
-  for (fs::directory_iterator entry(out / "steps", none), end; !none && entry != end; entry.increment(none)) {
-    const std::string name = entry->path().filename().string();
-    if (!name.starts_with("train-") || entry->path().extension() != ".json") continue;
+  for (const nlohmann::json& step : step_records(out, "train-")) {
     try {
-      const nlohmann::json step = read_json(entry->path());
-      return (out / member<std::string>(member<nlohmann::json>(step, "inputs", name), "models", name)).lexically_normal();
+      return (out / member<std::string>(member<nlohmann::json>(step, "inputs", ""), "models", "")).lexically_normal();
     } catch (const Error&) {
       // The runner of the steps does a step again whose record is damaged.
     }

@@ -183,4 +183,19 @@ void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
   options_.slurm ? run_on_slurm(plans, how, options_.folder / "slurm", *options_.slurm) : run_processes(plans, how);
 }
 
+std::vector<nlohmann::json> step_records(const fs::path& experiment, std::string_view begin) {
+  std::vector<nlohmann::json> records;
+  std::error_code none;
+  for (fs::directory_iterator entry(experiment / "steps", none), end; !none && entry != end; entry.increment(none)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin) || entry->path().extension() != ".json") continue;
+    try {
+      records.push_back(read_json(entry->path()));
+    } catch (const Error&) {
+      // Its step is done again.
+    }
+  }
+  return records;
+}
+
 }  // namespace tactile::experiments

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tactile/core/progress.hpp"
@@ -96,6 +97,10 @@ class StepRunner {
   std::vector<StepRecord> records_;
   std::size_t done_now_ = 0;
 };
+
+/// What the folder `experiment` keeps of its steps whose names begin so; without records that cannot be read: their steps are
+/// done again.
+std::vector<nlohmann::json> step_records(const std::filesystem::path& experiment, std::string_view begin);
 
 /// Identifies a step of this name with these inputs, made by this version.
 std::string key_of(const Step& step);

@@ -1,8 +1,8 @@
 #include "tactile/experiments/stress/estimate_stress.hpp"
 
-#include <chrono>
 #include <map>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/step_runner.hpp"
@@ -11,8 +11,6 @@
 
 namespace tactile::stress {
 namespace {
-
-constexpr double bytes_of_second = 1.9e6;  // of a simulated run's files, mean of 30
 
 /// What one judgement reads.
 struct Work {
@@ -30,7 +28,7 @@ Work work_of(const StressPlan& plan, const StressJudgement& judgement) {
   } else {
     for (const std::uint32_t run : judgement.training->runs) add(plan.dataset->run_folder(run) / "events.aedat4");
   }
-  work.seconds = work.ticks * std::chrono::duration<double>(rendering.tick).count();
+  work.seconds = work.ticks * in_s(rendering.tick);
   return work;
 }
 
@@ -48,7 +46,6 @@ experiments::Estimate estimate_stress(const StressOptions& requested) {
   const std::vector<experiments::Step> steps = steps_of(plan);  // one for each
   experiments::EstimatedPart worsened{.what = "judgements of worsened runs", .one_thread = true},
       simulated{.what = "judgements of runs of simulated worlds", .one_thread = true};
-  double worsened_s = 0, simulated_s = 0, simulated_bytes = 0;
   // All judgements of a training read the same runs.
   std::map<std::pair<const StressTraining*, bool>, Work> known;
   for (std::size_t i = 0; i < judgements.size(); ++i) {
@@ -61,19 +58,16 @@ experiments::Estimate estimate_stress(const StressOptions& requested) {
     ++part.count;
     if (!options.force && runner.is_done(steps[i])) {
       ++part.exist;
-    } else if (is_world) {
-      simulated_s += cost.stressed_tick * work.ticks + cost.simulated_second * work.seconds;
-      simulated_bytes += bytes_of_second * work.seconds;
-    } else {
-      worsened_s += cost.stressed_tick * work.ticks;
+      continue;
     }
+    part.seconds += cost.stressed_tick * work.ticks;
+    if (!is_world) continue;
+    part.seconds += cost.simulated_second * work.seconds;
+    part.bytes += experiments::bytes_of_second * work.seconds;
   }
-  const auto add = [&](const experiments::EstimatedPart& part, double seconds, double bytes) {
-    const auto due = static_cast<double>(part.count - part.exist);
-    estimate.add(part, due > 0 ? seconds / due : 0, due > 0 ? bytes / due : 0);
-  };
-  add(worsened, worsened_s, 0);
-  add(simulated, simulated_s, simulated_bytes);
+  for (const experiments::EstimatedPart& part : {worsened, simulated}) {
+    if (part.count > 0) estimate.parts.push_back(part);
+  }
   return estimate;
 }
 

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <system_error>
 
-#include "tactile/core/json.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/run_folder.hpp"
+#include "tactile/core/run_numbers.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/evaluation/full_run.hpp"
+#include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/held_out_splits.hpp"
 #include "tactile/experiments/training_speed.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
@@ -23,18 +24,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Means of simulated runs.
-constexpr double samples_of_simulated_run = 369;
-constexpr double bytes_of_second = 1.9e6;  // of a run's files
+constexpr double samples_of_simulated_run = 369;  // mean of 20
 // Of dataset and models.
 constexpr double bytes_of_sample = 5.9e3, bytes_of_heatmap = 2.5e3, bytes_of_model = 5.3e6;
-constexpr double tick_s = 0.002;
+const double tick_s = in_s(heatmaps::HeatmapOptions{}.tick);
 
 /// The runs that a study has or would simulate.
 struct StudiedRuns {
   std::map<std::string, std::size_t> of_object;
   double seconds = 0;  ///< length of all recordings
-  std::size_t count = 0, exist = 0, labelled = 0;
+  bool are_there = false;
+  std::size_t count = 0, labelled = 0;
   double samples = 0;  ///< of all
   bool has_dataset = false;
   std::size_t stored_histories = 0;
@@ -53,7 +53,7 @@ StudiedRuns runs_to_simulate(const StudyOptions& options) {
   const int of_each = options.runs.value_or(physics.preset(options.preset).runs);
   for (const std::string& object : objects) {
     for (int number = 1; number <= of_each; ++number) {
-      const auto drawn = simulation::draw_run(physics, object, fmt::format("{:02}", number), options.preset, options.seed);
+      const auto drawn = simulation::draw_run(physics, object, run_id_of(number), options.preset, options.seed);
       runs.seconds += drawn.plan.end_s;
       ++runs.of_object[object];
       ++runs.count;
@@ -70,13 +70,13 @@ StudiedRuns runs_in(const fs::path& data) {
     ++runs.count;
     runs.labelled += is_there(run.labels()) ? 1 : 0;
   }
-  runs.exist = runs.count;
+  runs.are_there = runs.count > 0;
   return runs;
 }
 
 StudiedRuns runs_of(const StudyOptions& options) {
   StudiedRuns runs = is_there(options.data) ? runs_in(options.data) : StudiedRuns{};
-  if (runs.count == 0) runs = runs_to_simulate(options);
+  if (!runs.are_there) runs = runs_to_simulate(options);
   runs.samples = samples_of_simulated_run * static_cast<double>(runs.count);
   runs.samples_from = fmt::format("{} samples a run, the mean of simulated runs", samples_of_simulated_run);
   const fs::path file = options.data / "dataset.h5";
@@ -112,17 +112,10 @@ HeldOut held_out_of(const StudyOptions& options, const StudiedRuns& runs) {
 
 /// Steps of the study in `out` whose names begin so and that are done.
 std::size_t done_steps(const fs::path& out, std::string_view begin) {
-  std::size_t done = 0;
-  std::error_code failed;
-  for (fs::directory_iterator entry(out / "steps", failed), end; !failed && entry != end; entry.increment(failed)) {
-    if (!entry->path().filename().string().starts_with(begin)) continue;
-    try {
-      done += read_json(entry->path()).at("done").get<bool>() ? 1 : 0;
-    } catch (const std::exception&) {
-      // It is made again.
-    }
-  }
-  return done;
+  const std::vector<nlohmann::json> records = experiments::step_records(out, begin);
+  return static_cast<std::size_t>(std::count_if(records.begin(), records.end(), [](const nlohmann::json& step) {
+    return step.is_object() && step.value("done", nlohmann::json()) == true;
+  }));
 }
 
 }  // namespace
@@ -139,8 +132,10 @@ experiments::Estimate estimate_study(const StudyOptions& requested) {
   if (runs.count == 0) return estimate;
   const auto count = static_cast<double>(runs.count);
   const double run_s = runs.seconds / count, samples_of_run = runs.samples / count;
-  if (runs.exist == 0)
-    estimate.add({.what = "simulated runs", .count = runs.count}, cost.simulated_second * run_s, bytes_of_second * run_s);
+  if (!runs.are_there) {
+    estimate.add({.what = "simulated runs", .count = runs.count}, cost.simulated_second * run_s,
+                 experiments::bytes_of_second * run_s);
+  }
   estimate.add({.what = "labelled runs", .count = runs.count, .exist = runs.labelled}, cost.labelled_second * run_s, 0);
   estimate.add({.what = "dataset", .count = 1, .exist = runs.has_dataset ? 1U : 0U}, cost.second_of_windows * runs.seconds,
                bytes_of_sample * runs.samples);

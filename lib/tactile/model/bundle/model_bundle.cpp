@@ -31,12 +31,12 @@ nlohmann::json class_names() {
 /// @throws Error  if a member that others are read from is no object
 void check_members(const nlohmann::json& json, const std::string& where) {
   check_object(json, where + ":");
-  for (const auto* key : {"dataset", "gate", "network", "rendering", "scene", "software", "split", "training", "transitions"}) {
+  const auto check_member = [&](const char* key, bool may_be_null) {
     const auto found = json.find(key);
-    const bool may_be_null =
-        std::string_view(key) == "gate" || std::string_view(key) == "scene" || std::string_view(key) == "transitions";
     if (found != json.end() && !(may_be_null && found->is_null())) check_object(*found, fmt::format("{}: '{}'", where, key));
-  }
+  };
+  for (const char* key : {"dataset", "network", "rendering", "software", "split", "training"}) check_member(key, false);
+  for (const char* key : {"gate", "scene", "transitions"}) check_member(key, true);
 }
 
 nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
