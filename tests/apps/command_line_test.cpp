@@ -172,6 +172,25 @@ TEST(CommandLine, EndsWhereThereIsLittleMemory) {
     }
   }
 }
+
+/// Within these limits HDF5 lacks memory in its child process, in its first call, or in a thread.
+TEST(CommandLine, ADatasetIsNotCalledDamagedOrWaitedForWhereThereIsLittleMemory) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("label --no-pictures --quiet", folder.path()).exit_code, 0);
+  ASSERT_EQ(run_tactile("windows --quiet", folder.path()).exit_code, 0);
+  int failed = 0;
+  for (int limit_mb = 270; limit_mb <= 330; limit_mb += 2) {
+    const auto result = test::run_shell(fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' windows --verify --quiet",
+                                                    limit_mb * 1000, test::tactile_binary),
+                                        folder.path());
+    if (result.exit_code == 0) continue;
+    ++failed;
+    EXPECT_EQ(result.exit_code, 1) << limit_mb << " MB\n" << result.out << result.err;
+    EXPECT_NE(result.err.find("memory"), std::string::npos) << limit_mb << " MB\n" << result.err;
+  }
+  EXPECT_GT(failed, 0);
+}
 #endif
 
 /// A signal may come while libraries load, and while one program of ours becomes another.

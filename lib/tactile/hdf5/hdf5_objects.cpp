@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <new>
+#include <string_view>
 
 namespace tactile::hdf5 {
 namespace {
@@ -98,17 +101,51 @@ void Id::close(const std::string& where) {
   if (id_ >= 0 && close_(std::exchange(id_, -1)) < 0) fail_writing(where, "cannot be closed");
 }
 
+namespace {
+
+/// HDF5's description of the last error, innermost first.
+/// @throws std::bad_alloc  if the reason is a lack of memory
 std::string last_error() {
-  std::string text;
+  // An exception must not leave a function that HDF5 calls: HDF5 would keep its lock, and all other threads would wait for ever.
+  struct Reason {
+    std::array<char, 1024> text{};
+    bool lacks_memory = false;
+  } reason;
   H5Ewalk2(
       H5E_DEFAULT, H5E_WALK_UPWARD,
       [](unsigned index, const H5E_error2_t* error, void* out) -> herr_t {
-        if (index == 0 && error->desc != nullptr) *static_cast<std::string*>(out) = error->desc;
+        auto& into = *static_cast<Reason*>(out);
+        if (index > 0) return 0;
+        into.lacks_memory = error->maj_num == H5E_RESOURCE && error->min_num == H5E_NOSPACE;
+        if (error->desc != nullptr) std::strncpy(into.text.data(), error->desc, into.text.size() - 1);
         return 0;
       },
-      &text);
-  return text.empty() ? "HDF5 gives no reason" : text;
+      &reason);
+  const std::string_view text = reason.text.data();
+  if (reason.lacks_memory) throw std::bad_alloc();
+  return std::string(text.empty() ? "HDF5 gives no reason" : text);
 }
+
+/// Names that HDF5 lists one by one.
+struct Names {
+  std::vector<std::string> names;
+  bool lack_memory = false;
+};
+
+/// Keeps one name; `Info` describes a link or an attribute. It must not throw, see `last_error`.
+template <class Info>
+herr_t keep_name(hid_t, const char* name, const Info*, void* out) noexcept {
+  auto& into = *static_cast<Names*>(out);
+  try {
+    into.names.emplace_back(name);
+    return 0;
+  } catch (...) {
+    into.lack_memory = true;
+    return -1;
+  }
+}
+
+}  // namespace
 
 void fail(const std::string& where, const std::string& what) {
   throw Damaged(where + ": " + what + " (" + last_error() + "); expected a sound HDF5 file");
@@ -164,16 +201,20 @@ bool is_group(hid_t parent, const std::string& name) { return Id(H5Gopen2(parent
 bool has_member(hid_t parent, const std::string& name) { return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0; }
 
 std::vector<std::string> members_of(hid_t group) {
-  std::vector<std::string> names;
+  Names found;
   hsize_t index = 0;
-  H5Literate(
-      group, H5_INDEX_NAME, H5_ITER_INC, &index,
-      [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
-        return 0;
-      },
-      &names);
-  return names;
+  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, &index, keep_name<H5L_info_t>, &found);
+  if (found.lack_memory) throw std::bad_alloc();
+  return std::move(found.names);
+}
+
+std::vector<std::string> attributes_of(hid_t object, const std::string& where) {
+  Names found;
+  hsize_t index = 0;
+  const herr_t result = H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, &index, keep_name<H5A_info_t>, &found);
+  if (found.lack_memory) throw std::bad_alloc();
+  if (result < 0) fail(where, "its attributes cannot be listed");
+  return std::move(found.names);
 }
 
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,

@@ -55,8 +55,7 @@ class Id {
   Close close_ = nullptr;
 };
 
-/// HDF5's description of the last error, innermost first.
-std::string last_error();
+// These two name the reason that HDF5 gives last; std::bad_alloc is thrown if it lacks memory.
 [[noreturn]] void fail(const std::string& where, const std::string& what);          ///< @throws Damaged
 [[noreturn]] void fail_writing(const std::string& where, const std::string& what);  ///< @throws Error; names a full disk
 
@@ -73,6 +72,7 @@ Id create_group(hid_t parent, const std::string& name, const std::string& where)
 Id open_table(hid_t parent, const std::string& name, const std::string& where);
 bool has_member(hid_t parent, const std::string& name);
 std::vector<std::string> members_of(hid_t group);  ///< the names of its links, in ascending order
+std::vector<std::string> attributes_of(hid_t object, const std::string& where);  ///< their names. @throws Damaged
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
                   const std::string& where);
 

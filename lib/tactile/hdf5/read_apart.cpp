@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <new>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -83,6 +84,11 @@ void limit_to(auto resource, rlim_t most) {
   ::setrlimit(resource, &limit);
 }
 
+bool is_limited_below(auto resource, rlim_t wanted) {
+  rlimit limit{};
+  return ::getrlimit(resource, &limit) == 0 && limit.rlim_max < wanted;
+}
+
 /// The address space limit of a child, which starts with that of this process. With a sanitizer it is vast.
 rlim_t memory_limit() {
   std::ifstream statm("/proc/self/statm");
@@ -139,6 +145,7 @@ class Child {
     std::error_code unknown;
     const std::uintmax_t size = fs::file_size(file, unknown);
     const rlim_t seconds = least_seconds + (unknown ? 0 : size / bytes_a_second), memory = memory_limit();
+    has_less_memory_ = is_limited_below(RLIMIT_AS, memory) || is_limited_below(RLIMIT_DATA, memory);
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw_not_started(file);
     const pid_t parent = ::getpid();
@@ -168,6 +175,8 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   int in() const { return in_; }
+  /// Whether this process is limited to less memory than a child may need. Otherwise only a damaged file lacks memory.
+  bool has_less_memory() const { return has_less_memory_; }
 
  private:
   [[noreturn]] static void throw_not_started(const fs::path& file) {
@@ -176,6 +185,7 @@ class Child {
   }
   int in_ = -1;
   pid_t pid_ = -1;
+  bool has_less_memory_ = false;
 };
 
 /// Visits an open file. @throws Damaged  at the first object that HDF5 cannot read
@@ -183,7 +193,7 @@ class Walk {
  public:
   Walk(hid_t file, const fs::path& path) : path_(path) {
     H5F_info2_t info{};
-    if (H5Fget_info2(file, &info) < 0) throw_damaged(path_);
+    if (H5Fget_info2(file, &info) < 0) fail(path_.string(), "cannot be read");
     has_checksums_ = info.super.version >= first_checked_superblock;
     visit_group(file, 0);
   }
@@ -193,16 +203,16 @@ class Walk {
     visit_attributes(group);
     if (depth > deepest_group) throw_damaged(path_);
     H5G_info_t info{};
-    if (H5Gget_info(group, &info) < 0) throw_damaged(path_);
+    if (H5Gget_info(group, &info) < 0) fail(path_.string(), "cannot be read");
     const std::vector<std::string> names = members_of(group);
-    if (names.size() != info.nlinks) throw_damaged(path_);
+    if (names.size() != info.nlinks) fail(path_.string(), "cannot be read");
     for (const std::string& name : names) {
       H5L_info_t link{};
-      if (H5Lget_info(group, name.c_str(), &link, H5P_DEFAULT) < 0) throw_damaged(path_);
+      if (H5Lget_info(group, name.c_str(), &link, H5P_DEFAULT) < 0) fail(path_.string(), "cannot be read");
       if (link.type == H5L_TYPE_EXTERNAL && linked_file(group, name).empty()) throw_damaged(path_);
       if (link.type != H5L_TYPE_HARD) continue;
       const Id object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
-      if (object < 0) throw_damaged(path_);
+      if (object < 0) fail(path_.string(), "cannot be read");
       const H5I_type_t type = H5Iget_type(object);
       if (type == H5I_GROUP) visit_group(object, depth + 1);
       if (type == H5I_DATASET) visit_table(object, path_.string() + ": '" + name + "'");
@@ -210,17 +220,10 @@ class Walk {
   }
 
   void visit_attributes(hid_t object) {
-    std::vector<std::string> names;
-    hsize_t index = 0;
-    const auto keep = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
-      static_cast<std::vector<std::string>*>(out)->emplace_back(name);
-      return 0;
-    };
-    if (H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, &index, keep, &names) < 0) throw_damaged(path_);
-    for (const std::string& name : names) {
+    for (const std::string& name : attributes_of(object, path_.string())) {
       const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
       const Id type(attribute < 0 ? -1 : H5Aget_type(attribute), H5Tclose);
-      if (type < 0) throw_damaged(path_);
+      if (type < 0) fail(path_.string(), "cannot be read");
       switch (H5Tget_class(type)) {
         case H5T_INTEGER:
           read_number(object, name, path_.string());
@@ -287,6 +290,7 @@ void read_apart(const fs::path& file, const std::function<void(const Send&)>& wo
     if (header.ending == Ending::damaged) throw Damaged(text);
     if (take) take(header.kind, header.number, bytes);
   }
+  if (child.has_less_memory()) throw std::bad_alloc();  // without which HDF5 may crash
   throw_damaged(file);
 }
 

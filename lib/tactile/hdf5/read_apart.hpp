@@ -19,7 +19,8 @@
 //   - A file that is read once from start to end (a recording of another program) is read only by the child, which sends the
 //   values.
 //     So an unnoticed bad access in the child cannot harm the parent.
-// If the child does not finish, for any reason, the file is damaged. Limits on time and memory end loops and invalid sizes.
+// If the child does not finish, for any reason, the file is damaged. Limits on time and memory end loops and invalid sizes. Only
+// if this process is itself limited to less memory, a lack of it says nothing about the file: then std::bad_alloc is thrown.
 // The child is a fork of this process without an exec, so no `ChildProcess`: what it runs is a function with what that captures,
 // and a program of its own would have to be found wherever the library is used.
 namespace tactile::hdf5 {
