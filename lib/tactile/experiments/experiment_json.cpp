@@ -20,17 +20,6 @@ nlohmann::json machine_json(unsigned threads) {
           {"threads", threads}};
 }
 
-nlohmann::json steps_json(std::span<const StepRecord> steps) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const StepRecord& step : steps) {
-    json.push_back({{"name", step.name},
-                    {"command", step.command.empty() ? nlohmann::json() : nlohmann::json(step.command)},
-                    {"seconds", step.seconds},
-                    {"finished_at", step.finished_at}});
-  }
-  return json;
-}
-
 std::string from_folder(const std::filesystem::path& path, const std::filesystem::path& folder) {
   // weakly_canonical leaves a relative path as it is until its first part exists, so both become absolute first.
   const auto whole = [](const std::filesystem::path& any) {

@@ -35,7 +35,7 @@ struct StepRunner::Known {
   bool done = false;
   bool made_outputs = false;  ///< this step was done before, with any key
   nlohmann::json inputs, outputs;
-  StepRecord record;
+  results::StepRecord record;
 };
 
 std::string key_of(const Step& step) { return hash_of({{"name", step.name}, {"version", version()}, {"inputs", step.inputs}}); }
@@ -146,11 +146,11 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   }
   run_processes_of(due);
   // In the order of `steps`, whichever ended first.
-  const auto place_of = [&](const StepRecord& record) {
+  const auto place_of = [&](const results::StepRecord& record) {
     return std::find_if(steps.begin(), steps.end(), [&](const Step& step) { return step.name == record.name; }) - steps.begin();
   };
   std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(first_record), records_.end(),
-                   [&](const StepRecord& a, const StepRecord& b) { return place_of(a) < place_of(b); });
+                   [&](const results::StepRecord& a, const results::StepRecord& b) { return place_of(a) < place_of(b); });
 }
 
 void StepRunner::run_processes_of(const std::vector<const Step*>& due) {

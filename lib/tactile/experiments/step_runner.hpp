@@ -10,6 +10,7 @@
 
 #include "tactile/core/progress.hpp"
 #include "tactile/experiments/slurm.hpp"
+#include "tactile/results/step_record.hpp"
 
 namespace tactile::experiments {
 
@@ -31,14 +32,6 @@ struct Step {
   /// On a cluster: of a process that does `work` there. Empty: this process always does it.
   std::function<std::vector<std::string>()> on_cluster = {};
   std::string description = {};  ///< reported while it runs: "training 3 of 11: t_h 20 ms"; the name if empty
-};
-
-/// What is kept of a step that is done.
-struct StepRecord {
-  std::string name;
-  std::string command;
-  double seconds = 0;       ///< duration, whenever it was done
-  std::string finished_at;  ///< UTC
 };
 
 /// Returns the callback for one step's progress; may be empty.
@@ -70,7 +63,7 @@ class StepRunner {
   void run_side_by_side(const std::vector<Step>& steps);
 
   /// Steps that were run or found done, in order.
-  const std::vector<StepRecord>& records() const { return records_; }
+  const std::vector<results::StepRecord>& records() const { return records_; }
   std::size_t done_now() const { return done_now_; }
   std::size_t kept() const { return records_.size() - done_now_; }
 
@@ -94,7 +87,7 @@ class StepRunner {
   void run_processes_of(const std::vector<const Step*>& due);
 
   StepRunnerOptions options_;
-  std::vector<StepRecord> records_;
+  std::vector<results::StepRecord> records_;
   std::size_t done_now_ = 0;
 };
 

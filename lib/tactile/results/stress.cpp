@@ -101,7 +101,7 @@ void from_json(const JsonView& json, Stress& stress) {
             .settings = json["settings"].copy(),
             .software = json["software"].copy(),
             .machine = json["machine"].copy(),
-            .steps = json["steps"].copy()};
+            .steps = json["steps"].list_of<StepRecord>()};
 }
 
 std::string words_of(const StressCurve& curve) {

@@ -9,6 +9,7 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/false_alarm_table.hpp"
 #include "tactile/results/figure.hpp"
+#include "tactile/results/step_record.hpp"
 
 namespace tactile::results {
 
@@ -68,7 +69,8 @@ struct Stress {
   std::string engine{};
   BootstrapOptions bootstrap{};
   std::vector<StressedModel> models{};
-  nlohmann::json settings = nullptr, software = nullptr, machine = nullptr, steps = nullptr;  ///< as in trade.json
+  nlohmann::json settings = nullptr, software = nullptr, machine = nullptr;  ///< as in trade.json
+  std::vector<StepRecord> steps{};
 };
 
 inline constexpr std::string_view stress_format = "tactile-stress-1";

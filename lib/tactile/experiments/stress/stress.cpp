@@ -102,7 +102,7 @@ results::Stress result_of(const StressPlan& plan, std::vector<results::StressedM
                          .settings = settings_json(plan),
                          .software = experiments::software_json(),
                          .machine = experiments::machine_json(judging.threads),
-                         .steps = experiments::steps_json(runner.records())};
+                         .steps = runner.records()};
   for (const fs::path& file : options.quiet) stress.quiet_files.push_back(file.filename().string());
   return stress;
 }

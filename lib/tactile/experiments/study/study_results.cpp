@@ -185,7 +185,7 @@ TrainingSpread training_spread(const StudyPlan& plan, const TrainedModels& train
 
 /// All but objects held out and claims.
 json study_json(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const PreparedData& prepared,
-                std::span<const experiments::StepRecord> steps) {
+                std::span<const results::StepRecord> steps) {
   const windows::Dataset& dataset = plan.dataset;
   const results::BootstrapOptions bootstrap;
   json study = {{"format", "tactile-study-1"},
@@ -200,7 +200,7 @@ json study_json(const StudyPlan& plan, const TrainedModels& trained, const Judge
                   {"confidence", bootstrap.confidence},
                   {"seed", bootstrap.seed},
                   {"trainings", sentence_on_trainings(plan.trainings.size())}}},
-                {"steps", experiments::steps_json(steps)},
+                {"steps", std::vector(steps.begin(), steps.end())},
                 {"dataset",
                  {{"file", path_in(plan, prepared.dataset)},
                   {"manifest_hash", dataset.manifest_hash()},
@@ -345,7 +345,7 @@ std::vector<results::Claim> claims_on(const TrainedModels& trained, const Judged
 }  // namespace
 
 StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                        const PreparedData& prepared, std::span<const experiments::StepRecord> steps) {
+                        const PreparedData& prepared, std::span<const results::StepRecord> steps) {
   StudyResults results;
   results.study = study_json(plan, trained, judged, prepared, steps);
   std::map<std::string, SeenAndUnseen> unseen;

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/judge_models.hpp"
 #include "tactile/experiments/study/prepare_data.hpp"
 #include "tactile/experiments/study/study_tables.hpp"
+#include "tactile/results/step_record.hpp"
 
 namespace tactile::study {
 
@@ -20,7 +20,7 @@ struct StudyResults {
 
 /// Last stage of a study: all results, and what they show of the paper's claims.
 StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                        const PreparedData& prepared, std::span<const experiments::StepRecord> steps);
+                        const PreparedData& prepared, std::span<const results::StepRecord> steps);
 
 /// Writes the four files into the folder; those that would not change keep their modification time.
 void write_results(const StudyResults& results, const std::filesystem::path& folder);

@@ -13,7 +13,7 @@ namespace tactile::trade {
 
 double longest_s(const experiments::StepRunner& runner, const std::string& begin) {
   double longest = 0;
-  for (const experiments::StepRecord& record : runner.records()) {
+  for (const results::StepRecord& record : runner.records()) {
     if (record.name.starts_with(begin)) longest = std::max(longest, record.seconds);
   }
   return longest;

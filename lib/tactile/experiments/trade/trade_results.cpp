@@ -156,7 +156,7 @@ json trade_json(const TradePlan& plan, const TradeFindings& findings) {
       {"unfinished", findings.unfinished.empty() ? json() : json(findings.unfinished)},
       {"growth", findings.growth},
       {"recommendation", findings.recommendation},
-      {"steps", experiments::steps_json(findings.steps)}};
+      {"steps", std::vector(findings.steps.begin(), findings.steps.end())}};
 }
 
 void write_trade(const json& trade, const fs::path& folder) {

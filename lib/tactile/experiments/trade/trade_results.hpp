@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
+#include "tactile/results/step_record.hpp"
 
 namespace tactile::trade {
 
@@ -19,7 +19,7 @@ struct TradeFindings {
   const nlohmann::json& growth;          ///< null if it was not measured
   const nlohmann::json& recommendation;  ///< as in trade.json
   std::string unfinished;                ///< a sentence if the budget ended the work; else empty
-  std::span<const experiments::StepRecord> steps;
+  std::span<const results::StepRecord> steps;
 };
 
 /// The contents of trade.json; docs/format/ lists its keys.
