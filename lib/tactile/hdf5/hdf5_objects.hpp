@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/hdf5/packed_chunk.hpp"
 #include "tactile/hdf5/read_apart.hpp"
 
 // HDF5 with identifiers that close themselves, and errors as `Error`. Include this header only in sources.
@@ -71,7 +72,7 @@ Id open_file(const std::filesystem::path& file, bool for_writing);
 Id create_group(hid_t parent, const std::string& name, const std::string& where);
 Id open_table(hid_t parent, const std::string& name, const std::string& where);
 bool has_member(hid_t parent, const std::string& name);
-std::vector<std::string> members_of(hid_t group);  ///< the names of its links, in ascending order
+std::vector<std::string> members_of(hid_t group);                                ///< the names of its links, in ascending order
 std::vector<std::string> attributes_of(hid_t object, const std::string& where);  ///< their names. @throws Damaged
 void link_to_file(hid_t parent, const std::string& name, const std::string& file, const std::string& path_there,
                   const std::string& where);
@@ -110,13 +111,6 @@ Id create_table(hid_t parent, const std::string& name, hid_t type, const std::ve
                 const std::string& where);
 void append_rows(hid_t table, hid_t memory_type, const void* rows, hsize_t count, const std::string& where);
 
-/// The bytes of a whole chunk as a table of `create_table` stores it. It needs no Session, so several threads may pack chunks at
-/// the same time: HDF5 itself packs one after the other.
-/// @param values      little-endian, of all rows of the chunk; rows that do not exist are 0
-/// @param value_size  bytes of one value: 1, 2, 4 or 8
-std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std::size_t value_size = 1);
-/// The inverse for values of one byte. @throws Damaged  if the checksum differs, or the chunk holds another number of values
-std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t values, const std::string& where);
 /// Appends rows, each of them a packed chunk, to a table with one row per chunk.
 void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> rows, const std::string& where);
 /// Appends a packed chunk to a table of whole chunks. @param rows  those of its rows that exist; all of them unless it is the
