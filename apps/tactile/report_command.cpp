@@ -16,8 +16,8 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/bundle/pinned_bundle.hpp"
+#include "tactile/report/read_experiment.hpp"
 #include "tactile/report/report.hpp"
-#include "tactile/report/reported_stress.hpp"
 #include "tactile/results/json_view.hpp"
 #include "tactile/windows/dataset.hpp"
 

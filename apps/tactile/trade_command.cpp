@@ -25,7 +25,7 @@
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/report/budget_plot.hpp"
-#include "tactile/report/reported_trade.hpp"
+#include "tactile/report/read_experiment.hpp"
 #include "tactile/report/trade_plots.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -176,11 +176,11 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
 }
 
 std::vector<std::string> draw_figures(const fs::path& out) {
-  const report::ReportedTrade trade = report::read_trade(out);
+  const results::Trade trade = report::read_trade(out);
   std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
                                                             {"trade-delay", report::trade_delay_plot(trade)},
                                                             {"trade-budgets", report::trade_budget_plot(trade)}};
-  if (!trade.growth.by_rate.empty()) {
+  if (trade.growth && !trade.growth->by_rate.empty()) {
     plots.emplace_back("trade-growth", report::trade_growth_plot(trade));
   } else {
     for (const char* type : {".svg", ".png"}) fs::remove(out / "figures" / ("trade-growth" + std::string(type)));
@@ -229,11 +229,11 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   warn_of_runs(options, args.strict);
   const trade::TradeSummary summary = trade::run_trade(
       options, [&] { return progress_line(common); }, log_step);
-  if (const auto busy = summary.trade.at("busy").get<std::size_t>(); busy > 0) {
+  if (summary.trade.busy > 0) {
     spdlog::warn(
         "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run this "
         "again on an idle machine",
-        busy, summary.trade.at("points").size(), (fs::path(args.out) / "times").string());
+        summary.trade.busy, summary.trade.points.size(), (fs::path(args.out) / "times").string());
   }
   write_settings(common, fs::path(args.out) / "settings.json");
   nlohmann::json result = summary.trade;
@@ -250,7 +250,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
       text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
     }
     if (!args.apply.empty()) {
-      write_json(args.apply, trade::detect_config(summary.trade, args.out));
+      if (!summary.detect_options) throw Error("no setting to apply: " + summary.trade.recommendation.sentence);
+      write_json(args.apply, *summary.detect_options);
       result["applied"] = args.apply;
       text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
     }

@@ -17,7 +17,7 @@ using test::has_row;
 /// A setting that has the same values on the runs to choose on.
 results::TradedSetting setting(const std::string& kind, const std::string& text, double us, double accuracy) {
   results::TradedSetting made;
-  made.kind = kind;
+  made.values.kind = kind;
   made.text = text;
   made.reported.figures.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
   made.choice.figures.accuracy.value = accuracy;
@@ -27,16 +27,16 @@ results::TradedSetting setting(const std::string& kind, const std::string& text,
   return made;
 }
 
-ReportedTrade three_kinds() {
-  ReportedTrade trade;
-  trade.settings = {setting("lenet", "as usual", 180, 0.94),          setting("lenet", "width 0.25", 45, 0.90),
-                    setting("lenet", "width 0.25, slower", 49, 0.90), setting("trees", "trees", 9, 0.93),
-                    setting("trees", "trees, gate", 30, 0.92),        setting("temporal", "temporal convolution", 900, 0.99)};
+results::Trade three_kinds() {
+  results::Trade trade;
+  trade.points = {setting("lenet", "as usual", 180, 0.94),          setting("lenet", "width 0.25", 45, 0.90),
+                  setting("lenet", "width 0.25, slower", 49, 0.90), setting("trees", "trees", 9, 0.93),
+                  setting("trees", "trees, gate", 30, 0.92),        setting("temporal", "temporal convolution", 900, 0.99)};
   return trade;
 }
 
 TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
-  ReportedTrade trade = three_kinds();
+  results::Trade trade = three_kinds();
   const auto texts = [&] {
     std::vector<std::vector<std::string>> of_kinds;
     for (const BestOfKind& best : best_within_budgets(trade)) {
@@ -50,10 +50,10 @@ TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
                             {"trees", "", "trees", "trees", "trees", "trees"},
                             {"temporal", "", "", "", "", ""}}));
   // What the runs to report on show chooses nothing.
-  trade.settings[0].reported.figures.accuracy.value = 0.1;
-  trade.settings[0].reported.figures.us_p99.value = 1;
+  trade.points[0].reported.figures.accuracy.value = 0.1;
+  trade.points[0].reported.figures.us_p99.value = 1;
   EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "width 0.25", "width 0.25", "as usual"}));
-  trade.settings[3].choice.figures.accuracy.value = NAN;
+  trade.points[3].choice.figures.accuracy.value = NAN;
   EXPECT_EQ(texts()[1], (std::vector<std::string>{"trees", "", "", "trees, gate", "trees, gate", "trees, gate"}));
 }
 
@@ -74,8 +74,8 @@ TEST(TradeBudgetPlot, ShowsAccuracyDelayAndFalseAlarmsOfEachKindAndNamesTheSetti
 
 TEST(TradeBudgetPlot, IsDrawnWithoutAnySettingToo) {
   EXPECT_TRUE(contains(drawn(trade_budget_plot({})), "accuracy [%]"));
-  ReportedTrade slow;
-  slow.settings = {setting("lenet", "as usual", 1000, 0.9)};
+  results::Trade slow;
+  slow.points = {setting("lenet", "as usual", 1000, 0.9)};
   EXPECT_TRUE(contains(drawn(trade_budget_plot(slow)), "LeNet: no setting within 200 us"));
 }
 

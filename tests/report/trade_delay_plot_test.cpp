@@ -22,10 +22,10 @@ results::TradedSetting setting_with(double episodes_per_min, double delay_us, do
 }
 
 TEST(TradeDelayPlot, CutsAnIntervalFarAboveAllDelays) {
-  ReportedTrade trade;
-  trade.settings = {setting_with(9, 8000, 10'000)};
+  results::Trade trade;
+  trade.points = {setting_with(9, 8000, 10'000)};
   EXPECT_FALSE(contains(drawn(trade_delay_plot(trade)), " cut at "));
-  trade.settings.push_back(setting_with(0, 6000, 48e6));
+  trade.points.push_back(setting_with(0, 6000, 48e6));
   const pictures::Plot plot = trade_delay_plot(trade);
   EXPECT_TRUE(has_row(plot, {1, 8, 7, 10}));
   EXPECT_TRUE(has_row(plot, {0, 6, 5, 12})) << "1.5 times the longest delay";

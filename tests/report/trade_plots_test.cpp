@@ -83,9 +83,9 @@ results::TradedSetting beaten(results::TradedSetting setting) {
   return setting;
 }
 
-ReportedTrade trade_of(std::vector<results::TradedSetting> settings) {
-  ReportedTrade trade;
-  trade.settings = std::move(settings);
+results::Trade trade_of(std::vector<results::TradedSetting> settings) {
+  results::Trade trade;
+  trade.points = std::move(settings);
   return trade;
 }
 
@@ -158,7 +158,7 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
   for (const std::string& knob : knobs) name += (name.empty() ? "" : ", ") + knob;
   results::TradedSetting long_one = setting(name, 20, 0.7, 900, 5000);
   long_one.reported.figures.missed.value = 0.125;
-  const ReportedTrade trade =
+  const results::Trade trade =
       trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000))});
   for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
     const std::vector<Words> words = words_in(plot);
@@ -202,7 +202,7 @@ TEST(TradePlots, NumberTheFrontByWhatIsAcross) {
 }
 
 TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
-  ReportedTrade trade = trade_of(
+  results::Trade trade = trade_of(
       {beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000), setting("sure", 1000, 0.95, 1, 9000)});
   for (const bool has_intervals : {true, false}) {
     for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
@@ -225,7 +225,7 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       EXPECT_EQ(contains(svg, "95 %"), has_intervals) << "intervals are spoken of only where there are some";
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
-    for (results::TradedSetting& one : trade.settings) {
+    for (results::TradedSetting& one : trade.points) {
       for (results::Figure* measured : {&one.reported.figures.accuracy, &one.reported.figures.delay_median_us})
         measured->low = measured->high = std::nullopt;
     }
@@ -326,12 +326,13 @@ results::GrowthPoint growth(double events_per_s, microseconds history, int width
           .dense = {.rendering_us = 0.1, .p50_us = 1000}};
 }
 
-ReportedTrade grown() {
-  ReportedTrade trade;
-  for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) trade.growth.by_rate.push_back(growth(rate, 40ms, 640, 480));
+results::Trade grown() {
+  results::Trade trade;
+  results::CostGrowth& of = trade.growth.emplace();
+  for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) of.by_rate.push_back(growth(rate, 40ms, 640, 480));
   for (const microseconds history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms})
-    trade.growth.by_history.push_back(growth(3e5, history, 640, 480));
-  for (const int width : {160, 320, 640, 1280}) trade.growth.by_resolution.push_back(growth(3e5, 40ms, width, 3 * width / 4));
+    of.by_history.push_back(growth(3e5, history, 640, 480));
+  for (const int width : {160, 320, 640, 1280}) of.by_resolution.push_back(growth(3e5, 40ms, width, 3 * width / 4));
   return trade;
 }
 
@@ -375,14 +376,14 @@ TEST(TradeGrowthPlot, LeadsNoLineFromNoEventsToSome) {
 
 TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
   EXPECT_TRUE(contains(drawn(trade_growth_plot({})), "not measured"));
-  ReportedTrade trade = grown();
+  results::Trade trade = grown();
   EXPECT_FALSE(contains(trade_growth_plot(trade).script, "not measured"));
-  trade.growth.by_rate.resize(1);
-  trade.growth.by_history.resize(1);
-  trade.growth.by_history[0].sparse.p50_us = NAN;
-  trade.growth.by_history[0].dense.p50_us = 0;
-  trade.growth.by_resolution.resize(2);
-  trade.growth.by_resolution[1].sensor.width = 0;
+  trade.growth->by_rate.resize(1);
+  trade.growth->by_history.resize(1);
+  trade.growth->by_history[0].sparse.p50_us = NAN;
+  trade.growth->by_history[0].dense.p50_us = 0;
+  trade.growth->by_resolution.resize(2);
+  trade.growth->by_resolution[1].sensor.width = 0;
   const pictures::Plot plot = trade_growth_plot(trade);
   drawn(plot);
   const std::vector<XAxis> axes = x_axes(plot);

@@ -39,7 +39,27 @@ TradeResult result_from(double first) {
 }
 
 TEST(TradedSetting, ComesBackAsItWasWritten) {
-  TradedSetting setting{.text = "trees", .design = "one", .trainings = 5, .choice = result_from(0), .reported = result_from(100)};
+  TradedSetting setting{.id = "th20-trees",
+                        .text = "trees",
+                        .design = "one",
+                        .values = {.kind = "trees",
+                                   .th_ms = 20,
+                                   .tick_ms = 2,
+                                   .factor = 0.1,
+                                   .resize = "area",
+                                   .denoise = "mean",
+                                   .width = 0.25,
+                                   .last_pool = 4,
+                                   .engine = "fast",
+                                   .precision = "int8",
+                                   .pass = "dense",
+                                   .confirm = "2/3",
+                                   .filter = "0.1",
+                                   .gate = true},
+                        .models = {"a", "b"},
+                        .trainings = 5,
+                        .choice = result_from(0),
+                        .reported = result_from(100)};
   setting.difference = TradeDifference{.accuracy = {.value = 1},
                                        .delay_us = {.value = 2},
                                        .missed = {.value = 3},
@@ -48,22 +68,22 @@ TEST(TradedSetting, ComesBackAsItWasWritten) {
                                        .us_p99 = {.value = 6}};
   setting.on_delay_front = true;
   setting.front_probability = {.accuracy = 0.25, .delay = 0.75};
-  nlohmann::json json = setting;
-  json["setting"]["kind"] = "trees";
+  const nlohmann::json json = setting;
   const TradedSetting read = setting_in(json);
-  EXPECT_EQ(read.kind, "trees");
+  EXPECT_EQ(read.values.kind, "trees");
   EXPECT_EQ(read.reported.figures.us_p99.value, 103);
   EXPECT_EQ(read.reported.ticks, 116U);
   EXPECT_TRUE(read.choice.figures.p90_is_bound);
   EXPECT_TRUE(read.difference && read.difference->us_p99.value == 6);
   EXPECT_EQ(read.front_probability.delay, 0.75);
-  json.erase("setting");
   EXPECT_EQ(nlohmann::json(read), json);
 }
 
 TEST(TradedSetting, OfAnEarlierVersionLacksWhatWasNotMeasured) {
   const TradedSetting usual = setting_in({{"text", "as usual"}, {"difference", nullptr}});
-  EXPECT_EQ(usual.kind, "lenet");
+  EXPECT_EQ(usual.values.kind, "lenet");
+  EXPECT_EQ(usual.values.width, 1);
+  EXPECT_EQ(usual.values.last_pool, 2);
   EXPECT_FALSE(usual.difference);
   EXPECT_FALSE(usual.front_probability.accuracy);
   EXPECT_TRUE(std::isnan(usual.reported.figures.us_p999.value));

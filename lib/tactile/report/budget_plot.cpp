@@ -91,11 +91,11 @@ std::string budget_tics() {
 
 }  // namespace
 
-std::vector<BestOfKind> best_within_budgets(const ReportedTrade& trade) {
+std::vector<BestOfKind> best_within_budgets(const results::Trade& trade) {
   std::vector<BestOfKind> all;
-  for (const results::TradedSetting& setting : trade.settings) {
-    auto best = std::find_if(all.begin(), all.end(), [&](const BestOfKind& one) { return one.kind == setting.kind; });
-    if (best == all.end()) best = all.insert(all.end(), {.kind = setting.kind});
+  for (const results::TradedSetting& setting : trade.points) {
+    auto best = std::find_if(all.begin(), all.end(), [&](const BestOfKind& one) { return one.kind == setting.values.kind; });
+    if (best == all.end()) best = all.insert(all.end(), {.kind = setting.values.kind});
     if (!std::isfinite(setting.choice.figures.accuracy.value)) continue;
     for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
       if (!(setting.choice.figures.us_p99.value <= tick_budgets[i])) continue;
@@ -108,7 +108,7 @@ std::vector<BestOfKind> best_within_budgets(const ReportedTrade& trade) {
   return all;
 }
 
-pictures::Plot trade_budget_plot(const ReportedTrade& trade) {
+pictures::Plot trade_budget_plot(const results::Trade& trade) {
   const std::vector<BestOfKind> all = best_within_budgets(trade);
   std::vector<std::pair<std::string, std::size_t>> names;  // with the kind
   for (std::size_t kind = 0; kind < all.size(); ++kind) {

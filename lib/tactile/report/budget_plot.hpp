@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tactile/pictures/gnuplot.hpp"
-#include "tactile/report/reported_trade.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::report {
 
@@ -20,10 +20,10 @@ struct BestOfKind {
 
 /// For each kind and limit, the most accurate setting of which 99 % of the ticks take at most this long, both on the choice runs;
 /// the faster of equals. Kinds in the order in which they appear.
-std::vector<BestOfKind> best_within_budgets(const ReportedTrade& trade);
+std::vector<BestOfKind> best_within_budgets(const results::Trade& trade);
 
 /// Of these settings accuracy, median delay and false alarms against the limit, on the reported runs, with their 95 % intervals;
 /// below, the settings by name.
-pictures::Plot trade_budget_plot(const ReportedTrade& trade);
+pictures::Plot trade_budget_plot(const results::Trade& trade);
 
 }  // namespace tactile::report

@@ -8,10 +8,10 @@
 
 #include "tactile/report/classifier_plots.hpp"
 #include "tactile/report/object_plots.hpp"
-#include "tactile/report/reported_trade.hpp"
 #include "tactile/results/claim.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/stress.hpp"
+#include "tactile/results/trade.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 #include "tactile/results/variance_shares.hpp"
 
@@ -72,7 +72,7 @@ struct ReportInput {
   std::vector<UnseenSection> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
-  std::optional<ReportedTrade> trade;     ///< of speed for accuracy
+  std::optional<results::Trade> trade;    ///< of speed for accuracy
   std::optional<results::Stress> stress;  ///< of worsened runs
   std::vector<ReportedTable> settings;
   std::filesystem::path data;        ///< folder of runs; empty if not known

@@ -19,7 +19,7 @@ namespace {
 
 using pictures::figure_colours::faint_ink;
 
-std::string titled(const ReportedTrade& trade, const std::string& words) {
+std::string titled(const results::Trade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
 }
 
@@ -48,9 +48,9 @@ std::optional<double> cut_intervals(std::vector<Dot>& dots) {
 
 }  // namespace
 
-pictures::Plot trade_accuracy_plot(const ReportedTrade& trade) {
+pictures::Plot trade_accuracy_plot(const results::Trade& trade) {
   std::vector<Dot> dots;
-  for (const results::TradedSetting& setting : trade.settings) {
+  for (const results::TradedSetting& setting : trade.points) {
     Dot dot = dot_of(setting);
     dot.x = setting.reported.figures.us_p99.value;
     dot.y = results::scaled(setting.reported.figures.accuracy, 100);
@@ -67,9 +67,9 @@ pictures::Plot trade_accuracy_plot(const ReportedTrade& trade) {
                    dots);
 }
 
-pictures::Plot trade_delay_plot(const ReportedTrade& trade) {
+pictures::Plot trade_delay_plot(const results::Trade& trade) {
   std::vector<Dot> dots;
-  for (const results::TradedSetting& setting : trade.settings) {
+  for (const results::TradedSetting& setting : trade.points) {
     Dot dot = dot_of(setting);
     dot.x = setting.reported.figures.episodes_per_min.value;
     dot.y = results::scaled(setting.reported.figures.delay_median_us, 1e-3);
@@ -221,14 +221,15 @@ void draw_panel(pictures::PlotScript& script, const GrowthPanel& panel, const pi
 
 }  // namespace
 
-pictures::Plot trade_growth_plot(const ReportedTrade& trade) {
+pictures::Plot trade_growth_plot(const results::Trade& trade) {
   constexpr int below = 124;
   pictures::PlotScript script(titled(trade, "How the cost of a tick grows"), page_width, growth_bottom + below);
   script.note("Blue circles: tactile, the whole tick; hollow and dashed: its rendering alone. Orange squares: the dense method,");
   script.note("which computes every pixel and every output of the network.");
   script.text("median time per tick [us]", 20, 100, "left font ',12'");
+  const results::CostGrowth growth = trade.growth.value_or(results::CostGrowth{});
   double most = -INFINITY, least = INFINITY;
-  for (const auto* points : {&trade.growth.by_rate, &trade.growth.by_history, &trade.growth.by_resolution}) {
+  for (const auto* points : {&growth.by_rate, &growth.by_history, &growth.by_resolution}) {
     for (const results::GrowthPoint& point : *points) {
       for (const double us : times_of(point)) {
         const double position = log_position(us);
@@ -238,7 +239,7 @@ pictures::Plot trade_growth_plot(const ReportedTrade& trade) {
   }
   const AxisRange up = range_around(least, most, 1, growth_height);
   const AxisTics tics = decade_tics(up, false, true);
-  const std::vector<GrowthPanel> panels = panels_of(trade.growth);
+  const std::vector<GrowthPanel> panels = panels_of(growth);
   for (const GrowthPanel& panel : panels)
     draw_panel(script, panel, {.begin = up.begin, .end = up.end, .tics = tics.text(&panel == &panels.front())});
   return std::move(script).finished();

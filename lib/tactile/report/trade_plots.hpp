@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tactile/pictures/gnuplot.hpp"
-#include "tactile/report/reported_trade.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::report {
 
@@ -9,14 +9,14 @@ namespace tactile::report {
 // runs it need not be a front, so no line joins it.
 
 /// Accuracy against the 99th percentile of the time per tick, by its logarithm.
-pictures::Plot trade_accuracy_plot(const ReportedTrade& trade);
+pictures::Plot trade_accuracy_plot(const results::Trade& trade);
 
 /// Median delay, misses at their limit, against false alarms per minute outside labels. Their axis is linear near 0 and
 /// logarithmic beyond: log10(x + 1).
-pictures::Plot trade_delay_plot(const ReportedTrade& trade);
+pictures::Plot trade_delay_plot(const results::Trade& trade);
 
 /// Time per tick against event rate, history and resolution, all by their logarithms, with the dense method in orange; tics are
 /// at the measured points.
-pictures::Plot trade_growth_plot(const ReportedTrade& trade);
+pictures::Plot trade_growth_plot(const results::Trade& trade);
 
 }  // namespace tactile::report

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/report/budget_plot.hpp"
 #include "tactile/report/report_page.hpp"
 #include "tactile/report/trade_plots.hpp"
@@ -70,30 +71,40 @@ void add_table(ReportPage& page, const std::vector<results::TradedSetting>& sett
   if (left_out > 0) page.html.paragraph(fmt::format("{} more settings, on no front, are in trade.csv.", left_out));
 }
 
+/// In sentences: pairs that do not divide, and what was not measured.
+std::vector<std::string> not_in(const results::Trade& trade) {
+  std::vector<std::string> sentences;
+  for (const results::UntriedPair& pair : trade.left_out)
+    sentences.push_back(fmt::format("t_h {:g} ms with a tick of {:g} ms: {}", in_ms(pair.history), in_ms(pair.tick), pair.why));
+  for (const results::NotMeasured& one : trade.not_measured) sentences.push_back(fmt::format("{}: {}", one.setting, one.why));
+  if (!trade.unfinished.empty()) sentences.push_back(trade.unfinished);
+  return sentences;
+}
+
 }  // namespace
 
 void add_trade(ReportPage& page, const ReportInput& input) {
   if (!input.trade) return;
-  const ReportedTrade& trade = *input.trade;
+  const results::Trade& trade = *input.trade;
   page.html.section("trade", "Speed against accuracy");
   if (trade.simulated && !input.simulated)
     page.html.warning("This part was measured on simulated runs. It says nothing about a real sensor.");
-  if (!trade.sentence.empty()) page.html.paragraph(trade.sentence);
+  if (!trade.recommendation.sentence.empty()) page.html.paragraph(trade.recommendation.sentence);
   if (!trade.usual_is.empty()) page.html.paragraph(trade.usual_is);
-  page.html.paragraph(fmt::format("{} Measured on {}. {}", trade.times_are, trade.machine, trade.judged_by));
+  page.html.paragraph(fmt::format("{} Measured on {}. {}", trade.times_are, trade.cpu(), trade.judged_by));
   const auto on = [&](bool results::TradedSetting::*front) {
-    return std::count_if(trade.settings.begin(), trade.settings.end(),
+    return std::count_if(trade.points.begin(), trade.points.end(),
                          [front](const results::TradedSetting& setting) { return setting.*front; });
   };
   page.figure(
       "trade-accuracy", trade_accuracy_plot(trade),
-      fmt::format("Accuracy against time per tick of {} settings, {} of them on the front.", trade.settings.size(),
+      fmt::format("Accuracy against time per tick of {} settings, {} of them on the front.", trade.points.size(),
                   on(&results::TradedSetting::on_accuracy_front)),
       "Accuracy against the 99th percentile of the time per tick. The front was found on the choice runs; on the reported "
       "runs it can differ by chance.");
   page.figure("trade-delay", trade_delay_plot(trade),
               fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.",
-                          trade.settings.size(), on(&results::TradedSetting::on_delay_front)),
+                          trade.points.size(), on(&results::TradedSetting::on_delay_front)),
               "Median delay of presses and slips, with the time of computing, against false alarms per minute outside labels. "
               "Missed ones "
               "count with the time in which they could be detected; the list has their share.");
@@ -103,10 +114,10 @@ void add_trade(ReportPage& page, const ReportInput& input) {
       "200 us per tick.",
       "The most accurate setting of each kind of model whose ticks keep a limit of time, with its accuracy, median delay and "
       "false alarms. It was chosen on the choice runs.");
-  add_table(page, by_rank(trade.settings));
-  for (const std::string& sentence : trade.left_out) page.missing.push_back("Speed against accuracy: " + sentence);
-  if (trade.growth.by_rate.empty()) return;
-  const results::GrowthPoint& fastest = trade.growth.by_rate.back();
+  add_table(page, by_rank(trade.points));
+  for (const std::string& sentence : not_in(trade)) page.missing.push_back("Speed against accuracy: " + sentence);
+  if (!trade.growth || trade.growth->by_rate.empty()) return;
+  const results::GrowthPoint& fastest = trade.growth->by_rate.back();
   page.html.heading("How the cost grows");
   page.figure("trade-growth", trade_growth_plot(trade),
               fmt::format("Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and "

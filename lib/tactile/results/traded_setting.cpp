@@ -62,11 +62,43 @@ void from_json(const JsonView& json, TradeDifference& difference) {
                 .us_p99 = us["p99"].get<Figure>()};
 }
 
+void to_json(nlohmann::json& json, const SettingValues& values) {
+  json = {{"kind", values.kind},       {"th_ms", values.th_ms},
+          {"tick_ms", values.tick_ms}, {"factor", values.factor},
+          {"resize", values.resize},   {"denoise", values.denoise},
+          {"width", values.width},     {"last_pool", values.last_pool},
+          {"engine", values.engine},   {"precision", values.precision},
+          {"pass", values.pass},       {"confirm", values.confirm},
+          {"filter", values.filter},   {"gate", values.gate}};
+}
+
+void from_json(const JsonView& json, SettingValues& values) {
+  const auto or_usual = [](const std::string& text, const std::string& usual) { return text.empty() ? usual : text; };
+  const SettingValues usual;
+  values = {.kind = or_usual(json["kind"].text(), usual.kind),
+            .th_ms = json["th_ms"].number(),
+            .tick_ms = json["tick_ms"].number(),
+            .factor = json["factor"].number(),
+            .resize = json["resize"].text(),
+            .denoise = json["denoise"].text(),
+            .width = json["width"].number_if_there().value_or(usual.width),
+            .last_pool = json["last_pool"] ? json["last_pool"].whole_number() : usual.last_pool,
+            .engine = json["engine"].text(),
+            .precision = json["precision"].text(),
+            .pass = json["pass"].text(),
+            .confirm = json["confirm"].text(),
+            .filter = or_usual(json["filter"].text(), usual.filter),
+            .gate = json["gate"].truth()};
+}
+
 void to_json(nlohmann::json& json, const TradedSetting& setting) {
   const auto share = [](const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(); };
   const FrontProbability& probability = setting.front_probability;
-  json = {{"text", setting.text},
+  json = {{"id", setting.id},
+          {"text", setting.text},
           {"design", setting.design},
+          {"setting", setting.values},
+          {"models", setting.models},
           {"trainings", setting.trainings},
           {"choice", setting.choice},
           {"reported", setting.reported},
@@ -79,10 +111,11 @@ void to_json(nlohmann::json& json, const TradedSetting& setting) {
 
 void from_json(const JsonView& json, TradedSetting& setting) {
   const JsonView front = json["front"], probability = front["probability"], difference = json["difference"];
-  const std::string kind = json["setting"]["kind"].text();
-  setting = {.text = json["text"].text(),
+  setting = {.id = json["id"].text(),
+             .text = json["text"].text(),
              .design = json["design"].text(),
-             .kind = kind.empty() ? "lenet" : kind,
+             .values = json["setting"].get<SettingValues>(),
+             .models = json["models"].texts(),
              .trainings = json["trainings"].count(),
              .choice = json["choice"].get<TradeResult>(),
              .reported = json["reported"].get<TradeResult>(),

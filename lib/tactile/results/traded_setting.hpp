@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tactile/results/figure.hpp"
 #include "tactile/results/json_view.hpp"
@@ -49,19 +50,39 @@ struct FrontProbability {
   std::optional<double> accuracy, delay;
 };
 
-/// A setting that `tactile trade` measured.
-struct TradedSetting {
-  std::string text;            ///< in what it differs from the usual one
-  std::string design;          ///< "usual", "one", "corner", "all"
-  std::string kind = "lenet";  ///< of its model; read from "setting"
-  std::uint64_t trainings = 0;
-  TradeResult choice, reported;                            ///< on the runs to choose on, and on the reported ones
-  std::optional<TradeDifference> difference = {};          ///< to the usual setting, on the reported runs
-  bool on_accuracy_front = false, on_delay_front = false;  ///< on the runs to choose on
-  FrontProbability front_probability = {};
+/// All parameters of a detector that trade speed for accuracy, as the options of `tactile trade` name them.
+struct SettingValues {
+  std::string kind = "lenet";  ///< of its model
+  double th_ms = std::numeric_limits<double>::quiet_NaN(), tick_ms = std::numeric_limits<double>::quiet_NaN();
+  double factor = std::numeric_limits<double>::quiet_NaN();  ///< size of the heatmap, divided by that of the sensor
+  std::string resize, denoise;
+  double width = 1;
+  std::int64_t last_pool = 2;
+  std::string engine, precision, pass, confirm;
+  std::string filter = "off";  ///< or its alarm cost
+  bool gate = false;
 };
 
-/// {"text", "design", "trainings", "choice", "reported", "difference", "front"}
+/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
+/// "filter", "gate"}
+void to_json(nlohmann::json& json, const SettingValues& values);
+void from_json(const JsonView& json, SettingValues& values);
+
+/// A setting that `tactile trade` measured.
+struct TradedSetting {
+  std::string id{};                   ///< unique
+  std::string text{};                 ///< in what it differs from the usual one
+  std::string design{};               ///< "usual", "one", "corner", "all"
+  SettingValues values{};             ///< "setting" in JSON
+  std::vector<std::string> models{};  ///< names, one for each training
+  std::uint64_t trainings = 0;
+  TradeResult choice{}, reported{};                        ///< on the runs to choose on, and on the reported ones
+  std::optional<TradeDifference> difference{};             ///< to the usual setting, on the reported runs
+  bool on_accuracy_front = false, on_delay_front = false;  ///< on the runs to choose on
+  FrontProbability front_probability{};
+};
+
+/// {"id", "text", "design", "setting", "models", "trainings", "choice", "reported", "difference", "front"}
 void to_json(nlohmann::json& json, const TradedSetting& setting);
 void from_json(const JsonView& json, TradedSetting& setting);
 

@@ -14,6 +14,7 @@
 #include "tactile/core/runs_below.hpp"
 #include "tactile/results/claim.hpp"
 #include "tactile/results/stress.hpp"
+#include "tactile/results/trade.hpp"
 #include "tactile/review/model_list.hpp"
 
 namespace tactile::review {
@@ -55,15 +56,14 @@ void read_study(json& entry, const results::JsonView& study) {
   }
 }
 
-void read_trade(json& entry, const results::JsonView& trade) {
-  for (const results::JsonView& point : trade["points"].items()) {
-    const std::string setting = point["text"].text();
-    const results::JsonView reported = point["reported"];
-    add_figure(entry["figures"], setting + ": accuracy", reported["accuracy"].get<results::Figure>(), "%", percent);
-    add_figure(entry["figures"], setting + ": time of a tick, p99", reported["us"]["p99"].get<results::Figure>(), "us");
+void read_trade(json& entry, const results::JsonView& document) {
+  const auto trade = document.get<results::Trade>();
+  for (const results::TradedSetting& setting : trade.points) {
+    const results::TradeFigures& figures = setting.reported.figures;
+    add_figure(entry["figures"], setting.text + ": accuracy", figures.accuracy, "%", percent);
+    add_figure(entry["figures"], setting.text + ": time of a tick, p99", figures.us_p99, "us");
   }
-  if (const std::string sentence = trade["recommendation"]["sentence"].text(); !sentence.empty())
-    entry["remarks"].push_back(sentence);
+  if (!trade.recommendation.sentence.empty()) entry["remarks"].push_back(trade.recommendation.sentence);
 }
 
 void read_stress(json& entry, const results::JsonView& stress) {

@@ -11,6 +11,7 @@
 #include "tactile/experiments/trade/network_trainer.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
 #include "tactile/results/full_run.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::trade {
 
@@ -25,7 +26,7 @@ struct PointTimes {
 /// Points with all that is measured of them.
 struct MeasuredPoints {
   std::vector<TradePoint> points;  ///< the usual setting first
-  std::vector<NotMeasured> not_measured = {};
+  std::vector<results::NotMeasured> not_measured = {};
   std::map<std::string, std::vector<results::FullRun>> predictions =
       {};  ///< at every tick of the runs that a network is tested on, by `prediction_name`
   PointTimes times = {};

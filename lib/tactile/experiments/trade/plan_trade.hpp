@@ -69,11 +69,6 @@ struct TradePoint {
   results::FrontProbability front_probability = {};
 };
 
-/// A setting that could not be measured, in words.
-struct NotMeasured {
-  std::string setting, why;
-};
-
 /// What one training learns from and is judged on. Each training has other runs: what one is judged on, another may learn from.
 struct TradeTraining {
   std::string train_run;  ///< id of the run to learn from, of each object

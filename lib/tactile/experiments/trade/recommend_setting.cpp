@@ -73,8 +73,8 @@ std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point
 
 /// Measures a setting by each of its networks, on the runs that this one reports on. Uses nothing that was measured before. If
 /// the tick is the network's own, `evaluate` gives accuracy and false alarms.
-/// @return  `results::TradeResult` as JSON, with "by" ("eval" or "trade"), "model" and "runs"
-json measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual, const ProgressCallback& progress) {
+results::MeasuredAgain measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual,
+                                     const ProgressCallback& progress) {
   const TradeSetting& setting = point.setting;
   const unsigned threads = plan.options.threads;
   std::vector<model::Classifier> classifiers;
@@ -96,22 +96,22 @@ json measure_again(const TradePlan& plan, const TradePoint& point, const TradePo
       outcomes.back().training = network.training;
     }
   }
-  json result = result_of(outcomes, timed_again(plan, point, usual, progress));
-  result["by"] = "trade";
+  results::MeasuredAgain again{.result = result_of(outcomes, timed_again(plan, point, usual, progress)),
+                               .by = "trade",
+                               .model = point.networks.front().name(),
+                               .trainings = point.networks.size(),
+                               .runs = names_of(plan.dataset, reported_runs(plan, point))};
   // `eval` judges only at the network's own ticks, where samples lie.
   if (setting.rendering.tick == point.networks.front().settings.rendering.tick) {
     const results::Evaluation evaluation = evaluation::evaluate(
         plan.dataset, models,
         {.confirmation = setting.confirmation, .alarm_cost = setting.alarm_cost, .gate = setting.gate, .threads = threads},
         progress);
-    result["by"] = "eval";
-    result["accuracy"] = evaluation.accuracy.mean;
-    result["false_alarms_per_min"] = evaluation.network.false_alarms.per_min;
+    again.by = "eval";
+    again.result.figures.accuracy = evaluation.accuracy.mean;
+    again.result.false_alarms_per_min = evaluation.network.false_alarms.per_min;
   }
-  result["model"] = point.networks.front().name();
-  result["trainings"] = point.networks.size();
-  result["runs"] = names_of(plan.dataset, reported_runs(plan, point));
-  return result;
+  return again;
 }
 
 json weights_of(const TradePoint& point) {
@@ -122,7 +122,7 @@ json weights_of(const TradePoint& point) {
 
 /// The same as a step.
 /// @return  nothing if the budget ended it
-std::optional<json> run_again(const Stage& stage, const TradePoint& point, const TradePoint& usual) {
+std::optional<results::MeasuredAgain> run_again(const Stage& stage, const TradePoint& point, const TradePoint& usual) {
   const TradePlan& plan = stage.plan;
   const std::string id = id_of(point.setting);
   const fs::path file = plan.options.out / "again" / (id + ".json");
@@ -142,7 +142,8 @@ std::optional<json> run_again(const Stage& stage, const TradePoint& point, const
                   point.networks.size() == 1 ? "one network" : fmt::format("{} networks", point.networks.size()),
                   text_of(point.setting, plan.options.usual)));
   if (!stage.budget.finishes([&] { stage.runner.run(step); })) return std::nullopt;
-  return read_json(file);
+  const json measured = read_json(file);
+  return results::JsonView(measured, file.string(), results::MissingMember::is_error).get<results::MeasuredAgain>();
 }
 
 /// The chosen setting in `detect`, on the first run that its first network reports on.
@@ -177,22 +178,17 @@ std::optional<json> run_trial(const Stage& stage, const TradePoint& point) {
   return read_json(file);
 }
 
-results::TradeFigures figures_in(const json& again, const fs::path& folder, double tick_us) {
-  const results::JsonView view(again, folder.string(), results::MissingMember::is_error);
-  results::TradeFigures figures = view.get<results::TradeResult>().figures;
-  figures.tick_us = tick_us;
-  return figures;
-}
-
-/// The chosen point measured again, in words and as JSON.
-Recommendation confirm(const Stage& stage, const TradePoint& point, const TradePoint& usual, json& result) {
+/// Measures the chosen point again and tries it in `detect`.
+/// @return  the recommendation in words; `result` gets what was measured
+Recommendation confirm(const Stage& stage, const TradePoint& point, const TradePoint& usual,
+                       results::TradeRecommendation& result) {
   const TradePlan& plan = stage.plan;
   const std::string text = &point == &usual ? "the usual setting (" + whole_text(point.setting) + ")"
                                             : text_of(point.setting, plan.options.usual) + " (else as usual)";
-  result["setting"] = point.setting;
-  result["id"] = id_of(point.setting);
-  result["model"] = point.networks.front().name();
-  const std::optional<json> again = run_again(stage, point, usual);
+  result.setting = values_of(point.setting);
+  result.id = id_of(point.setting);
+  result.model = point.networks.front().name();
+  const std::optional<results::MeasuredAgain> again = run_again(stage, point, usual);
   const bool has_trial = plan.options.trial > std::chrono::milliseconds{0};
   const std::optional<json> trial = again ? run_trial(stage, point) : std::nullopt;
   if (!again || (has_trial && !trial)) {
@@ -201,11 +197,13 @@ Recommendation confirm(const Stage& stage, const TradePoint& point, const TradeP
             .sentence = fmt::format("The setting chosen for {}, {}, is not confirmed: {}.", text_of(plan.options.constraints),
                                     text, budget_words(plan, "it was measured again"))};
   }
-  result["again"] = *again;
-  if (trial) result["trial"] = *trial;
+  result.again = again;
+  if (trial) result.trial = *trial;
+  results::TradeFigures figures = again->result.figures;
+  figures.tick_us = point.choice.figures.tick_us;
   Recommendation recommendation =
-      recommend(plan.options.constraints, text, figures_in(*again, plan.options.out / "again", point.choice.figures.tick_us),
-                trial ? std::optional(live_trial_in(*trial)) : std::nullopt, plan.dataset.simulated());
+      recommend(plan.options.constraints, text, figures, trial ? std::optional(live_trial_in(*trial)) : std::nullopt,
+                plan.dataset.simulated());
   if (const std::string on_front = text_of(point.front_probability); !on_front.empty())
     recommendation.sentence += fmt::format(" It is {}.", on_front);
   return recommendation;
@@ -213,19 +211,18 @@ Recommendation confirm(const Stage& stage, const TradePoint& point, const TradeP
 
 }  // namespace
 
-json recommend_setting(const Stage& stage, std::span<const TradePoint> points) {
+results::TradeRecommendation recommend_setting(const Stage& stage, std::span<const TradePoint> points) {
   const TradeConstraints& constraints = stage.plan.options.constraints;
-  json result = {{"wish", constraints},           {"setting", nullptr}, {"id", nullptr},   {"met", false},
-                 {"chosen_in_interval", nullptr}, {"again", nullptr},   {"trial", nullptr}};
+  results::TradeRecommendation result{.wish = constraints};
   Recommendation recommendation;
   if (const auto choice = choose_point(constraints, points)) {
-    result["chosen_in_interval"] = choice->in_interval;
+    result.chosen_in_interval = choice->in_interval;
     recommendation = confirm(stage, points[choice->index], points.front(), result);
   } else {
     recommendation = recommend(constraints, std::nullopt, {}, std::nullopt, stage.plan.dataset.simulated());
   }
-  result["met"] = recommendation.met;
-  result["sentence"] = recommendation.sentence;
+  result.met = recommendation.met;
+  result.sentence = recommendation.sentence;
   return result;
 }
 

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "tactile/experiments/trade/measure_points.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::trade {
 
 /// Fourth stage: chooses a point that meets the constraints, on the runs to choose on, measures it again on the reported runs,
 /// and runs it in `detect`.
 /// @param points  judged, the usual setting first
-/// @return  "recommendation" of trade.json   @throws Error  if a step fails
-nlohmann::json recommend_setting(const Stage& stage, std::span<const TradePoint> points);
+/// @throws Error  if a step fails
+results::TradeRecommendation recommend_setting(const Stage& stage, std::span<const TradePoint> points);
 
 }  // namespace tactile::trade

@@ -123,7 +123,7 @@ void time_points(const Stage& stage, const std::string& step_name, std::uint64_t
     throw Error(file.string() + ": times of other settings; expected those measured");
 }
 
-json time_cost_growth(const Stage& stage) {
+std::optional<results::CostGrowth> time_cost_growth(const Stage& stage) {
   const TradePlan& plan = stage.plan;
   constexpr std::size_t enough_recordings = 3;
   std::vector<fs::path> recordings;
@@ -152,7 +152,9 @@ json time_cost_growth(const Stage& stage) {
       },
       fmt::format("timing ticks at {} event rates, {} histories and {} sensor sizes", growth.rates.size(),
                   growth.histories.size(), growth.sensors.size()));
-  return stage.budget.finishes([&] { stage.runner.run(step); }) ? read_json(file) : json();
+  if (!stage.budget.finishes([&] { stage.runner.run(step); })) return std::nullopt;
+  const json measured = read_json(file);
+  return results::JsonView(measured, file.string(), results::MissingMember::is_error).get<results::CostGrowth>();
 }
 
 }  // namespace tactile::trade

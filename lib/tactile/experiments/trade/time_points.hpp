@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "tactile/experiments/trade/measure_points.hpp"
@@ -17,7 +17,7 @@ void time_points(const Stage& stage, const std::string& step_name, std::uint64_t
 double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known);
 
 /// Times ticks over event rates, histories and resolutions in one step.
-/// @return  `CostGrowth` as JSON; null if the budget ended it. @throws Error  if the step fails
-nlohmann::json time_cost_growth(const Stage& stage);
+/// @return  nothing if the budget ended it. @throws Error  if the step fails
+std::optional<results::CostGrowth> time_cost_growth(const Stage& stage);
 
 }  // namespace tactile::trade

@@ -2,21 +2,17 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <utility>
 
 #include "tactile/core/command_lock.hpp"
-#include "tactile/core/error.hpp"
-#include "tactile/core/numbers.hpp"
 #include "tactile/experiments/trade/judge_points.hpp"
+#include "tactile/experiments/trade/live_trial.hpp"
 #include "tactile/experiments/trade/recommend_setting.hpp"
 #include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/experiments/trade/trade_results.hpp"
 
 namespace tactile::trade {
 namespace {
-
-namespace fs = std::filesystem;
-using nlohmann::json;
 
 /// Announces the parts of the work, each once one of its steps is due: parts whose steps are all kept are not mentioned.
 class Parts {
@@ -84,34 +80,22 @@ TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProg
   const Stage stage{plan, trainer, runner, budget};
   const MeasuredPoints measured = measure_design(stage, parts);
   if (options.constraints.any()) parts.begin("a setting for the constraints");
-  const json recommendation = recommend_setting(stage, measured.points);
+  const results::TradeRecommendation recommendation = recommend_setting(stage, measured.points);
   if (options.growth) parts.begin("how the cost of a tick grows");
-  const json growth = options.growth ? time_cost_growth(stage) : json();
-  const json trade = trade_json(plan, {.points = measured.points,
-                                       .not_measured = measured.not_measured,
-                                       .growth = growth,
-                                       .recommendation = recommendation,
-                                       .unfinished = trainer.unfinished(),
-                                       .steps = runner.records()});
+  const std::optional<results::CostGrowth> growth = options.growth ? time_cost_growth(stage) : std::nullopt;
+  const results::Trade trade = results_of(plan, {.points = measured.points,
+                                                 .not_measured = measured.not_measured,
+                                                 .growth = growth,
+                                                 .recommendation = recommendation,
+                                                 .unfinished = trainer.unfinished(),
+                                                 .steps = runner.records()});
   write_trade(trade, options.out);
-  return {.trade = trade, .file = options.out / "trade.json", .done = runner.done_now(), .kept = runner.kept()};
-}
-
-json detect_config(const json& trade, const fs::path& trade_folder) {
-  const json& recommendation = trade.at("recommendation");
-  if (recommendation.at("id").is_null() || !recommendation.at("met").get<bool>())
-    throw Error("no setting to apply: " + recommendation.at("sentence").get<std::string>());
-  const json& setting = recommendation.at("setting");
-  const fs::path models = trade_folder / trade.at("settings").at("models").get<std::string>();
-  json config = {{"model", fs::weakly_canonical(fs::absolute(models / recommendation.at("model").get<std::string>())).string()},
-                 {"tick-us", static_cast<std::int64_t>(std::llround(1000 * setting.at("tick_ms").get<double>()))},
-                 {"engine", setting.at("engine")},
-                 {"precision", setting.at("precision")},
-                 {"confirm", setting.at("confirm")},
-                 {"gate", setting.at("gate")}};
-  if (const std::optional<double> alarm_cost = number_in(setting.at("filter").get<std::string>()))
-    config.update({{"filter", true}, {"alarm-cost", *alarm_cost}});
-  return config;
+  TradeSummary summary{.trade = trade, .file = options.out / "trade.json", .done = runner.done_now(), .kept = runner.kept()};
+  for (const TradePoint& point : measured.points) {
+    if (recommendation.met && id_of(point.setting) == recommendation.id)
+      summary.detect_options = detect_options(point.setting, point.networks.front().bundle.folder);
+  }
+  return summary;
 }
 
 }  // namespace tactile::trade

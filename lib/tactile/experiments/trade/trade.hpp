@@ -3,17 +3,20 @@
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/trade/plan_trade.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::trade {
 
 /// The outcome of `run_trade`.
 struct TradeSummary {
-  nlohmann::json trade;  ///< the contents of trade.json; docs/format/ lists its keys
-  std::filesystem::path file;
-  std::size_t done = 0, kept = 0;  ///< number of steps done now, and found done
+  results::Trade trade;
+  std::filesystem::path file;                      ///< trade.json
+  std::optional<nlohmann::json> detect_options{};  ///< of `tactile detect --config`, for a recommended setting
+  std::size_t done = 0, kept = 0;                  ///< number of steps done now, and found done
 };
 
 /// Measures accuracy, detection delay, false alarms and time per tick over all values of `options.levels`: one change of the
@@ -25,8 +28,5 @@ struct TradeSummary {
 ///                works in the same folder, or a step fails
 TradeSummary run_trade(const TradeOptions& options, const experiments::NewProgress& new_progress = {},
                        const experiments::StepCallback& on_step = {});
-
-/// The config that `tactile detect --config` reads, for the recommended setting. @throws Error  if none was recommended
-nlohmann::json detect_config(const nlohmann::json& trade, const std::filesystem::path& trade_folder);
 
 }  // namespace tactile::trade

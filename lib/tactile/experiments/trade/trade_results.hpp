@@ -1,34 +1,32 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/experiments/trade/plan_trade.hpp"
-#include "tactile/results/step_record.hpp"
+#include "tactile/results/trade.hpp"
 
 namespace tactile::trade {
 
-/// All that was measured. Everything is viewed.
+/// All that was measured. Points and steps are viewed.
 struct TradeFindings {
   std::span<const TradePoint> points;  ///< the usual setting first
-  std::span<const NotMeasured> not_measured;
-  const nlohmann::json& growth;          ///< null if it was not measured
-  const nlohmann::json& recommendation;  ///< as in trade.json
-  std::string unfinished;                ///< a sentence if the budget ended the work; else empty
-  std::span<const results::StepRecord> steps;
+  std::vector<results::NotMeasured> not_measured;
+  std::optional<results::CostGrowth> growth;
+  results::TradeRecommendation recommendation;
+  std::string unfinished;  ///< a sentence if the budget ended the work; else empty
+  std::vector<results::StepRecord> steps;
 };
 
-/// The contents of trade.json; docs/format/ lists its keys.
-nlohmann::json trade_json(const TradePlan& plan, const TradeFindings& findings);
+results::Trade results_of(const TradePlan& plan, TradeFindings findings);
 
-/// Writes trade.csv and trade.json, each complete or not at all. @param trade  the contents of trade.json
-void write_trade(const nlohmann::json& trade, const std::filesystem::path& folder);
+/// Writes trade.csv and trade.json, each complete or not at all.
+void write_trade(const results::Trade& trade, const std::filesystem::path& folder);
 
-/// One row for each setting and set of runs. @param trade  the contents of trade.json
-std::string trade_csv(const nlohmann::json& trade);
+/// One row for each setting and set of runs.
+std::string trade_csv(const results::Trade& trade);
 
 }  // namespace tactile::trade

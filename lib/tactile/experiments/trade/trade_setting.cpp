@@ -10,10 +10,9 @@
 namespace tactile::trade {
 namespace {
 
-/// One value of a setting, in the form of each output.
-struct SettingValue {
-  const char* key;
-  nlohmann::json value;
+/// One value of a setting in words.
+struct SettingWords {
+  const char* key;  ///< in JSON
   std::string id, text;
 };
 
@@ -21,29 +20,22 @@ std::string kind_text(model::ModelKind kind) {
   return kind == model::ModelKind::lenet ? "LeNet" : kind == model::ModelKind::trees ? "trees" : "temporal convolution";
 }
 
-std::vector<SettingValue> values_of(const TradeSetting& setting) {
-  const double th_ms = in_ms(setting.rendering.history), tick_ms = in_ms(setting.rendering.tick);
-  const double factor = setting.rendering.factor;
-  const nlohmann::json rendering = setting.rendering;
-  const std::string resize = rendering.at("resize"), denoise = rendering.at("denoise");
-  const std::string engine(name_of(setting.engine)), precision(name_of(setting.precision));
-  const std::string pass = setting.sparse ? "sparse" : "dense", confirm = text_of(setting.confirmation);
-  const std::string filter = setting.alarm_cost ? fmt::format("{:g}", *setting.alarm_cost) : "off";
-  const std::string kind(name_of(setting.kind));
-  return {{"kind", kind, "", kind_text(setting.kind)},
-          {"th_ms", th_ms, fmt::format("th{:g}", th_ms), fmt::format("t_h {:g} ms", th_ms)},
-          {"tick_ms", tick_ms, fmt::format("tick{:g}", tick_ms), fmt::format("tick {:g} ms", tick_ms)},
-          {"factor", factor, fmt::format("f{:.6g}", factor), fmt::format("factor {:g}", factor)},
-          {"resize", resize, resize, "resize " + resize},
-          {"denoise", denoise, denoise, "denoise " + denoise},
-          {"width", setting.width, "", fmt::format("width {:g}", setting.width)},
-          {"last_pool", setting.last_pool, "", fmt::format("last pooling {0} x {0}", setting.last_pool)},
-          {"engine", engine, engine, "engine " + engine},
-          {"precision", precision, precision, precision},
-          {"pass", pass, pass, pass},
-          {"confirm", confirm, fmt::format("{}of{}", setting.confirmation.needed, setting.confirmation.of), "confirm " + confirm},
-          {"filter", filter, "", setting.alarm_cost ? "filter " + filter : "no filter"},
-          {"gate", setting.gate, setting.gate ? "gate" : "open", setting.gate ? "gate" : "no gate"}};
+std::vector<SettingWords> words_of(const TradeSetting& setting) {
+  const results::SettingValues values = values_of(setting);
+  return {{"kind", "", kind_text(setting.kind)},
+          {"th_ms", fmt::format("th{:g}", values.th_ms), fmt::format("t_h {:g} ms", values.th_ms)},
+          {"tick_ms", fmt::format("tick{:g}", values.tick_ms), fmt::format("tick {:g} ms", values.tick_ms)},
+          {"factor", fmt::format("f{:.6g}", values.factor), fmt::format("factor {:g}", values.factor)},
+          {"resize", values.resize, "resize " + values.resize},
+          {"denoise", values.denoise, "denoise " + values.denoise},
+          {"width", "", fmt::format("width {:g}", values.width)},
+          {"last_pool", "", fmt::format("last pooling {0} x {0}", values.last_pool)},
+          {"engine", values.engine, "engine " + values.engine},
+          {"precision", values.precision, values.precision},
+          {"pass", values.pass, values.pass},
+          {"confirm", fmt::format("{}of{}", setting.confirmation.needed, setting.confirmation.of), "confirm " + values.confirm},
+          {"filter", "", setting.alarm_cost ? "filter " + values.filter : "no filter"},
+          {"gate", values.gate ? "gate" : "open", values.gate ? "gate" : "no gate"}};
 }
 
 }  // namespace
@@ -61,15 +53,30 @@ TradeSetting without_idle_values(TradeSetting setting) {
   return plain;
 }
 
-void to_json(nlohmann::json& json, const TradeSetting& setting) {
-  json = nlohmann::json::object();
-  for (const SettingValue& value : values_of(setting)) json[value.key] = value.value;
+results::SettingValues values_of(const TradeSetting& setting) {
+  const nlohmann::json rendering = setting.rendering;
+  return {.kind = std::string(name_of(setting.kind)),
+          .th_ms = in_ms(setting.rendering.history),
+          .tick_ms = in_ms(setting.rendering.tick),
+          .factor = setting.rendering.factor,
+          .resize = rendering.at("resize"),
+          .denoise = rendering.at("denoise"),
+          .width = setting.width,
+          .last_pool = setting.last_pool,
+          .engine = std::string(name_of(setting.engine)),
+          .precision = std::string(name_of(setting.precision)),
+          .pass = setting.sparse ? "sparse" : "dense",
+          .confirm = text_of(setting.confirmation),
+          .filter = setting.alarm_cost ? fmt::format("{:g}", *setting.alarm_cost) : "off",
+          .gate = setting.gate};
 }
+
+void to_json(nlohmann::json& json, const TradeSetting& setting) { json = values_of(setting); }
 
 std::string id_of(const TradeSetting& setting) {
   std::vector<std::string> parts;
-  for (const SettingValue& value : values_of(setting)) {
-    if (!value.id.empty()) parts.push_back(value.id);
+  for (const SettingWords& words : words_of(setting)) {
+    if (!words.id.empty()) parts.push_back(words.id);
   }
   if (setting.width != TradeSetting{}.width) parts.push_back(fmt::format("w{:g}", setting.width));
   if (setting.last_pool != TradeSetting{}.last_pool) parts.push_back(fmt::format("p{}", setting.last_pool));
@@ -79,12 +86,12 @@ std::string id_of(const TradeSetting& setting) {
 }
 
 std::string text_of(const TradeSetting& setting, const TradeSetting& base) {
-  const std::vector<SettingValue> values = values_of(setting), usual = values_of(base);
-  std::vector<std::string> words;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (values[i].value != usual[i].value) words.push_back(values[i].text);
+  const nlohmann::json values = setting, usual = base;
+  std::vector<std::string> differences;
+  for (const SettingWords& words : words_of(setting)) {
+    if (values.at(words.key) != usual.at(words.key)) differences.push_back(words.text);
   }
-  return words.empty() ? "as usual" : fmt::format("{}", fmt::join(words, ", "));
+  return differences.empty() ? "as usual" : fmt::format("{}", fmt::join(differences, ", "));
 }
 
 model::Decision decision_of(const TradeSetting& setting, const model::ModelBundle& bundle) {

@@ -10,6 +10,7 @@
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/inference/decision.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
+#include "tactile/results/traded_setting.hpp"
 
 namespace tactile::trade {
 
@@ -34,9 +35,9 @@ struct TradeSetting {
 /// denoise, width, last pooling, engine, precision and pass.
 TradeSetting without_idle_values(TradeSetting setting);
 
-/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
-/// "filter" ("off", or its alarm cost as a text), "gate"}
-void to_json(nlohmann::json& json, const TradeSetting& setting);
+/// The same setting, as options name it.
+results::SettingValues values_of(const TradeSetting& setting);
+void to_json(nlohmann::json& json, const TradeSetting& setting);  ///< as `values_of`
 
 /// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
 /// "-p4", a filter "-filter0.01", another kind than LeNet "-trees".

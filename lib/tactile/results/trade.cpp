@@ -1,0 +1,154 @@
+#include "tactile/results/trade.hpp"
+
+#include <fmt/core.h>
+
+#include "tactile/core/duration_units.hpp"
+#include "tactile/core/error.hpp"
+
+namespace tactile::results {
+namespace {
+
+nlohmann::json text_or_null(const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); }
+
+template <class T>
+nlohmann::json value_or_null(const std::optional<T>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+template <class T>
+std::optional<T> optional_in(const JsonView& json) {
+  return json ? std::optional(json.get<T>()) : std::nullopt;
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const UntriedPair& pair) {
+  json = {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", pair.why}};
+}
+
+void from_json(const JsonView& json, UntriedPair& pair) {
+  pair = {.history = json["th_ms"].milliseconds(), .tick = json["tick_ms"].milliseconds(), .why = json["why"].text()};
+}
+
+void to_json(nlohmann::json& json, const NotMeasured& one) { json = {{"setting", one.setting}, {"why", one.why}}; }
+
+void from_json(const JsonView& json, NotMeasured& one) { one = {json["setting"].text(), json["why"].text()}; }
+
+void to_json(nlohmann::json& json, const TradeRuns& runs) {
+  json = {{"train", runs.train}, {"choice", runs.choice}, {"reported", runs.reported}};
+}
+
+void from_json(const JsonView& json, TradeRuns& runs) {
+  runs = {.train = json["train"].texts(), .choice = json["choice"].texts(), .reported = json["reported"].texts()};
+}
+
+void to_json(nlohmann::json& json, const TradeDataset& dataset) {
+  json = {{"file", dataset.file},
+          {"manifest_hash", dataset.manifest_hash},
+          {"settings", dataset.settings},
+          {"samples", dataset.samples}};
+}
+
+void from_json(const JsonView& json, TradeDataset& dataset) {
+  dataset = {.file = json["file"].text(),
+             .manifest_hash = json["manifest_hash"].text(),
+             .settings = json["settings"].copy(),
+             .samples = json["samples"].count()};
+}
+
+void to_json(nlohmann::json& json, const MeasuredAgain& again) {
+  json = again.result;
+  json["by"] = again.by;
+  json["model"] = again.model;
+  json["trainings"] = again.trainings;
+  json["runs"] = again.runs;
+}
+
+void from_json(const JsonView& json, MeasuredAgain& again) {
+  again = {.result = json.get<TradeResult>(),
+           .by = json["by"].text(),
+           .model = json["model"].text(),
+           .trainings = json["trainings"].count(),
+           .runs = json["runs"].texts()};
+}
+
+void to_json(nlohmann::json& json, const TradeRecommendation& recommendation) {
+  json = {{"wish", recommendation.wish},
+          {"id", text_or_null(recommendation.id)},
+          {"setting", value_or_null(recommendation.setting)},
+          {"met", recommendation.met},
+          {"chosen_in_interval", value_or_null(recommendation.chosen_in_interval)},
+          {"again", value_or_null(recommendation.again)},
+          {"trial", recommendation.trial},
+          {"sentence", recommendation.sentence}};
+  if (recommendation.setting) json["model"] = recommendation.model;
+}
+
+void from_json(const JsonView& json, TradeRecommendation& recommendation) {
+  const JsonView in_interval = json["chosen_in_interval"];
+  recommendation = {.wish = json["wish"].copy(),
+                    .id = json["id"].text(),
+                    .setting = optional_in<SettingValues>(json["setting"]),
+                    .model = json["model"].text(),
+                    .met = json["met"].truth(),
+                    .chosen_in_interval = in_interval ? std::optional(in_interval.truth()) : std::nullopt,
+                    .again = optional_in<MeasuredAgain>(json["again"]),
+                    .trial = json["trial"].copy(),
+                    .sentence = json["sentence"].text()};
+}
+
+std::string Trade::cpu() const { return JsonView(machine, "machine")["cpu"].text(); }
+
+void to_json(nlohmann::json& json, const Trade& trade) {
+  nlohmann::json runs = trade.runs.empty() ? nlohmann::json::object() : nlohmann::json(trade.runs.front());
+  runs["trainings"] = trade.runs;
+  json = {{"format", trade_format},
+          {"title", trade.title},
+          {"simulated", trade.simulated},
+          {"times_are", trade.times_are},
+          {"judged_by", trade.judged_by},
+          {"settings", trade.settings},
+          {"software", trade.software},
+          {"machine", trade.machine},
+          {"bootstrap", trade.bootstrap},
+          {"dataset", trade.dataset},
+          {"runs", runs},
+          {"usual", trade.usual},
+          {"usual_is", trade.usual_is},
+          {"busy", trade.busy},
+          {"points", trade.points},
+          {"left_out", trade.left_out},
+          {"not_measured", trade.not_measured},
+          {"unfinished", text_or_null(trade.unfinished)},
+          {"growth", value_or_null(trade.growth)},
+          {"recommendation", trade.recommendation},
+          {"steps", trade.steps}};
+}
+
+void from_json(const JsonView& json, Trade& trade) {
+  if (json["format"].text() != trade_format)
+    throw Error(
+        fmt::format("{} is another one; expected {}, as 'tactile trade' writes it", json["format"].where(), trade_format));
+  trade = {.title = json["title"].text(),
+           .simulated = json["simulated"].truth(),
+           .times_are = json["times_are"].text(),
+           .judged_by = json["judged_by"].text(),
+           .settings = json["settings"].copy(),
+           .software = json["software"].copy(),
+           .machine = json["machine"].copy(),
+           .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
+           .dataset = json["dataset"].get<TradeDataset>(),
+           .runs = json["runs"]["trainings"].list_of<TradeRuns>(),
+           .usual = json["usual"].text(),
+           .usual_is = json["usual_is"].text(),
+           .busy = json["busy"].count(),
+           .points = json["points"].list_of<TradedSetting>(),
+           .left_out = json["left_out"].list_of<UntriedPair>(),
+           .not_measured = json["not_measured"].list_of<NotMeasured>(),
+           .unfinished = json["unfinished"].text(),
+           .growth = optional_in<CostGrowth>(json["growth"]),
+           .recommendation = json["recommendation"].get<TradeRecommendation>(),
+           .steps = json["steps"].list_of<StepRecord>()};
+}
+
+}  // namespace tactile::results
