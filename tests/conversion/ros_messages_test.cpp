@@ -80,27 +80,6 @@ TEST(DecodeStampedPose, TakesPosesInTheFrameBase) {
   EXPECT_FALSE(decode_stamped_pose(bytes_of(pose("base", 1).substr(8)), poses, unusable));
 }
 
-TEST(RotationVector, IsAxisTimesTheSmallerAngle) {
-  const auto expect = [](const std::array<double, 4>& turn, const std::array<double, 3>& vector) {
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(rotation_vector(turn).at(i), vector.at(i), 1e-12) << i;
-  };
-  expect({0, 0, 0, 1}, {0, 0, 0});
-  expect({0, 0, std::sin(0.25), std::cos(0.25)}, {0, 0, 0.5});
-  expect({0, 0, -std::sin(0.25), -std::cos(0.25)}, {0, 0, 0.5});
-  expect({0, 1, 0, 0}, {0, std::numbers::pi, 0});
-  expect({1e-13, 0, 0, 1}, {2e-13, 0, 0});
-}
-
-TEST(TurnBetween, LeadsFromTheOneToTheOther) {
-  // A quarter about x, then a quarter about the base's z: what leads there is the quarter about z.
-  const double h = std::sqrt(0.5);
-  const std::array<double, 4> about_x{h, 0, 0, h}, about_both{0.5, 0.5, 0.5, 0.5};
-  const std::array<double, 3> turn = rotation_vector(turn_between(about_x, about_both));
-  EXPECT_NEAR(turn[0], 0, 1e-12);
-  EXPECT_NEAR(turn[1], 0, 1e-12);
-  EXPECT_NEAR(turn[2], std::numbers::pi / 2, 1e-12);
-}
-
 std::string image(const std::string& encoding, std::uint32_t step, const std::string& data, std::uint32_t width = 2) {
   return header(3, 5'000) + u32(2) + u32(width) + text(encoding) + '\0' + u32(step) + text(data);
 }

@@ -4,6 +4,7 @@
 #include "tactile/bags/ros_events.hpp"
 #include "tactile/conversion/ros_messages.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/robot/rotation.hpp"
 
 namespace {
 
@@ -26,7 +27,7 @@ void decode(bags::SerialisedMessage message) {
   conversion::decode_stamped_pose(message, poses, unusable);
   conversion::decode_tool_poses(message, poses, unusable);
   for (const conversion::ToolPose& pose : poses) {
-    for (const double component : conversion::rotation_vector(pose.turn)) abort_unless(component > -3.15 && component < 3.15);
+    for (const double component : robot::rotation_vector_of(pose.turn)) abort_unless(component > -3.15 && component < 3.15);
   }
   conversion::RosImage image;
   conversion::decode_image(message, image);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tactile/core/random.hpp"
+#include "tactile/robot/rotation.hpp"
 
 namespace tactile::robot {
 namespace {
@@ -39,24 +39,10 @@ TEST(FlangePose, TurnsAboutTheBaseWithTheFirstJoint) {
   EXPECT_NEAR(there[0], -pose[1], 1e-12);
   EXPECT_NEAR(there[1], pose[0], 1e-12);
   EXPECT_NEAR(there[2], pose[2], 1e-12);
-  const auto turn =
-      turn_from_to(rotation_matrix_of({pose[3], pose[4], pose[5]}), rotation_matrix_of({there[3], there[4], there[5]}));
+  const auto turn = turn_from_to(RotationVector{pose[3], pose[4], pose[5]}, RotationVector{there[3], there[4], there[5]});
   EXPECT_NEAR(turn[0], 0, 1e-12);
   EXPECT_NEAR(turn[1], 0, 1e-12);
   EXPECT_NEAR(turn[2], quarter, 1e-12);
-}
-
-TEST(RotationVector, ComesBackFromItsMatrix) {
-  Random random(3);
-  for (const double angle : {0.0, 1e-12, 1e-7, 1e-3, 1.0, 2.6, 3.0, 3.1415, std::numbers::pi - 1e-7}) {
-    for (int i = 0; i < 20; ++i) {
-      std::array<double, 3> v{random.normal(), random.normal(), i % 3 == 0 ? 0.0 : random.normal()};
-      const double size = std::hypot(v[0], v[1], v[2]);
-      for (double& part : v) part *= angle / size;
-      const auto back = rotation_vector_of(rotation_matrix_of(v));
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(back[k], v[k], 1e-8) << angle;
-    }
-  }
 }
 
 TEST(ArmModel, IsFoundByItsName) {

@@ -12,6 +12,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/robot/robot_log.hpp"
+#include "tactile/robot/rotation.hpp"
 #include "tactile/video/film_picture.hpp"
 #include "tactile/video/filmed_times.hpp"
 
@@ -29,7 +30,7 @@ bool is_of_an_arm(const ToolPose& pose) {
 /// The mean speed over several steps is at most the highest speed of a step.
 bool is_reached(const ToolPose& before, const ToolPose& after) {
   const double most = robot::beyond_any_arm * 1e-6 * static_cast<double>((after.t - before.t).count());
-  const std::array<double, 3> turn = rotation_vector(turn_between(before.turn, after.turn));
+  const std::array<double, 3> turn = robot::turn_from_to(before.turn, after.turn);
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(after.place.at(i) - before.place.at(i)) >= most) return false;
   }
@@ -138,12 +139,12 @@ void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolP
   };
   for (std::size_t i = 0; joints_ && i < row.joints.size(); ++i) line += fmt::format(",{}", row.joints.at(i).value_or(0));
   add(row.pose.place);
-  add(rotation_vector(row.pose.turn));
+  add(robot::rotation_vector_of(row.pose.turn));
   // Between the neighbours, by which `robot::smoothing_of` knows such speeds; `set_speeds_from_poses` needs rows still to come.
   const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
   std::array<double, 3> velocity{}, turning{};
   if (seconds > 0) {
-    turning = rotation_vector(turn_between(before.turn, after.turn));
+    turning = robot::turn_from_to(before.turn, after.turn);
     for (std::size_t i = 0; i < 3; ++i) {
       velocity.at(i) = (after.place.at(i) - before.place.at(i)) / seconds;
       turning.at(i) /= seconds;

@@ -112,21 +112,6 @@ bool decode_poses(bags::RosMessage type, bags::SerialisedMessage message, std::v
                                         : decode_tool_poses(message, into, unusable);
 }
 
-std::array<double, 3> rotation_vector(const std::array<double, 4>& turn) {
-  const double sine = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
-  const double sign = turn[3] < 0 ? -1 : 1;  // the same rotation, the short way
-  const double angle = 2 * std::atan2(sine, sign * turn[3]);
-  const double scale = sine < 1e-12 ? 2 : angle / sine;
-  return {sign * scale * turn[0], sign * scale * turn[1], sign * scale * turn[2]};
-}
-
-std::array<double, 4> turn_between(const std::array<double, 4>& before, const std::array<double, 4>& after) {
-  const auto& [ax, ay, az, aw] = after;
-  const double bx = -before[0], by = -before[1], bz = -before[2], bw = before[3];
-  return {aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx, aw * bz + ax * by - ay * bx + az * bw,
-          aw * bw - ax * bx - ay * by - az * bz};
-}
-
 bool decode_image(bags::SerialisedMessage message, RosImage& into) {
   struct Encoding {
     std::string_view name;

@@ -42,11 +42,6 @@ bool decode_stamped_pose(bags::SerialisedMessage message, std::vector<ToolPose>&
 /// One of the two, by the message's type.
 bool decode_poses(bags::RosMessage type, bags::SerialisedMessage message, std::vector<ToolPose>& into, std::uint64_t& unusable);
 
-/// The rotation as axis times angle [rad], the angle at most pi.
-std::array<double, 3> rotation_vector(const std::array<double, 4>& turn);
-/// The rotation that leads from `before` to `after`, in the base frame.
-std::array<double, 4> turn_between(const std::array<double, 4>& before, const std::array<double, 4>& after);
-
 struct RosImage {
   HostTime t;            ///< its stamp
   std::string encoding;  ///< such as "bgr8"

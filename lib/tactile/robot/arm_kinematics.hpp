@@ -13,9 +13,6 @@ std::string_view name_of(ArmModel model);  ///< "UR10", "UR10e"
 /// "ur10e", in upper or lower case; nothing for any other name.
 std::optional<ArmModel> arm_model_named(std::string_view name);
 
-/// Of a rotation in the base frame, row by row.
-using RotationMatrix = std::array<std::array<double, 3>, 3>;
-
 /// Where the arm's flange is: x y z [m], then its rotation vector [rad], in the controller's base frame. Without a tool set at
 /// the controller this is `actual_TCP_pose`, except for the arm's own calibration, of some mm.
 ///
@@ -27,12 +24,5 @@ using RotationMatrix = std::array<std::array<double, 3>, 3>;
 /// @param joints  base, shoulder, elbow, wrists 1 to 3 [rad]
 /// Source: Universal Robots, "DH parameters for calculations of kinematics and dynamics".
 std::array<double, 6> flange_pose(ArmModel model, const std::array<double, 6>& joints);
-
-/// Axis times angle, at most pi long [rad]; for a half turn either sign is right.
-std::array<double, 3> rotation_vector_of(const RotationMatrix& rotation);
-RotationMatrix rotation_matrix_of(const std::array<double, 3>& rotation_vector);
-
-/// The rotation from `before` to `after`, as a rotation vector in the base frame.
-std::array<double, 3> turn_from_to(const RotationMatrix& before, const RotationMatrix& after);
 
 }  // namespace tactile::robot

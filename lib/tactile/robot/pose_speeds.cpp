@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "tactile/core/robust_statistics.hpp"
-#include "tactile/robot/arm_kinematics.hpp"
+#include "tactile/robot/rotation.hpp"
 
 namespace tactile::robot {
 namespace {
@@ -74,12 +74,12 @@ microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
       ++end;
     GradientAtZero fit;
     const std::array<double, 6>& here = states[i].tcp_pose;
-    const RotationMatrix turned = rotation_matrix_of({here[3], here[4], here[5]});
+    const RotationVector turned{here[3], here[4], here[5]};
     for (std::size_t k = begin; k < end; ++k) {
       const std::array<double, 6>& pose = states[k].tcp_pose;
       std::array<double, 6> from_here{pose[0] - here[0], pose[1] - here[1], pose[2] - here[2]};
       if (k != i) {
-        const std::array<double, 3> turn = turn_from_to(turned, rotation_matrix_of({pose[3], pose[4], pose[5]}));
+        const RotationVector turn = turn_from_to(turned, RotationVector{pose[3], pose[4], pose[5]});
         std::copy(turn.begin(), turn.end(), from_here.begin() + 3);
       }
       // In units of the reach, so that rounding loses no power of it.
