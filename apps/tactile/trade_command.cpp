@@ -12,6 +12,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "estimate_text.hpp"
 #include "executor_arguments.hpp"
 #include "experiment_output.hpp"
 #include "model_arguments.hpp"
@@ -22,6 +23,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/run_division.hpp"
+#include "tactile/experiments/trade/estimate_trade.hpp"
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/report/budget_plot.hpp"
@@ -53,7 +55,7 @@ struct TradeArguments {
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, filters{"off", "0.01"}, gates{"off", "on"};
   std::uint64_t timed_ticks = 20'000;
-  bool full = false, verbose = false, no_growth = false, no_figures = false, no_trial = false, strict = false;
+  bool full = false, verbose = false, no_growth = false, no_figures = false, no_trial = false, strict = false, dry_run = false;
   unsigned corners = 6;
   std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms, at_most_missed;
   std::string at_most_delay;
@@ -224,6 +226,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
         "--apply: no constraint given; expected also --at-most-us, --at-least-accuracy, --at-most-false-alarms-per-min, "
         "--at-most-delay-ms or --at-most-missed");
   }
+  if (args.dry_run) return print_estimate(trade::estimate_trade(options), options.out, options.slurm.has_value(), common);
   const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   if (!made) warn_of_another_dataset(args);
   warn_of_runs(options, args.strict);
@@ -340,6 +343,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();
   command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
   command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
+  command.add_flag("--dry-run", args->dry_run, "Print the number of steps, their hours and their size, and do none of them");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   add_executor_options(command, args->executor);
   command.add_flag("--verbose", args->verbose, "Print every setting and how the cost grows");

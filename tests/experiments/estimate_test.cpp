@@ -19,6 +19,12 @@ TEST(Estimate, RunsWorkOfOneThreadSideBySideAndSharesTheRest) {
   EXPECT_EQ(estimate.seconds_on(2, 16), 30 + 30) << "no training is faster than itself";
 }
 
+TEST(Estimate, DoesNotDivideWorkThatIsDoneOneAfterTheOther) {
+  Estimate estimate;
+  estimate.add({.what = "timed settings", .count = 10, .is_serial = true}, 3, 0);
+  EXPECT_EQ(estimate.seconds_on(8, 256), 30);
+}
+
 TEST(Estimate, OfWhatExistsIsNothing) {
   Estimate estimate;
   estimate.add({.what = "trainings", .count = 3, .exist = 5, .one_thread = true}, 30, 1e6);

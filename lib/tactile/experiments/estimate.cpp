@@ -6,6 +6,7 @@
 namespace tactile::experiments {
 
 double EstimatedPart::seconds_on(unsigned cores) const {
+  if (is_serial) return seconds;
   if (!one_thread || count <= exist) return seconds / cores;
   const std::size_t due = count - exist, rounds = (due + cores - 1) / cores;
   return seconds / static_cast<double>(due) * static_cast<double>(rounds);

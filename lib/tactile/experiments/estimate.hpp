@@ -15,6 +15,7 @@ struct EstimatedPart {
   double seconds = 0;       ///< processor time of the others
   double bytes = 0;         ///< that the others write
   bool one_thread = false;  ///< each of them runs in one thread, several side by side; with --executor slurm each is a job
+  bool is_serial = false;   ///< all of them run in one thread, one after the other
 
   /// How long it takes on so many cores [s].
   double seconds_on(unsigned cores) const;

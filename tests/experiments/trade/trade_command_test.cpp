@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "experiments/step_inputs.hpp"
 #include "support/run_command.hpp"
@@ -99,6 +101,23 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   EXPECT_TRUE(trade.at("not_measured").empty());
 
   test::expect_inputs_of_first_version(folder / "trade", "trade");
+
+  // The same, not done again but counted.
+  const std::string written = read_text(folder / "trade/trade.json");
+  const nlohmann::json estimate = traded(folder.path(), "--no-growth --models models --dry-run");
+  EXPECT_EQ(read_text(folder / "trade/trade.json"), written);
+  std::set<std::string> networks;
+  for (const auto& point : trade.at("points")) {
+    if (point.at("design") != "corner") networks.insert(point.at("models").at(0));
+  }
+  std::map<std::string, nlohmann::json> parts;
+  for (const auto& part : estimate.at("parts")) parts[part.at("what")] = part;
+  EXPECT_EQ(parts.at("trainings").at("count"), networks.size());
+  for (const char* what : {"trainings", "predictions of whole runs"})
+    EXPECT_EQ(parts.at(what).at("exist"), parts.at(what).at("count"));
+  EXPECT_EQ(parts.at("trainings of combinations, at most").at("count"), 2 * 2);
+  EXPECT_EQ(parts.at("further trainings, at most").at("count"), networks.size() + 2 * 2);
+  EXPECT_FALSE(parts.contains("growth of the cost"));
 
   // The usual setting has all trainings, and so has whatever shares its predictions. The second training has other runs.
   EXPECT_EQ(trade.at("points")[0].at("trainings"), 2);

@@ -96,14 +96,13 @@ void keep_what_can_be_timed(const Stage& stage, std::uint64_t ticks, MeasuredPoi
 }  // namespace
 
 double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known) {
-  constexpr double usual_us = 600;  // with the ticks to warm up; most settings take less
-  constexpr double margin = 1.5;    // on a busy machine
+  constexpr double margin = 1.5;  // on a busy machine
   std::uint64_t timed = 0;
   for (const TimesOfRuns& of_setting : known.times) {
     for (const auto& run : of_setting) timed += run.size();
   }
   const double seconds = longest_s(stage.runner, "times");
-  const double us = timed > 0 && seconds > 0 ? 1e6 * seconds / static_cast<double>(timed) : usual_us;
+  const double us = timed > 0 && seconds > 0 ? 1e6 * seconds / static_cast<double>(timed) : usual_tick_us;
   return 1e-6 * margin * us * static_cast<double>(ticks);
 }
 

@@ -7,6 +7,9 @@
 
 namespace tactile::trade {
 
+/// What a timed tick takes with the ticks to warm up, if nothing is known [us]; most settings take less.
+inline constexpr double usual_tick_us = 600;
+
 /// Times ticks of all points in one step, and keeps the times in `measured`. If the budget has no time for all points, it leaves
 /// the usual one and those that are likeliest on a front; the others are moved to `not_measured`.
 /// @param ticks  of each point, at least

@@ -1,0 +1,130 @@
+#include "tactile/experiments/trade/estimate_trade.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "tactile/core/runs_below.hpp"
+#include "tactile/evaluation/full_run.hpp"
+#include "tactile/experiments/trade/measure_points.hpp"
+#include "tactile/experiments/trade/time_points.hpp"
+#include "tactile/experiments/training_speed.hpp"
+#include "tactile/model/definition/model_network.hpp"
+
+namespace tactile::trade {
+namespace {
+
+/// A part of steps that each have a file: the first training of each setting. Further trainings cost the same.
+struct Steps {
+  std::set<std::string> names{};
+  std::size_t exist = 0;
+  double seconds = 0;  ///< of all, also of those that exist
+
+  double each_s() const { return seconds / static_cast<double>(std::max<std::size_t>(1, names.size())); }
+  void add_to(experiments::Estimate& estimate, experiments::EstimatedPart part, double bytes) const {
+    part.count = names.size();
+    part.exist = exist;
+    estimate.add(std::move(part), each_s(), bytes);
+  }
+};
+
+/// Speeds of training by the size of the network, each measured once.
+class TrainingSpeeds {
+ public:
+  double of(const model::LeNetOptions& network) {
+    const auto [found, is_new] = known_.try_emplace({network.width, network.last_pool});
+    if (is_new) found->second = experiments::measured_training_speed(network);
+    return found->second;
+  }
+
+ private:
+  std::map<std::pair<double, int>, double> known_;
+};
+
+double samples_in(const windows::Dataset& dataset, const std::vector<std::uint32_t>& runs) {
+  return static_cast<double>(std::count_if(
+      dataset.samples().begin(), dataset.samples().end(),
+      [&](const windows::Sample& sample) { return std::find(runs.begin(), runs.end(), sample.run_index) != runs.end(); }));
+}
+
+/// Settings that cost the same time, as `TimedSetting`: networks need not exist here.
+std::string timed_name(const TradePoint& point, const TradeNetwork& network) {
+  return prediction_name(network, point.setting) + (point.setting.sparse ? "" : "-dense") +
+         std::to_string(point.setting.rendering.tick.count());
+}
+
+/// How many promising combinations there may be.
+std::size_t most_corners(const TradeOptions& options, std::size_t designed) {
+  constexpr std::size_t fronts = 2;
+  if (options.full) return 0;
+  double all = 1;  // there may be millions
+  for (const TradeFactor& factor : factors_of(options.levels)) all *= static_cast<double>(factor.levels.size());
+  return static_cast<std::size_t>(
+      std::clamp(all - static_cast<double>(designed), 0.0, static_cast<double>(fronts * options.corners)));
+}
+
+}  // namespace
+
+experiments::Estimate estimate_trade(const TradeOptions& requested) {
+  constexpr double feature_sample_s = 1.2e-3, growth_s = 21;  // of trees; both measured where `work_cost` was
+  constexpr double bytes_of_model = 5.3e6, bytes_of_tick = 30;
+  const windows::Dataset dataset(requested.data / "dataset.h5");
+  const TradeOptions options = completed(requested, dataset);
+  const TradePlan plan = plan_trade(options, dataset);
+  TrainingSpeeds speeds;
+  const double usual = speeds.of({});
+  const experiments::WorkCost cost = experiments::work_cost(usual);
+  experiments::Estimate estimate{.parts = {}, .cores = options.threads, .images_per_s = usual, .data = dataset.file().string()};
+
+  const std::vector<TradePoint> points = designed_points(plan);
+  const double samples = samples_in(dataset, plan.trainings.front().runs.train);
+  const std::vector<std::uint32_t> tested = plan.trainings.front().tested();
+  Steps trainings, predictions;
+  std::set<std::string> timed;
+  double most_ticks = 0;
+  for (const TradePoint& point : points) {
+    const TradeNetwork network = network_of(plan, point.setting, 0);
+    timed.insert(timed_name(point, network));
+    const bool has_heatmaps = model::reads_heatmaps(point.setting.kind);
+    if (trainings.names.insert(network.name()).second) {
+      trainings.exist += is_file(network.bundle.folder / "model.json") ? 1 : 0;
+      trainings.seconds += cost.training_start + (has_heatmaps ? samples * options.epochs / speeds.of(network.settings.network)
+                                                               : feature_sample_s * samples);
+    }
+    const std::string prediction = prediction_name(network, point.setting);
+    if (!predictions.names.insert(prediction).second) continue;
+    predictions.exist += is_file(options.out / "said" / (prediction + ".json")) ? 1 : 0;
+    heatmaps::HeatmapOptions rendering = network.settings.rendering;
+    rendering.tick = prediction_tick(network, point.setting.rendering.tick);
+    double ticks = 0;
+    for (const std::uint32_t run : tested)
+      ticks += static_cast<double>(evaluation::expected_ticks(plan.recording(run), rendering));
+    most_ticks = std::max(most_ticks, ticks);
+    predictions.seconds += cost.evaluated_tick * ticks;
+  }
+
+  const std::size_t corners = most_corners(options, points.size()), more = options.trainings - 1;
+  const auto time_ticks = static_cast<double>(options.timing.ticks) * usual_tick_us * 1e-6;
+  trainings.add_to(estimate, {.what = "trainings", .one_thread = true}, bytes_of_model);
+  predictions.add_to(estimate, {.what = "predictions of whole runs"}, bytes_of_tick * most_ticks);
+  estimate.add({.what = "trainings of combinations, at most", .count = corners, .one_thread = true}, trainings.each_s(),
+               bytes_of_model);
+  estimate.add({.what = "predictions of combinations, at most", .count = corners}, predictions.each_s(),
+               bytes_of_tick * most_ticks);
+  estimate.add({.what = "timed settings, at most", .count = timed.size() + corners, .is_serial = true}, time_ticks, 0);
+  estimate.add({.what = "further trainings, at most", .count = more * (trainings.names.size() + corners), .one_thread = true},
+               trainings.each_s(), bytes_of_model);
+  estimate.add({.what = "further predictions, at most", .count = more * (predictions.names.size() + corners)},
+               predictions.each_s(), bytes_of_tick * most_ticks);
+  if (options.growth) estimate.add({.what = "growth of the cost", .count = 1, .is_serial = true}, growth_s, 0);
+  if (options.constraints.any()) {
+    // The recommended setting is predicted and timed again, and runs in `detect`.
+    estimate.add({.what = "recommendation", .count = 1, .is_serial = true},
+                 options.trainings * predictions.each_s() + 2 * time_ticks + std::chrono::duration<double>(options.trial).count(),
+                 0);
+  }
+  return estimate;
+}
+
+}  // namespace tactile::trade
