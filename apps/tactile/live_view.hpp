@@ -35,10 +35,10 @@ class LiveView {
     if (live::LivePage* page = this->page()) page->note(values);
   }
 
-  /// Whether a new state is due: ten a second.
+  /// Whether a new state is due: twenty a second.
   bool is_due() {
     const auto now = std::chrono::steady_clock::now();
-    if (page() == nullptr || now - published_ < std::chrono::milliseconds(100)) return false;
+    if (page() == nullptr || now - published_ < std::chrono::milliseconds(50)) return false;
     published_ = now;
     return true;
   }

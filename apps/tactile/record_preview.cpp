@@ -3,12 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "quantity_text.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/machine.hpp"
+#include "tactile/video/film_picture.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::cli {
 namespace {
@@ -64,22 +70,60 @@ nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, 
           {"dropped", video->dropped}};
 }
 
+nlohmann::json clock_json(const capture::RunState& run) {
+  if (!run.clock) return nullptr;
+  return {{"offset_us", run.clock->offset.count()},
+          {"change_ms", in_ms(run.clock->change)},
+          {"seconds", in_s(run.clock->span)},
+          {"lateness_ms", in_ms(run.lateness)}};
+}
+
 nlohmann::json run_json(const capture::RunState& run, std::vector<std::string>& warnings) {
   const capture::LostElements lost = run.drops.total();
   if (lost.events + lost.others > 0)
     warnings.push_back(fmt::format("dropped: {}, {}", counted(lost.events, "event"), counted(lost.others, "other element")));
   else if (lost.packets > 0)
     warnings.push_back("dropped: " + counted(lost.packets, "packet"));
-  return {{"elapsed_s", in_s(run.elapsed)}, {"events", run.events},         {"others", run.others}, {"bytes", run.bytes},
-          {"queue_bytes", run.queue_bytes}, {"dropped", json_of(run.drops)}};
+  return {{"elapsed_s", in_s(run.elapsed)}, {"events", run.events},          {"others", run.others},    {"bytes", run.bytes},
+          {"queue_bytes", run.queue_bytes}, {"dropped", json_of(run.drops)}, {"clock", clock_json(run)}};
 }
+
+/// The newest picture of the film, as small as a page needs it. Each picture is encoded once.
+class FilmOnPage {
+ public:
+  explicit FilmOnPage(std::shared_ptr<const video::VideoCapture> film) : film_(std::move(film)) {}
+
+  std::string jpeg() {
+    constexpr int widest = 640, quality = 80;
+    const std::scoped_lock lock(guard_);
+    const cv::Mat newest = film_->newest_picture();
+    if (newest.empty() || newest.data == encoded_.data) return jpeg_;
+    encoded_ = newest;
+    const int width = std::min(newest.cols, widest);
+    const cv::Mat small = video::film_picture(newest, {width, std::max(1, newest.rows * width / newest.cols)});
+    const std::vector<unsigned char> bytes =
+        small.empty() ? std::vector<unsigned char>() : video::jpeg_of(small, quality, "film");
+    jpeg_.assign(bytes.begin(), bytes.end());
+    return jpeg_;
+  }
+
+ private:
+  std::shared_ptr<const video::VideoCapture> film_;
+  std::mutex guard_;
+  cv::Mat encoded_;  ///< kept, so that its memory is not another picture's
+  std::string jpeg_;
+};
 
 }  // namespace
 
 std::string RecordPreview::open(const capture::RunRecorder& recorder) {
-  return view_.open(
-      {.sensor = recorder.streams().front().size.value(),
-       .choose = [this](std::uint64_t question, const std::string& choice) { return choices_.choose(question, choice); }});
+  live::LivePageOptions options{
+      .sensor = recorder.streams().front().size.value(),
+      .values = {"lateness_ms"},
+      .choose = [this](std::uint64_t question, const std::string& choice) { return choices_.choose(question, choice); }};
+  if (recorder.video() != nullptr)
+    options.film = [film = std::make_shared<FilmOnPage>(recorder.video())] { return film->jpeg(); };
+  return view_.open(std::move(options));
 }
 
 nlohmann::json RecordPreview::sources_json(const capture::RunRecorder& recorder, std::vector<std::string>& warnings) {
@@ -113,6 +157,7 @@ nlohmann::json RecordPreview::sources_json(const capture::RunRecorder& recorder,
 }
 
 void RecordPreview::show(const RecordMoment& moment) {
+  if (moment.now != nullptr && moment.now->clock) view_.note(std::array{in_ms(moment.now->lateness)});
   if (!view_.is_due()) return;
   std::vector<std::string> warnings;
   nlohmann::json state = {{"kind", "record"},
@@ -127,6 +172,7 @@ void RecordPreview::show(const RecordMoment& moment) {
   state["recording"] = moment.now != nullptr ? run_json(*moment.now, warnings) : nlohmann::json();
   state["sources"] = sources_json(*moment.recorder, warnings);
   state["robot"] = robot_json(*moment.recorder, warnings);
+  state["has_film"] = moment.recorder->video() != nullptr;
   state["video"] = moment.now != nullptr ? video_json(moment.now->video, warnings) : nlohmann::json();
   state["disk"] = disk_json(data_, moment.now, warnings);
   state["warnings"] = warnings;

@@ -25,7 +25,7 @@ class RecordPreview {
 
   /// Serves the page. @return  its address. @throws Error  if the port is in use
   std::string open(const capture::RunRecorder& recorder);
-  void show(const RecordMoment& moment);  ///< at most ten times a second
+  void show(const RecordMoment& moment);  ///< at most twenty times a second
   void end(const capture::RunRecorder& recorder, const RecordedRuns& recorded);
 
  private:

@@ -37,5 +37,33 @@ TEST(ClockPairs, StandsTimesAtTheEndsOfTheClock) {
   EXPECT_EQ(pairs.pairs().front().camera, CameraTime::max());
 }
 
+TEST(ClockPairs, SayHowFarTheCamerasClockHasMoved) {
+  ClockPairs pairs;
+  EXPECT_FALSE(pairs.offset());
+  pairs.add(camera_time(100), host(1'000'400));
+  EXPECT_EQ(pairs.offset()->offset, microseconds{1'000'300});
+  EXPECT_EQ(pairs.offset()->change, microseconds{0});
+  // 50 us slower in each second; single packets come late.
+  for (std::int64_t ms = 1; ms < 20'000; ++ms)
+    pairs.add(camera_time(100 + 1'000 * ms), host(1'000'400 + 1'000 * ms + ms / 20 + (ms % 7 == 0 ? 3'000 : 0)));
+  const ClockOffset moved = *pairs.offset();
+  EXPECT_NEAR(static_cast<double>(moved.change.count()), 50e-6 * static_cast<double>(moved.span.count()), 60);
+  EXPECT_NEAR(static_cast<double>(moved.span.count()), 18.5e6, 1e6);
+  EXPECT_EQ(moved.offset - moved.change, microseconds{1'000'300});
+}
+
+TEST(RecentLateness, IsTheMostOfTheLastTenthsOfASecond) {
+  RecentLateness recent;
+  const auto at = [&](std::int64_t ms, std::int64_t late_us) {
+    recent.add(host(1'000 * ms), microseconds{late_us});
+    return recent.most().count();
+  };
+  EXPECT_EQ(at(1'000, 5), 5);
+  EXPECT_EQ(at(1'050, 900), 900);
+  EXPECT_EQ(at(1'110, 7), 900) << "of the window before";
+  EXPECT_EQ(at(1'220, 3), 7);
+  EXPECT_EQ(at(5'000, 1), 1) << "what was before a silence is over";
+}
+
 }  // namespace
 }  // namespace tactile::capture

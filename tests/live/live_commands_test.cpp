@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "support/run_command.hpp"
 #include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/video/picture_codec.hpp"
 
 namespace tactile::live {
 namespace {
@@ -51,6 +55,8 @@ TEST_F(RecordPreview, ShowsTheRunUntilItsEnd) {
   EXPECT_GT(state.at("disk").at("free_bytes").get<double>(), 0);
   EXPECT_EQ(state.at("recording").at("dropped").at("events"), 0);
   EXPECT_TRUE(state.at("robot").is_null());
+  EXPECT_FALSE(state.at("has_film"));
+  EXPECT_EQ(get(port, "/api/live/film").status, 404);
   EXPECT_GT(message.at("live").at("rate_per_s").get<double>(), 0);
   command.signal(SIGINT);
   const json last = client.next_where([](const json& m) { return m.at("ended").get<bool>(); });
@@ -58,6 +64,34 @@ TEST_F(RecordPreview, ShowsTheRunUntilItsEnd) {
   EXPECT_EQ(last.at("state").at("state"), "ended");
   EXPECT_EQ(last.at("state").at("runs").at(0).at("run"), "01");
   EXPECT_EQ(command.wait().exit_code, 0);
+}
+
+TEST_F(RecordPreview, ShowsTheFilmAndTheClockOfALiveCamera) {
+  ASSERT_EQ(test::run_tactile("simulate sim --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);
+  RunningCommand camera("serve sim/fan/01 --port 0 --loop", folder.path());
+  const std::string address = "tcp://" + camera.logged_after("tcp://");
+  RunningCommand command("record --object fan --from " + address + " --video sim/fan/01/video.mp4 --preview 0", folder.path());
+  const std::uint16_t port = test::port_in(command.logged_after("preview at "));
+  LiveClient client(port);
+  const json message = client.next_where([](const json& m) {
+    return is_recording(m) && !m.at("state").at("recording").at("clock").is_null() && !m.at("steps").empty() &&
+           m.at("steps").back().at(2).is_number();
+  });
+  ASSERT_FALSE(message.is_null()) << command.err();
+  EXPECT_EQ(message.at("columns"), (std::vector<std::string>{"events_per_s", "lateness_ms"}));
+  const json& clock = message.at("state").at("recording").at("clock");
+  EXPECT_GE(clock.at("lateness_ms").get<double>(), 0);
+  EXPECT_LT(std::abs(clock.at("change_ms").get<double>()), 1'000);
+  EXPECT_TRUE(message.at("state").at("has_film"));
+  test::Answer film;
+  ASSERT_TRUE(test::comes_true([&] { return (film = get(port, "/api/live/film")).status == 200; }));
+  const cv::Mat picture = video::decoded_picture(std::as_bytes(std::span(film.body)));
+  EXPECT_GT(picture.rows, 100);
+  EXPECT_LE(picture.cols, 640);
+  command.signal(SIGINT);
+  EXPECT_EQ(command.wait().exit_code, 0);
+  camera.signal(SIGINT);
+  camera.wait();
 }
 
 TEST_F(RecordPreview, ShowsWhatASessionWaitsFor) {

@@ -19,12 +19,12 @@ TEST(Minute, GivesTheStepsThatOneDoesNotHave) {
 
 TEST(Minute, RemembersAMinuteAndNoMore) {
   Minute minute;
-  for (int i = 0; i < 1'000; ++i) minute.add(0.1 * i, std::array{static_cast<double>(i)});
-  EXPECT_EQ(minute.next(), 1'000U);
+  for (int i = 0; i < 2'000; ++i) minute.add(0.05 * i, std::array{static_cast<double>(i)});
+  EXPECT_EQ(minute.next(), 2'000U);
   const nlohmann::json all = minute.since(0);
   ASSERT_EQ(all.size(), Minute::most_steps);
-  EXPECT_EQ(all.front().at(1), 400.0);
-  EXPECT_EQ(minute.since(999).size(), 1U);
+  EXPECT_EQ(all.front().at(1), 800.0);
+  EXPECT_EQ(minute.since(1999).size(), 1U);
 }
 
 }  // namespace

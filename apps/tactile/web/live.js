@@ -1,9 +1,10 @@
-// Begins the live page of `record --preview` and `detect --page`: it shows what the server sends ten times a second.
+// Begins the live page of `record --preview` and `detect --page`: it shows what the server sends twenty times a second.
 
 import { announce, el, refill } from "./dom.js";
 import { CountsPicture } from "./counts_picture.js";
 import { LiveCharts } from "./live_charts.js";
 import { LiveChoices } from "./live_choices.js";
+import { LiveFilm } from "./live_film.js";
 import { Steps, factsOf, headline, lostWords, warningsOf } from "./live_words.js";
 
 const LOOK_UP_MS = 1000;
@@ -27,6 +28,7 @@ class LivePage {
     const picture = (kind, title) => new CountsPicture({ title, kind, load: (number, { signal }) => bytesOf(kind, signal), failed: () => {} });
     this.events = picture("events", "Events");
     this.heatmap = picture("heatmap", "Heatmap");
+    this.film = new LiveFilm();
     this.element = el(
       "main",
       { id: "main", tabindex: -1, class: "live" },
@@ -36,7 +38,7 @@ class LivePage {
       el(
         "div",
         { class: "live-body" },
-        el("div", { class: "live-left" }, el("div", { class: "pictures" }, this.events.element, this.heatmap.element), this.charts.element),
+        el("div", { class: "live-left" }, el("div", { class: "pictures" }, this.events.element, this.heatmap.element, this.film.element), this.charts.element),
         el("div", { class: "live-right" }, el("h2", {}, "Now"), this.facts, this.messages),
       ),
     );
@@ -56,6 +58,7 @@ class LivePage {
     this.#fill(this.messages, message.state?.messages ?? [], (line) => el("li", {}, line));
     this.steps.add(message.steps);
     this.charts.show(this.steps, message.columns);
+    this.film.show(message.state?.has_film && !message.ended);
     const { picture, picture_us } = message.live;
     if (!message.ended && picture > 0 && picture !== this.picture) {
       this.picture = picture;

@@ -76,12 +76,21 @@ function lossesText({ by_reason }) {
   return lost.map(([why, n]) => `${elements(n.events + n.others)}, ${counted(n.packets, "packet")} (${words[why] ?? why})`).join("; ");
 }
 
+/// How far the camera's clock has moved against the host's since the run began: "0.12 ms slow in 40 s (3 ppm)".
+function clockWords({ change_ms, seconds }) {
+  const LONG_ENOUGH_S = 10;
+  if (seconds < LONG_ENOUGH_S) return `known in ${Math.ceil(LONG_ENOUGH_S - seconds)} s`;
+  const ppm = (1000 * Math.abs(change_ms)) / seconds;
+  return `${Math.abs(change_ms).toFixed(2)} ms ${change_ms < 0 ? "fast" : "slow"} in ${seconds.toFixed(0)} s (${ppm.toFixed(0)} ppm)`;
+}
+
 function recordFacts(state) {
   const run = state.recording;
   const facts = [];
   if (run) {
     const lost = lossesText(run.dropped);
     facts.push(["Events", countText(run.events)], ["IMU, triggers, frames", countText(run.others)], ["Dropped", lost, lost !== "nothing"]);
+    if (run.clock) facts.push(["Camera clock", clockWords(run.clock)], ["Packet lateness", `up to ${lengthText(Math.round(1000 * run.clock.lateness_ms))}`]);
     facts.push(["File", bytesText(run.bytes)], ["Waits for the disk", bytesText(run.queue_bytes)]);
   }
   if (state.disk) {

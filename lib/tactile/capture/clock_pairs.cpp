@@ -1,5 +1,6 @@
 #include "tactile/capture/clock_pairs.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace tactile::capture {
@@ -18,6 +19,19 @@ void ClockPairs::take(const ClockPair& pair) {
   }
 }
 
+std::optional<ClockOffset> ClockPairs::offset() const {
+  if (pairs_.empty()) return std::nullopt;
+  // The last second may have only begun, so it may not have its smallest difference yet.
+  const auto least_late = [this](std::size_t first) {
+    const ClockPair &one = pairs_[first], &next = pairs_[std::min(first + 1, pairs_.size() - 1)];
+    return difference(next) < difference(one) ? next : one;
+  };
+  const ClockPair first = least_late(0), last = least_late(pairs_.size() - std::min<std::size_t>(2, pairs_.size()));
+  return ClockOffset{.offset = microseconds{difference(last)},
+                     .change = microseconds{saturating_subtract(difference(last), difference(first))},
+                     .span = microseconds{saturating_subtract(us_of(last.host), us_of(first.host))}};
+}
+
 void ClockPairs::add(CameraTime camera, HostTime host) {
   take({camera, host});
   while (pairs_.size() > limit_) {
@@ -25,6 +39,16 @@ void ClockPairs::add(CameraTime camera, HostTime host) {
     const std::vector<ClockPair> all = std::exchange(pairs_, {});
     for (const ClockPair& pair : all) take(pair);
   }
+}
+
+void RecentLateness::add(HostTime arrived, microseconds lateness) {
+  constexpr microseconds window{100'000};
+  if (arrived - begin_ >= window) {
+    before_ = arrived - begin_ < 2 * window ? now_ : microseconds{0};
+    now_ = microseconds{0};
+    begin_ = arrived;
+  }
+  now_ = std::max(now_, lateness);
 }
 
 }  // namespace tactile::capture

@@ -89,7 +89,7 @@ struct RunRecorder::State {
   bool is_simulated = false;
   PacketQueue queue;
   std::unique_ptr<robot::RobotMonitor> robot;
-  std::unique_ptr<video::VideoCapture> video;
+  std::shared_ptr<video::VideoCapture> video;
   std::vector<std::unique_ptr<Receiver>> receivers;
   std::vector<std::optional<HostTime>> reported_ends;  ///< of each source, the end that was logged
   std::unique_ptr<OpenRun> open;
@@ -238,6 +238,7 @@ std::vector<SourceState> RunRecorder::sources() const {
   return all;
 }
 const robot::RobotMonitor* RunRecorder::robot() const { return state_->robot.get(); }
+std::shared_ptr<const video::VideoCapture> RunRecorder::video() const { return state_->video; }
 void RunRecorder::discard() {
   for (const auto& receiver : state_->receivers) receiver->discard();
 }
@@ -297,6 +298,8 @@ RunState RunRecorder::state() const {
                .bytes = size_of(run.request.run.events()),
                .queue_bytes = state.queue.waiting_bytes(),
                .drops = state.drops(written),
+               .clock = written.clock,
+               .lateness = written.lateness,
                .robot = {},
                .video = {},
                .ended = written.error};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tactile/capture/camera_source.hpp"
+#include "tactile/capture/clock_pairs.hpp"
 #include "tactile/capture/run_drops.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/stream.hpp"
@@ -54,6 +55,8 @@ struct RunState {
   std::uint64_t bytes = 0;              ///< the file's size
   std::size_t queue_bytes = 0;
   RunDrops drops;
+  std::optional<ClockOffset> clock;  ///< of the first stream's camera; nothing before its first packet, or unless it is live
+  microseconds lateness{0};          ///< of its packets, as `RecentLateness`
   std::optional<robot::RobotMonitorState> robot;
   std::optional<video::VideoCaptureState> video;
   std::string ended;  ///< why it must end now; empty while it can continue
@@ -100,7 +103,8 @@ class RunRecorder {
   const std::vector<events::Stream>& streams() const;  ///< as the recordings declare them
   bool simulated() const;
   std::vector<SourceState> sources() const;
-  const robot::RobotMonitor* robot() const;  ///< null if there is none
+  const robot::RobotMonitor* robot() const;                  ///< null if there is none
+  std::shared_ptr<const video::VideoCapture> video() const;  ///< null if there is none
 
   /// From now on packets of live sources are discarded until a run begins. Otherwise the first run has everything that the
   /// sources sent before it.

@@ -195,7 +195,7 @@ void RunWriter::write_packet(QueuedPacket& queued) {
         break;
     }
     newest_[static_cast<std::size_t>(stream.id)] = span->last;
-    if (options_.pairs_clocks && stream.source == streams_.front().stream.source) pairs_.add(span->last, queued.arrived);
+    if (options_.pairs_clocks && stream.source == streams_.front().stream.source) note_arrival({span->last, queued.arrived});
   }
 
   const LostElements left = count_of(packet);
@@ -203,6 +203,16 @@ void RunWriter::write_packet(QueuedPacket& queued) {
   so_far_.events += left.events;
   so_far_.others += left.others;
   so_far_.reached_duration = so_far_.reached_duration || reached_duration;
+}
+
+void RunWriter::note_arrival(const ClockPair& pair) {
+  pairs_.add(pair.camera, pair.host);
+  const std::optional<ClockOffset> clock = pairs_.offset();
+  lateness_.add(pair.host, microseconds{saturating_subtract(saturating_subtract(us_of(pair.host), us_of(pair.camera)),
+                                                            clock->offset.count())});
+  const std::scoped_lock lock(guard_);
+  so_far_.clock = clock;
+  so_far_.lateness = lateness_.most();
 }
 
 void RunWriter::leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const {

@@ -43,7 +43,9 @@ class RunWriter {
     RunDrops drops;                        ///< found by this writer
     std::optional<CameraTime> first;       ///< start of the duration: the first packet
     bool reached_duration = false;
-    std::string error;  ///< why the file can no longer be written
+    std::optional<ClockOffset> clock;  ///< of the first stream's camera; nothing unless its source is live
+    microseconds lateness{0};  ///< the most that its packets came after the earliest of a second or two, in the last 0.1 to 0.2 s
+    std::string error;         ///< why the file can no longer be written
   };
 
   void start();
@@ -58,6 +60,7 @@ class RunWriter {
  private:
   void write_all();
   void write_packet(QueuedPacket& queued);
+  void note_arrival(const ClockPair& pair);
   void leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const;
   bool cut_to_duration(CameraPacket& packet, const std::optional<CameraTime>& first) const;
   void sync_all();
@@ -70,6 +73,7 @@ class RunWriter {
   events::RecordingWriter file_;                   ///< used by the writing thread until it has ended, as are the next two
   std::vector<std::optional<CameraTime>> newest_;  ///< the last time written, of each stream
   ClockPairs pairs_;
+  RecentLateness lateness_;
 
   mutable std::mutex guard_;  ///< of all that follows
   Written so_far_;            ///< changed by the writing thread only, except `error`

@@ -22,8 +22,8 @@ namespace {
 using Steady = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds step{100};
-constexpr std::size_t steps_per_second = 10;
+constexpr milliseconds step{50};
+constexpr std::size_t steps_per_second = 20;
 
 double seconds(Steady::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -98,7 +98,7 @@ struct LivePage::State {
   std::optional<std::string> part(std::uint64_t& seen, std::uint64_t& next_step);
 };
 
-/// The page's own thread: a step every 0.1 s.
+/// The page's own thread.
 void LivePage::State::run() {
   RateMeter meter;
   const Steady::time_point begun = Steady::now();
@@ -200,6 +200,11 @@ review::PageResponse LivePage::answer(const review::PageRequest& request) {
     const auto& bytes = is_heatmap ? state.picture.heatmap : state.picture.events;
     return bytes ? review::PageResponse{.type = "application/octet-stream", .body = *bytes}
                  : review::PageResponse{.status = 204, .body = {}};
+  }
+  if (request.path == "/api/live/film" && state.options.film) {
+    std::string jpeg = state.options.film();
+    return jpeg.empty() ? review::PageResponse{.status = 204, .body = {}}
+                        : review::PageResponse{.type = "image/jpeg", .body = std::move(jpeg)};
   }
   if (request.path == "/api/live/choice" && state.options.choose) return chosen(request, state.options);
   if (request.path != "/api/live") throw review::Refusal(404, "there is no such path; expected one of the live page");

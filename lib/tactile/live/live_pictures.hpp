@@ -24,7 +24,7 @@ struct LivePicture {
   std::vector<std::string> warnings{};           ///< about it
 };
 
-/// Makes pictures of what a stream of events shows now, five a second, and looks at its scene every five seconds.
+/// Makes pictures of what a stream of events shows now, up to twenty a second, and looks at its scene every five seconds.
 class LivePictures {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -10,7 +10,7 @@ namespace tactile::live {
 /// The last minute of some values, step by step, for a chart. Bounded: older steps are forgotten.
 class Minute {
  public:
-  static constexpr std::size_t most_steps = 600;  ///< of 0.1 s
+  static constexpr std::size_t most_steps = 1200;  ///< of 0.05 s
 
   /// @param t_s     of the step
   /// @param values  one for each column; NaN: none

@@ -148,7 +148,8 @@ struct VideoCapture::State {
   bool filmed_before = false;
   bool running = true;
   bool stopping = false;
-  cv::Size size;  ///< of the last frame
+  cv::Size size;   ///< of the last frame
+  cv::Mat newest;  ///< its picture
   std::deque<Steady::time_point> last_second;
   std::uint64_t frames = 0, dropped = 0;
   std::string error;
@@ -254,6 +255,7 @@ struct VideoCapture::State {
     last_second.push_back(now);
     while (now - last_second.front() > std::chrono::seconds(1)) last_second.pop_front();
     size = frame.picture.size();
+    newest = frame.picture;
     const auto is_filmed = [&] { return film != nullptr && !film_ending && error.empty(); };
     const auto has_room = [&] {
       return queue.empty() || (queue.size() < options.queue && queued_bytes + frame.bytes() <= waiting_bytes);
@@ -382,6 +384,11 @@ void VideoCapture::stop_film() {
   state.work.notify_all();
   state.changed.wait(lock, [&] { return state.film == nullptr; });
   if (!state.error.empty()) throw Error(state.error);
+}
+
+cv::Mat VideoCapture::newest_picture() const {
+  const std::scoped_lock lock(state_->guard);
+  return state_->newest;
 }
 
 VideoCaptureState VideoCapture::state() const {

@@ -7,6 +7,10 @@
 #include <memory>
 #include <string>
 
+namespace cv {
+class Mat;
+}
+
 namespace tactile::video {
 
 struct VideoCaptureOptions {
@@ -48,6 +52,7 @@ class VideoCapture {
   void stop_film();  ///< encodes the waiting frames, ends and syncs both files. @throws Error if that or the filming failed
 
   VideoCaptureState state() const;
+  cv::Mat newest_picture() const;  ///< as grabbed, also between films: read only; empty before the first
 
  private:
   struct State;

@@ -80,6 +80,23 @@ test("columns are found by their names, in any order", () => {
   assert.deepEqual(steps.of(["p_slip", "p_press"], ["events_per_s", "p_press", "p_slip"]), [[0, null, 0.2]]);
 });
 
+test("the camera's clock is known after ten seconds, and only of a live camera", () => {
+  const withClock = (clock) => {
+    const message = recording();
+    message.state.recording.clock = clock;
+    return message;
+  };
+  assert.equal(fact(withClock(null), "Camera clock"), undefined);
+  assert.equal(fact(recording(), "Packet lateness"), undefined, "an earlier program has no clock");
+  const early = withClock({ offset_us: 5, change_ms: 0.2, seconds: 3.2, lateness_ms: 1.25 });
+  assert.deepEqual(fact(early, "Camera clock").slice(1), ["known in 7 s"]);
+  assert.deepEqual(fact(early, "Packet lateness").slice(1), ["up to 1.25 ms"]);
+  const slow = withClock({ offset_us: 5, change_ms: 0.12, seconds: 40, lateness_ms: 0.5 });
+  assert.deepEqual(fact(slow, "Camera clock").slice(1), ["0.12 ms slow in 40 s (3 ppm)"]);
+  const fast = withClock({ offset_us: 5, change_ms: -2, seconds: 100, lateness_ms: 0.5 });
+  assert.deepEqual(fact(fast, "Camera clock").slice(1), ["2.00 ms fast in 100 s (20 ppm)"]);
+});
+
 test("the headline says what the program does", () => {
   assert.deepEqual(headline({ state: null, live: LIVE }), { words: "The program begins.", mark: "" });
   assert.deepEqual(headline(recording()), { words: "Recording fan/03", detail: "1:23", mark: "bad" });

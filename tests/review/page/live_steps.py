@@ -43,13 +43,16 @@ def picture_is_drawn(tab, kind):
 
 
 def watches_a_recording(world):
-    live = Live(world, "record", "--from", "sim", "--object", "fan", "--out", os.path.join(world.home, "live"), "--speed", "0.2", "--preview", "0")
+    film = os.path.join(world.data, "fan", "01", "video.mp4")
+    out = os.path.join(world.home, "live")
+    live = Live(world, "record", "--from", "sim", "--object", "fan", "--out", out, "--speed", "0.2", "--video", film, "--preview", "0")
     tab = Tab(world.browser)
     try:
         tab.go(live.url)
         tab.wait("document.querySelector('h1')?.textContent === 'Recording fan/01'", "the page says what is recorded")
         picture_is_drawn(tab, "events")
         picture_is_drawn(tab, "heatmap")
+        tab.wait("document.querySelector('.picture.film:not([hidden]) img')?.naturalWidth > 100", "the film is shown")
         tab.wait("/events\\/s/.test(document.querySelector('.live-facts')?.textContent)", "the event rate is there")
         tab.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the last minute is a chart")
         before = tab.text(".live-detail")
