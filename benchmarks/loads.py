@@ -21,7 +21,9 @@ class StreamGenerator:
         """What was sent, after the end; empty if the generator failed."""
         return json.loads(self.process.stdout.readline() or "{}")
 
-    def __exit__(self, *_):
+    def __exit__(self, failure, *_):
+        if failure:
+            self.process.kill()  # its client may never have come
         self.process.stdout.close()
         self.process.wait()
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/evaluation/statistic.hpp"
+#include "tactile/evaluation/accuracy.hpp"
 #include "tactile/model/training/train_model.hpp"
 #include "tactile/model/training/training.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -19,11 +19,6 @@
 namespace {
 
 using namespace tactile;
-
-/// Numbers of samples of a run that were predicted correctly, and of all its samples.
-struct RunCounts {
-  double right = 0, all = 0;
-};
 
 struct Method {
   const char* name;
@@ -55,14 +50,7 @@ void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, u
   const auto testing_maps = model::sample_heatmaps(dataset, settings.rendering, testing, threads);
   const auto training_truth = truth_of(dataset, training), testing_truth = truth_of(dataset, testing);
 
-  std::map<std::string, std::vector<std::size_t>> runs_of_objects;
-  for (const std::uint32_t run : split.test_runs) runs_of_objects[dataset.runs()[run].object].push_back(run);
-  evaluation::RunsByObject runs;
-  for (const auto& [object, its_runs] : runs_of_objects) runs.push_back(its_runs);
-
-  // Of each method and seed; the last element is the sum over all seeds.
-  std::vector<std::vector<std::vector<RunCounts>>> counts(
-      methods.size(), std::vector<std::vector<RunCounts>>(seeds + 1, std::vector<RunCounts>(dataset.runs().size())));
+  std::vector<std::vector<results::RunConfusion>> judged(methods.size());  // of each method: the runs of each seed
   fmt::print("| seed |");
   for (const Method& method : methods) fmt::print(" {}: loss | accuracy [%] |", method.name);
   fmt::print("\n| ---: |");
@@ -79,43 +67,40 @@ void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, u
                                                .threads = threads,
                                                .float64 = methods[method].float64});
       const auto logits = trained.network.logits(testing_maps, threads);
-      double right = 0;
-      for (std::size_t i = 0; i < logits.size(); ++i) {
-        const double hit = model::verdict_of(logits[i]) == testing_truth[i] ? 1 : 0;
-        right += hit;
-        for (const std::size_t place : {std::size_t{seed} - 1, std::size_t{seeds}}) {
-          RunCounts& of_run = counts[method][place][dataset.samples()[testing[i]].run_index];
-          of_run.right += hit;
-          of_run.all += 1;
-        }
+      std::map<std::uint32_t, results::RunConfusion> of_seed;
+      for (const std::uint32_t run : split.test_runs) {
+        results::RunConfusion& confusion = of_seed[run];
+        confusion.object = dataset.runs()[run].object;
+        confusion.run = dataset.runs()[run].run;
+        confusion.training = seed - 1;
       }
-      fmt::print(" {:.6f} | {:.2f} |", trained.summary.history.back().loss, 100 * right / static_cast<double>(logits.size()));
+      results::Confusion all;
+      for (std::size_t i = 0; i < logits.size(); ++i) {
+        const Touch predicted = model::verdict_of(logits[i]);
+        all.add(testing_truth[i], predicted);
+        of_seed.at(dataset.samples()[testing[i]].run_index).confusion.add(testing_truth[i], predicted);
+      }
+      for (const auto& [run, confusion] : of_seed) judged[method].push_back(confusion);
+      fmt::print(" {:.6f} | {:.2f} |", trained.summary.history.back().loss, 100 * all.accuracy().value_or(0));
       std::fflush(stdout);
     }
     fmt::print("\n");
   }
 
-  const auto accuracy = [&](std::size_t method, std::size_t place, std::span<const std::size_t> of_runs) {
-    RunCounts sum;
-    for (const std::size_t run : of_runs) {
-      sum.right += counts[method][place][run].right;
-      sum.all += counts[method][place][run].all;
+  const auto of_seed = [&](unsigned seed) {
+    std::vector<results::RunConfusion> runs;
+    for (const results::RunConfusion& run : judged.back()) {
+      if (run.training == seed) runs.push_back(run);
     }
-    return sum.all > 0 ? std::optional(sum.right / sum.all) : std::nullopt;
+    for (results::RunConfusion& run : runs) run.training = 0;
+    return runs;
   };
-  const auto difference = [&](std::size_t method, std::size_t place, std::size_t other_method, std::size_t other_place) {
-    return evaluation::figure_over_objects(
-        runs, evaluation::mean_over_objects([&](std::span<const std::size_t> of_runs) -> std::optional<double> {
-          const auto ours = accuracy(method, place, of_runs), theirs = accuracy(other_method, other_place, of_runs);
-          return ours && theirs ? std::optional(*ours - *theirs) : std::nullopt;
-        }));
-  };
-  fmt::print("\n| accuracy, mean over {} objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n", runs.size());
+  fmt::print("\n| accuracy, mean over objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n");
   for (std::size_t method = 0; method + 1 < methods.size(); ++method)
     fmt::print("| {} minus float64, {} seeds together | {} |\n", methods[method].name, seeds,
-               text_of(difference(method, seeds, methods.size() - 1, seeds)));
+               text_of(evaluation::accuracy_difference(judged.back(), judged[method]).mean));
   if (seeds > 1)
-    fmt::print("| float64, seed 1 minus seed 2 | {} |\n", text_of(difference(methods.size() - 1, 0, methods.size() - 1, 1)));
+    fmt::print("| float64, seed 1 minus seed 2 | {} |\n", text_of(evaluation::accuracy_difference(of_seed(1), of_seed(0)).mean));
 }
 
 }  // namespace
