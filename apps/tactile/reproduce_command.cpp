@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +33,7 @@
 #include "tactile/experiments/study/estimate_study.hpp"
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
-#include "tactile/results/variance_shares.hpp"
+#include "tactile/results/figure_text.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -109,88 +110,82 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   return options;
 }
 
-std::string mean_of(const nlohmann::json& accuracy) {
-  return accuracy.is_null() ? std::string("-") : figure_text(accuracy.at("mean"), 100, 2);
+std::string mean_of(const std::optional<results::Accuracy>& accuracy) {
+  return accuracy ? figure_text(accuracy->mean, 100, 2) : "-";
 }
 
 /// "3 of 10 objects", where a claim is counted over objects.
-std::string kept_text(const nlohmann::json& claim) {
-  if (claim.at("kept").is_null()) return "-";
-  return fmt::format("{} of {} objects", claim.at("kept").get<std::size_t>(), claim.at("of").get<std::size_t>());
-}
-
-/// Whether the study has delays and false alarms of the chosen model: each training is judged with the history that it chose.
-bool is_judged(const nlohmann::json& study) {
-  const double th_ms = study.at("choice").at("th_ms").get<double>();
-  return study.at("trainings").front().at("th_ms").get<double>() == th_ms;
+std::string kept_text(const results::Claim& claim) {
+  return claim.kept && claim.of ? fmt::format("{} of {} objects", *claim.kept, *claim.of) : "-";
 }
 
 /// Commands that use the chosen model.
-std::string next_commands(const ReproduceArguments& args, const nlohmann::json& study) {
-  const std::string model = study.at("choice").at("model").get<std::string>();
-  const std::string folder = shell_word((experiments::models_folder(args.models, args.out) / model).string());
+std::string next_commands(const ReproduceArguments& args, const results::Study& study) {
+  // Each training is judged with the history that it chose.
+  const bool is_judged = study.trainings.front().history_ms == study.choice.history_ms;
+  const std::string folder = shell_word((experiments::models_folder(args.models, args.out) / study.choice.model).string());
   const std::string data = args.data == "data" ? "" : " " + shell_word(args.data);
   return fmt::format("To use the chosen model{}:\n  tactile eval{} --model {}\n  tactile export --model {} --onnx model.onnx\n",
-                     is_judged(study) ? "" : ", whose delays and false alarms 'eval' measures", data, folder, folder);
+                     is_judged ? "" : ", whose delays and false alarms 'eval' measures", data, folder, folder);
 }
 
-std::string text_of(const study::StudySummary& summary) {
-  const nlohmann::json& study = summary.study;
-  std::string text = study.at("title").get<std::string>() + "\n\n";
-
+std::string histories_text(const results::Study& study) {
   std::vector<std::vector<std::string>> rows;
-  for (const auto& history : study.at("histories")) {
-    const auto& accuracy = history.at("accuracy");
-    rows.push_back({fmt::format("{}", history.at("th_ms").get<double>()), mean_of(accuracy.at("choice")),
-                    mean_of(accuracy.at("reported")), mean_of(accuracy.at("all_test"))});
+  for (const results::StudyHistory& history : study.histories) {
+    rows.push_back({fmt::format("{}", history.history_ms), mean_of(history.accuracy.choice), mean_of(history.accuracy.reported),
+                    mean_of(history.accuracy.all_test)});
   }
-  text += "Accuracy by history [%]: mean over objects, and its 95 % interval\n\n" +
-          text_table({"t_h [ms]", "to choose on", "reported", "all test runs"}, rows) + "\n";
-  text += wrapped(study.at("choice").at("why").get<std::string>() +
-                  " As in the paper: " + study.at("paper_way").at("why").get<std::string>()) +
-          "\n\n";
+  return "Accuracy by history [%]: mean over objects, and its 95 % interval\n\n" +
+         text_table({"t_h [ms]", "to choose on", "reported", "all test runs"}, rows) + "\n" +
+         wrapped(study.choice.why + " As in the paper: " + study.paper_way.why) + "\n\n";
+}
 
-  if (!study.at("unseen").is_null() && !study.at("unseen").at("reported").is_null()) {
-    rows.clear();
-    for (const auto& [object, figures] : study.at("unseen").at("reported").at("objects").items()) {
-      rows.push_back({object, figure_text(figures.at("seen"), 100, 2), figure_text(figures.at("held_out"), 100, 2),
-                      figure_text(figures.at("difference"), 100, 2)});
+std::string unseen_text(const results::Study& study) {
+  std::string text;
+  if (study.unseen && study.unseen->on.reported) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& [object, figures] : study.unseen->on.reported->objects) {
+      rows.push_back({object, figure_text(figures.seen, 100, 2), figure_text(figures.held_out, 100, 2),
+                      figure_text(figures.difference, 100, 2)});
     }
     text +=
         "Objects held out of training: accuracy [%]\n\n" + text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
   }
-  if (!study.at("splits_mean").is_null()) {
-    text += wrapped(fmt::format(
-                "{} random splits: unseen minus seen is {} points on the reported runs.", study.at("splits").size(),
-                study.at("splits_mean").at("reported").is_null() ? std::string("-")
-                                                                 : figure_text(study.at("splits_mean").at("reported"), 100, 2))) +
+  if (!study.splits.empty()) {
+    text += wrapped(fmt::format("{} random splits: unseen minus seen is {} points on the reported runs.", study.splits.size(),
+                                figure_text(study.splits_mean.reported.value_or(results::Figure{}), 100, 2))) +
             "\n\n";
   }
-
-  rows.clear();
-  for (const auto& claim : study.at("claims")) {
-    rows.push_back({claim.at("id").get<std::string>(), kept_text(claim), claim.at("verdict").get<std::string>(),
-                    claim.at("all_test").at("verdict").get<std::string>()});
-  }
-  text += "The paper's claims\n\n" + text_table({"claim", "true for", "outcome", "as in the paper"}, rows) + "\n";
-  for (const auto& claim : study.at("claims")) {
-    std::string words = claim.at("id").get<std::string>() + ":";
-    if (const auto measured = claim.at("in_words").get<std::string>(); !measured.empty()) words += " " + measured;
-    if (const auto why = claim.at("why").get<std::string>(); !why.empty()) words += fmt::format(" Not decided: {}.", why);
-    text += wrapped(words, 2) + "\n";
-  }
-  text += "\n";
-  double seconds = 0;
-  for (const auto& step : study.at("steps")) seconds += step.at("seconds").get<double>();
-  std::string trainings = study.at("bootstrap").at("trainings").get<std::string>();
-  if (const results::JsonView variance(study.at("variance"), "study"); variance)
-    trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(variance.get<results::VarianceShares>()));
-  text += wrapped(trainings) + "\n";
-  text +=
-      wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
-                          summary.done, summary.kept, clock_text(seconds))) +
-      "\n\n";
   return text;
+}
+
+std::string claims_text(const std::vector<results::Claim>& claims) {
+  std::vector<std::vector<std::string>> rows;
+  std::string sentences;
+  for (const results::Claim& claim : claims) {
+    rows.push_back({claim.id, kept_text(claim), std::string(name_of(claim.outcome)),
+                    claim.all_test ? std::string(name_of(claim.all_test->outcome)) : "-"});
+    std::string words = claim.id + ":";
+    if (!claim.in_words.empty()) words += " " + claim.in_words;
+    if (!claim.why.empty()) words += fmt::format(" Not decided: {}.", claim.why);
+    sentences += wrapped(words, 2) + "\n";
+  }
+  return "The paper's claims\n\n" + text_table({"claim", "true for", "outcome", "as in the paper"}, rows) + "\n" + sentences +
+         "\n";
+}
+
+std::string text_of(const study::StudySummary& summary) {
+  const results::Study& study = summary.study;
+  double seconds = 0;
+  for (const results::StepRecord& step : study.steps) seconds += step.seconds;
+  std::string trainings = study.bootstrap.trainings;
+  if (study.variance) trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(*study.variance));
+  return study.title + "\n\n" + histories_text(study) + unseen_text(study) + claims_text(study.claims) + wrapped(trainings) +
+         "\n" +
+         wrapped(
+             fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
+                         summary.done, summary.kept, clock_text(seconds))) +
+         "\n\n";
 }
 
 /// The label, and its words in a column of their own.
@@ -199,48 +194,49 @@ std::string short_line(const std::string& label, const std::string& words) {
   return wrapped(fmt::format("{:<{}}{}", label, column, words), column) + "\n";
 }
 
-/// The claims' outcomes, counted: "4 yes, 2 no, 5 cannot tell".
-std::string outcomes_of(const nlohmann::json& claims) {
-  std::map<std::string, std::size_t> outcomes;
-  for (const auto& claim : claims) ++outcomes[claim.at("verdict").get<std::string>()];
+/// The claims' outcomes, counted: "4 holds, 2 does not, 5 cannot tell".
+std::string outcomes_of(const std::vector<results::Claim>& claims) {
+  std::map<std::string_view, std::size_t> outcomes;
+  for (const results::Claim& claim : claims) ++outcomes[name_of(claim.outcome)];
   std::string text;
   for (const auto& [outcome, count] : outcomes) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, outcome);
   return text;
 }
 
+constexpr const char* note_on_simulated_runs = "Results on simulated runs say nothing about real ones.\n";
+
 /// The figures that matter most: at most 9 lines.
 std::string short_text(const study::StudySummary& summary) {
-  const nlohmann::json& study = summary.study;
-  std::string text = wrapped(study.at("title").get<std::string>()) + "\n\n";
-  const nlohmann::json& choice = study.at("choice");
-  for (const auto& history : study.at("histories")) {
-    if (history.at("th_ms") != choice.at("th_ms")) continue;
-    text += short_line("accuracy", fmt::format("{} % with t_h {:g} ms, on the reported runs",
-                                               mean_of(history.at("accuracy").at("reported")), choice.at("th_ms").get<double>()));
+  const results::Study& study = summary.study;
+  std::string text = wrapped(study.title) + "\n\n";
+  for (const results::StudyHistory& history : study.histories) {
+    if (history.history_ms != study.choice.history_ms) continue;
+    text += short_line("accuracy", fmt::format("{} % with t_h {:g} ms, on the reported runs", mean_of(history.accuracy.reported),
+                                               history.history_ms));
   }
-  const nlohmann::json& unseen = study.at("unseen");
-  if (!unseen.is_null() && !unseen.at("reported").is_null()) {
-    const nlohmann::json& mean = unseen.at("reported").at("mean");
-    text += short_line("held out", fmt::format("{} %, {} points from seen objects", figure_text(mean.at("held_out"), 100, 2),
-                                               figure_text(mean.at("difference"), 100, 2)));
+  if (study.unseen && study.unseen->on.reported) {
+    const results::SeenAndHeldOut& mean = study.unseen->on.reported->mean;
+    text += short_line("held out", fmt::format("{} %, {} points from seen objects", figure_text(mean.held_out, 100, 2),
+                                               figure_text(mean.difference, 100, 2)));
   }
-  text += short_line("claims", fmt::format("of the paper's {}: {}", study.at("claims").size(), outcomes_of(study.at("claims"))));
+  text += short_line("claims", fmt::format("of the paper's {}: {}", study.claims.size(), outcomes_of(study.claims)));
   text += short_line("steps", fmt::format("{} done, {} kept; --verbose prints all tables", summary.done, summary.kept));
-  if (study.at("simulated").get<bool>()) text += "Results on simulated runs say nothing about real ones.\n";
+  if (study.simulated) text += note_on_simulated_runs;
   return text;
 }
 
 /// What was found: the last screen.
-std::string found_text(const nlohmann::json& study) {
+std::string found_text(const results::Study& study) {
   std::string text = "What was found\n\n";
-  for (const auto& sentence : study.at("found")) text += wrapped(sentence.get<std::string>()) + "\n";
-  if (study.at("simulated").get<bool>()) text += "Results on simulated runs say nothing about real ones.\n";
+  for (const std::string& sentence : study.found) text += wrapped(sentence) + "\n";
+  if (study.simulated) text += note_on_simulated_runs;
   return text;
 }
 
 /// Draws the study's report, unless it exists and was drawn from this study.
 fs::path draw_report(const fs::path& study, const fs::path& program, const experiments::NewProgress& new_progress) {
-  const fs::path out = study / "report", page = out / "report.html";
+  const fs::path out = study / "report";
+  fs::path page = out / "report.html";
   const auto page_made = [&]() -> nlohmann::json {
     return fs::is_regular_file(page) ? nlohmann::json(sha256_of_file(page)) : nlohmann::json();
   };

@@ -297,14 +297,14 @@ TEST(Report, NamesEveryHistoryThatTheTrainingsChose) {
   json study = write_study(folder / "study");
   json& evaluation = study["evaluations"][0];
   for (const int history : {50, 30, 40, 30}) evaluation["models"].push_back({{"name", "m"}, {"th_ms", history}});
-  study["training_spread"]["in_words"] = "4 trainings are 17.5 points apart.";
+  study["training_spread"] = {{"th_ms", 30}, {"mean", {0.9, 0.92}}, {"objects", {{"fan", {0.75, 0.925}}}}};
   study["splits"] = {{{"name", "split-001"}}, {{"name", "split-002"}}};
   study["splits_mean"]["reported"] = {{"value", -0.125}, {"low", -0.25}, {"high", -0.0625}, {"n", 10}};
   write_json(folder / "study/study.json", study);
   const std::string page = read_text(write_report(folder / "study", folder / "out").page);
   EXPECT_TRUE(contains(page, "Detection: 4 trainings, t_h 30, 40 and 50 ms, the reported runs</h2>")) << page;
   EXPECT_TRUE(contains(page, "<p>4 trainings, t_h 30, 40 and 50 ms, a tick every 2 ms"));
-  EXPECT_TRUE(contains(page, "4 trainings are 17.5 points apart."));
+  EXPECT_TRUE(contains(page, "on one object their accuracies are up to 17.5 points apart (fan: 75.0 to 92.5 %)"));
   EXPECT_TRUE(contains(page, "Over 2 random splits, the accuracy on a held-out object differs by -12.50 points [-25.00, -6.25]"));
   evaluation["models"] = {{{"name", "one"}, {"th_ms", 20}}};
   write_json(folder / "study/study.json", study);

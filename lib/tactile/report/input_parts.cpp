@@ -37,13 +37,11 @@ TrainingCurve training_in(const std::filesystem::path& file, const std::string& 
   return curve;
 }
 
-ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::JsonView>>& accuracies) {
+ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::Accuracy>>& accuracies) {
   ReportedHistories histories{.runs = runs, .curves = {}};
   HistoryCurve mean{.name = "mean over objects", .points = {}};
   std::map<std::string, HistoryCurve> objects;
-  for (const auto& [history_ms, json] : accuracies) {
-    if (!json) continue;
-    const results::Accuracy accuracy = json.get<results::Accuracy>();
+  for (const auto& [history_ms, accuracy] : accuracies) {
     mean.points.push_back({.history_ms = history_ms, .accuracy = accuracy.mean});
     for (const auto& [object, value] : accuracy.objects) {
       objects[object].name = object;
@@ -65,8 +63,8 @@ void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const 
   }
 }
 
-void add_sentences(std::vector<std::string>& sentences, const results::JsonView& lines) {
-  for (const std::string& line : lines.texts()) sentences.push_back(line.ends_with('.') ? line : line + ".");
+void add_sentences(std::vector<std::string>& sentences, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) sentences.push_back(line.ends_with('.') ? line : line + ".");
 }
 
 std::string list_of_runs(const std::vector<std::string>& names) {

@@ -23,14 +23,14 @@ bool is_found(ReportInput& input, const std::filesystem::path& file, std::string
 TrainingCurve training_in(const std::filesystem::path& file, const std::string& name);
 
 /// The mean over objects first, then objects by name.
-/// @param accuracies  by history in milliseconds; those that were not measured are null
-ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::JsonView>>& accuracies);
+/// @param accuracies  by history in milliseconds
+ReportedHistories histories_of(const std::string& runs, const std::vector<std::pair<double, results::Accuracy>>& accuracies);
 
 /// Appends the members of an object as rows of two columns, those of objects in it by their paths.
 void add_settings(std::vector<TableRow>& rows, const std::string& prefix, const results::JsonView& json);
 
-/// Appends the texts of a list as sentences: log lines have no full stop.
-void add_sentences(std::vector<std::string>& sentences, const results::JsonView& lines);
+/// Appends lines as sentences: log lines have no full stop.
+void add_sentences(std::vector<std::string>& sentences, const std::vector<std::string>& lines);
 
 /// "2 runs: fan/02, usb-hub/02"; "none"
 std::string list_of_runs(const std::vector<std::string>& names);

@@ -78,7 +78,7 @@ void read_evaluation(ReportInput& input, const ModelFolder& folder) {
                                         shell_word(folder.path().string())));
     return;
   }
-  add_sentences(input.remarks, json["warnings"]);
+  add_sentences(input.remarks, json["warnings"].texts());
   if (const std::string judged_on = json["dataset"]["manifest_hash"].words(); judged_on != folder.learned_from()) {
     input.remarks.push_back(
         fmt::format("{} learned from {} with manifest {}. It is judged on runs of {} with manifest {} that it has not seen.",
@@ -111,11 +111,7 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
   std::sort(files.begin(), files.end());
   for (const fs::path& csv : files) {
     if (input.runs.size() == most_runs) break;
-    input.runs.push_back({.run = csv.stem().string(),
-                          .model = folder.name(),
-                          .history_ms = input.history_ms,
-                          .csv = csv,
-                          .outcome = fs::path(csv).replace_extension(".json")});
+    input.runs.push_back({.run = csv.stem().string(), .model = folder.name(), .history_ms = input.history_ms, .csv = csv});
   }
   if (files.size() > most_runs)
     input.remarks.push_back(fmt::format("The first {} of {} runs over time are shown.", most_runs, files.size()));
@@ -153,10 +149,10 @@ std::vector<TableRow> settings_of(const ModelFolder& folder) {
 
 /// Accuracy by history, where the models have several.
 void add_histories(ReportInput& input, const std::vector<ModelFolder>& folders) {
-  std::vector<std::pair<double, results::JsonView>> by_history;
+  std::vector<std::pair<double, results::Accuracy>> by_history;
   for (const ModelFolder& folder : folders) {
-    if (folder.evaluation() && std::isfinite(folder.history_ms()))
-      by_history.emplace_back(folder.history_ms(), folder.evaluation()["accuracy"]);
+    const auto accuracy = folder.evaluation()["accuracy"].if_there<results::Accuracy>();
+    if (accuracy && std::isfinite(folder.history_ms())) by_history.emplace_back(folder.history_ms(), *accuracy);
   }
   std::stable_sort(by_history.begin(), by_history.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (!by_history.empty() && by_history.front().first != by_history.back().first)

@@ -70,16 +70,16 @@ void add_runs(ReportPage& page, const ReportInput& input) {
   if (input.runs.empty()) return;
   page.html.section("runs", "Whole runs over time");
   for (std::size_t i = 0; i < std::min(input.runs.size(), most_runs_over_time); ++i) {
-    const ReportedRun& run = input.runs[i];
+    const results::ReportedRun& run = input.runs[i];
     pictures::PredictionPicture picture = read_prediction(run.csv, run.history_ms);
     picture.title = page.titled(fmt::format("{}, predicted by {}", run.run, run.model));
     picture.remarks.push_back(fmt::format("History t_h {:g} ms.", run.history_ms));
+    const fs::path outcome = fs::path(run.csv).replace_extension(".json");
     std::error_code ignored;
-    if (!run.outcome.empty() && fs::is_regular_file(run.outcome, ignored))
-      add_outcome(picture, run.outcome);
+    if (fs::is_regular_file(outcome, ignored))
+      add_outcome(picture, outcome);
     else
-      page.missing.push_back(
-          fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, run.outcome.string()));
+      page.missing.push_back(fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, outcome.string()));
     page.figure(
         "run-" + name_part(run.run), pictures::prediction_plot(picture),
         fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
@@ -130,15 +130,15 @@ ReportSummary write_report(const ReportInput& input, const fs::path& out, const 
     return static_cast<std::size_t>(std::count_if(input.claims.begin(), input.claims.end(),
                                                   [outcome](const results::Claim& claim) { return claim.outcome == outcome; }));
   };
-  const ReportSummary summary{.title = page.html.title(),
-                              .simulated = input.simulated,
-                              .page = out / "report.html",
-                              .figures = page.figures(),
-                              .missing = page.missing,
-                              .errors = page.errors,
-                              .claims = input.claims.size(),
-                              .hold = count(results::Outcome::holds),
-                              .do_not = count(results::Outcome::does_not)};
+  ReportSummary summary{.title = page.html.title(),
+                        .simulated = input.simulated,
+                        .page = out / "report.html",
+                        .figures = page.figures(),
+                        .missing = page.missing,
+                        .errors = page.errors,
+                        .claims = input.claims.size(),
+                        .hold = count(results::Outcome::holds),
+                        .do_not = count(results::Outcome::does_not)};
   write_whole(summary.page, page.html.text());
   remove_old_figures(out / "figures", summary.figures);
   return summary;

@@ -8,12 +8,10 @@
 
 #include "tactile/report/classifier_plots.hpp"
 #include "tactile/report/object_plots.hpp"
-#include "tactile/results/claim.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/stress.hpp"
+#include "tactile/results/study.hpp"
 #include "tactile/results/trade.hpp"
-#include "tactile/results/unseen_comparison.hpp"
-#include "tactile/results/variance_shares.hpp"
 
 namespace tactile::report {
 
@@ -25,14 +23,6 @@ struct ReportedEvaluation {
   double history_ms = std::numeric_limits<double>::quiet_NaN();  ///< NaN where `model` has several
   bool is_folded = false;                                        ///< the paper's own choice, next to what the study reports
   results::Evaluation scores;
-};
-
-/// A run over time, as a CSV of `tactile eval --run`.
-struct ReportedRun {
-  std::string run, model;
-  double history_ms = 40;
-  std::filesystem::path csv;
-  std::filesystem::path outcome;  ///< how its intervals were detected, as `tactile eval --run` writes it; may not exist
 };
 
 /// Objects seen in training and the same objects held out, on one set of runs.
@@ -68,7 +58,7 @@ struct ReportInput {
   std::string training_spread;                      ///< a sentence; empty with one training
   std::vector<ReportedTable> choice;                ///< the best history of each object
   std::vector<ReportedEvaluation> evaluations;
-  std::vector<ReportedRun> runs;
+  std::vector<results::ReportedRun> runs;
   std::vector<UnseenSection> unseen;
   std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;

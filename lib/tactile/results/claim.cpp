@@ -9,10 +9,6 @@
 namespace tactile::results {
 namespace {
 
-nlohmann::json count_or_null(const std::optional<std::size_t>& count) {
-  return count ? nlohmann::json(*count) : nlohmann::json();
-}
-
 /// The one of these whose name the text is; the last where there is no text.
 template <class Named, std::size_t count>
 Named named_in(const JsonView& json, const std::array<Named, count>& all) {
@@ -46,8 +42,8 @@ void to_json(nlohmann::json& json, const ClaimOutcome& result) {
   json = {{"in_words", result.in_words},
           {"measured", result.measured},
           {"objects", result.objects},
-          {"kept", count_or_null(result.kept)},
-          {"of", count_or_null(result.of)},
+          {"kept", json_or_null(result.kept)},
+          {"of", json_or_null(result.of)},
           {"verdict", name_of(result.outcome)},
           {"why", result.why},
           {"can_be_decided", result.can_be_decided},
@@ -86,7 +82,7 @@ void from_json(const JsonView& json, Claim& claim) {
   claim.unit = json["unit"].text();
   claim.asked = named_in(json["asked"], std::array{Asked::below, Asked::above});
   claim.limit = json["limit"].number();
-  if (const JsonView all_test = json["all_test"]) claim.all_test = all_test.get<ClaimOutcome>();
+  claim.all_test = json["all_test"].if_there<ClaimOutcome>();
 }
 
 }  // namespace tactile::results

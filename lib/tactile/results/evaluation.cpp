@@ -31,7 +31,7 @@ nlohmann::json gate_json(const GateOff& off) {
   without["accuracy"] = off.accuracy;
   without["confusion"] = off.confusion;
   return {{"limit_events", off.limit},
-          {"limit_ratio", off.ratio ? nlohmann::json(*off.ratio) : nlohmann::json()},
+          {"limit_ratio", json_or_null(off.ratio)},
           {"ticks", off.ticks},
           {"gated", off.gated},
           {"off", without}};
@@ -109,7 +109,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
           {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
           {"tick_ms", in_ms(evaluation.tick)},
           {"confirm", evaluation.confirm},
-          {"alarm_cost", evaluation.alarm_cost ? nlohmann::json(*evaluation.alarm_cost) : nlohmann::json()},
+          {"alarm_cost", json_or_null(evaluation.alarm_cost)},
           {"classes", nlohmann::json::array()},
           {"test_runs", evaluation.test_runs()},
           {"engine", {{"name", evaluation.engine}, {"ticks", evaluation.ticks}, {"close_ticks", evaluation.close_ticks}}},
@@ -130,7 +130,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const BaselineScore& baseline : evaluation.baselines) {
     json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
   }
-  json["with_flagged"] = evaluation.with_flagged ? nlohmann::json(*evaluation.with_flagged) : nlohmann::json();
+  json["with_flagged"] = json_or_null(evaluation.with_flagged);
   json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
   json["runs"] = nlohmann::json::array();
@@ -139,13 +139,11 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
     one["test_runs"] = model.test_runs;
     json["trainings"].push_back(one);
   }
-  for (std::size_t i = 0; i < evaluation.detections.size(); ++i) {
-    const RunDetections& run = evaluation.detections[i];
+  for (const RunDetections& run : evaluation.detections) {
     json["runs"].push_back(
         {{"run", run.object + "/" + run.run}, {"object", run.object}, {"training", run.training}, {"intervals", run.detections}});
   }
-  const auto above = evaluation.above_baselines();
-  json["above_baselines"] = above ? nlohmann::json(*above) : nlohmann::json();
+  json["above_baselines"] = json_or_null(evaluation.above_baselines());
 }
 
 void from_json(const JsonView& json, Evaluation& evaluation) {
@@ -174,7 +172,7 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .baselines = {},
                 .network = detector_in(json),
                 .label_uncertainty = json["label_uncertainty"].get<LabelUncertainty>(),
-                .with_flagged = std::nullopt,
+                .with_flagged = json["with_flagged"].if_there<WithFlagged>(),
                 .gate_off = std::nullopt,
                 .trivial = {},
                 .over_time = json["over_time"].get<OverTime>(),
@@ -185,7 +183,6 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
   for (const auto& [name, baseline] : json["baselines"].members())
     evaluation.baselines.push_back({name, {baseline["accuracy"].get<Figure>(), baseline["objects"].map_of<Figure>()}});
   for (const auto& [name, detector] : json["trivial"].members()) evaluation.trivial.emplace(name, detector_in(detector));
-  if (const JsonView with = json["with_flagged"]) evaluation.with_flagged = with.get<WithFlagged>();
   if (const JsonView gate = json["gate"]) evaluation.gate_off = gate_in(gate);
   if (json["accuracy_true"] || json["delay_true_ms"]) evaluation.truth = truth_in(json);
 }

@@ -26,6 +26,7 @@ class JsonView {
 
   explicit operator bool() const { return json_ != nullptr; }
   bool is_number() const { return json_ != nullptr && json_->is_number(); }
+  bool is_text() const { return json_ != nullptr && json_->is_string(); }
   bool is_object() const { return json_ != nullptr && json_->is_object(); }
   JsonView operator[](std::string_view key) const;  ///< @throws Error if this is no object
   /// The member of this name, or of the name that earlier versions gave it. @throws Error  if this is no object
@@ -43,6 +44,7 @@ class JsonView {
   std::string text() const;           ///< empty where there is none
   std::vector<std::string> texts() const;
   std::vector<std::uint64_t> counts() const;
+  std::vector<double> numbers() const;
 
   nlohmann::json copy() const;  ///< null where there is none
 
@@ -55,6 +57,12 @@ class JsonView {
     T result{};
     from_json(*this, result);
     return result;
+  }
+
+  /// The same; nothing where there is none.
+  template <class T>
+  std::optional<T> if_there() const {
+    return json_ == nullptr ? std::nullopt : std::optional<T>(get<T>());
   }
 
   template <class T>
@@ -82,5 +90,11 @@ class JsonView {
   std::string where_;
   MissingMember missing_;
 };
+
+/// A result in JSON, null where there is none.
+template <class T>
+nlohmann::json json_or_null(const std::optional<T>& result) {
+  return result ? nlohmann::json(*result) : nlohmann::json();
+}
 
 }  // namespace tactile::results

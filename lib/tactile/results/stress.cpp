@@ -69,7 +69,7 @@ void to_json(nlohmann::json& json, const Stress& stress) {
           {"seed", stress.seed},
           {"most_lost", stress.most_lost},
           {"confirm", stress.confirm},
-          {"alarm_cost", stress.alarm_cost ? nlohmann::json(*stress.alarm_cost) : nlohmann::json()},
+          {"alarm_cost", json_or_null(stress.alarm_cost)},
           {"gate", stress.gate},
           {"engine", stress.engine},
           {"bootstrap", stress.bootstrap},

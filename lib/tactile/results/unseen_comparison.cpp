@@ -24,8 +24,8 @@ void to_json(nlohmann::json& json, const UnseenComparison& comparison) {
 }
 
 void from_json(const JsonView& json, UnseenComparison& comparison) {
-  comparison = {{}, json["runs"].texts(), json["mean"].get<SeenAndHeldOut>(), json["objects"].map_of<SeenAndHeldOut>()};
-  if (const JsonView models = json["models"]) comparison.models = models.get<UnseenComparison::Models>();
+  comparison = {json["models"].if_there<UnseenComparison::Models>(), json["runs"].texts(), json["mean"].get<SeenAndHeldOut>(),
+                json["objects"].map_of<SeenAndHeldOut>()};
 }
 
 }  // namespace tactile::results

@@ -12,8 +12,8 @@
 #include "tactile/core/folders_in.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
-#include "tactile/results/claim.hpp"
 #include "tactile/results/stress.hpp"
+#include "tactile/results/study.hpp"
 #include "tactile/results/trade.hpp"
 #include "tactile/review/model_list.hpp"
 
@@ -40,9 +40,10 @@ json when_of(const results::JsonView& steps) {
   return last.empty() ? json() : json(last);
 }
 
-void read_study(json& entry, const results::JsonView& study) {
+void read_study(json& entry, const results::JsonView& document) {
+  const auto study = document.get<results::Study>();
   entry["claims"] = json::array();
-  for (const auto& claim : study["claims"].list_of<results::Claim>()) {
+  for (const results::Claim& claim : study.claims) {
     entry["claims"].push_back({{"id", claim.id},
                                {"claim", claim.claim},
                                {"outcome", results::name_of(claim.outcome)},
@@ -50,9 +51,9 @@ void read_study(json& entry, const results::JsonView& study) {
                                {"unit", claim.unit},
                                {"measured", figure_json(claim.measured.value, claim.measured.low, claim.measured.high)}});
   }
-  for (const results::JsonView& history : study["histories"].items()) {
-    add_figure(entry["figures"], fmt::format("Accuracy, t_h {:g} ms", history["th_ms"].number()),
-               history["accuracy"]["reported"]["mean"].get<results::Figure>(), "%", percent);
+  for (const results::StudyHistory& history : study.histories) {
+    add_figure(entry["figures"], fmt::format("Accuracy, t_h {:g} ms", history.history_ms),
+               history.accuracy.reported.value_or(results::Accuracy{}).mean, "%", percent);
   }
 }
 

@@ -3,19 +3,12 @@
 #include <tuple>
 
 #include "tactile/core/error.hpp"
-#include "tactile/experiments/milliseconds.hpp"
 
 namespace tactile::study {
 
-void to_json(nlohmann::json& json, const HistoryChoice& choice) {
-  json = {{"th_ms", in_ms(choice.history)}, {"objects", nlohmann::json::object()}, {"counts", nlohmann::json::object()}};
-  for (const auto& [object, history] : choice.of_objects) json["objects"][object] = in_ms(history);
-  for (const auto& [history, count] : choice.counts) json["counts"][experiments::ms_text(history)] = count;
-}
-
-HistoryChoice choose_history(const AccuracyByHistory& accuracies) {
+results::HistoryChoice choose_history(const AccuracyByHistory& accuracies) {
   if (accuracies.empty()) throw Error("no history to choose from; expected one at least");
-  HistoryChoice choice;
+  results::HistoryChoice choice;
   std::map<std::string, double> highest;
   for (const auto& [history, accuracy] : accuracies) {
     choice.counts[history] = 0;

@@ -25,13 +25,9 @@ std::string flags_on(const labels::Labels& labels, std::size_t interval) {
 
 }  // namespace
 
-void to_json(nlohmann::json& json, const LeftOut& left_out) {
-  json = {{"run", left_out.run}, {"what", left_out.what}, {"reason", left_out.reason}};
-}
-
-std::vector<LeftOut> left_out_of(const windows::Dataset& dataset, std::span<const RunFolder> runs) {
+std::vector<results::LeftOut> left_out_of(const windows::Dataset& dataset, std::span<const RunFolder> runs) {
   const bool takes_flagged = member<bool>(dataset.settings(), "include_flagged", dataset.file().string());
-  std::vector<LeftOut> left_out;
+  std::vector<results::LeftOut> left_out;
   for (const RunFolder& run : runs) {
     labels::Labels labels;
     try {

@@ -20,9 +20,9 @@ StudySummary run_study(const StudyOptions& requested, const experiments::NewProg
   const StudyPlan plan = plan_study(options, dataset, warn);
   const TrainedModels trained = train_models(plan, runner);
   const JudgedModels judged = judge_models(plan, trained, runner);
-  const StudyResults results = results_of(plan, trained, judged, prepared, runner.records());
-  write_results(results, options.out);
-  return {.study = results.study,
+  const results::Study study = results_of(plan, trained, judged, prepared, runner.records());
+  write_results(study, options.out);
+  return {.study = study,
           .file = options.out / "study.json",
           .done = runner.done_now(),
           .kept = runner.kept(),

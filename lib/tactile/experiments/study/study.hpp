@@ -2,18 +2,18 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/study_options.hpp"
+#include "tactile/results/study.hpp"
 
 namespace tactile::study {
 
 /// The outcome of a study.
 struct StudySummary {
-  nlohmann::json study;  ///< the contents of study.json; docs/format/ lists its keys
+  results::Study study;  ///< study.json
   std::filesystem::path file;
   std::size_t done = 0;             ///< number of steps done now
   std::size_t kept = 0;             ///< number of steps found done

@@ -15,7 +15,7 @@
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/study/claims.hpp"
 #include "tactile/experiments/study/left_out.hpp"
-#include "tactile/experiments/study/training_spread.hpp"
+#include "tactile/experiments/study/study_tables.hpp"
 #include "tactile/results/found.hpp"
 
 namespace tactile::study {
@@ -26,28 +26,36 @@ using nlohmann::json;
 
 std::string path_in(const StudyPlan& plan, const fs::path& path) { return experiments::from_folder(path, plan.options.out); }
 
-json training_json(const StudyPlan& plan, const StudyModel& model) {
-  return {{"training", model.training},
-          {"seed", model.settings.training.seed},
-          {"th_ms", in_ms(model.settings.rendering.history)},
-          {"name", model.name()},
-          {"folder", path_in(plan, model.bundle.folder)},
-          {"history", path_in(plan, model.bundle.history())},
-          {"weights_sha256", model::read_description(model.bundle).weights_sha256},
-          {"samples", path_in(plan, samples_file(plan, model))}};
+results::TrainedModel described(const StudyPlan& plan, const StudyModel& model) {
+  return {.training = model.training,
+          .seed = model.settings.training.seed,
+          .history_ms = in_ms(model.settings.rendering.history),
+          .name = model.name(),
+          .folder = path_in(plan, model.bundle.folder),
+          .history = path_in(plan, model.bundle.history()),
+          .samples = path_in(plan, samples_file(plan, model)),
+          .weights_sha256 = model::read_description(model.bundle).weights_sha256};
 }
 
-json histories_json(const StudyPlan& plan, const TrainedModels& trained) {
-  json histories = json::array();
+std::vector<results::TrainedModel> described(const StudyPlan& plan, const std::vector<StudyModel>& models) {
+  std::vector<results::TrainedModel> all;
+  all.reserve(models.size());
+  for (const StudyModel& model : models) all.push_back(described(plan, model));
+  return all;
+}
+
+/// On the runs that the model's training reports on.
+results::Accuracy reported_accuracy(const StudyPlan& plan, const StudyModel& model) {
+  return evaluation::accuracy_of(confusions_of(plan, model, plan.trainings[model.training].reported.names));
+}
+
+std::vector<results::StudyHistory> histories_of(const StudyPlan& plan, const TrainedModels& trained) {
+  std::vector<results::StudyHistory> histories;
   for (const auto& [history, models] : trained.by_history) {
-    json entry = {{"th_ms", in_ms(history)}, {"models", json::array()}, {"accuracy", {{"choice", nullptr}}}};
-    for (const StudyModel& model : models) {
-      json one = training_json(plan, model);
-      one["accuracy"] = evaluation::accuracy_of(confusions_of(plan, model, plan.trainings[model.training].reported.names)).mean;
-      entry["models"].push_back(one);
-    }
-    for (const auto& [set, comparison] : trained.comparisons) entry["accuracy"][set] = comparison.accuracies.at(history);
-    histories.push_back(entry);
+    results::StudyHistory one{.history_ms = in_ms(history), .models = described(plan, models)};
+    for (std::size_t i = 0; i < models.size(); ++i) one.models[i].accuracy = reported_accuracy(plan, models[i]).mean;
+    for (const auto& [set, comparison] : trained.comparisons) one.accuracy[set] = comparison.accuracies.at(history);
+    histories.push_back(std::move(one));
   }
   return histories;
 }
@@ -65,50 +73,45 @@ std::string rule_of(const HistoryComparison& comparison) {
       experiments::ms_text(best->first), 100 * best->second.mean.value, 100 * chosen);
 }
 
-json choice_json(const StudyPlan& plan, const TrainedModels& trained) {
-  json choice = {{"th_ms", in_ms(trained.history)},
-                 {"model", trained.to_use().name()},
-                 {"chosen_on", plan.has_choice() ? "choice" : "default"},
-                 {"trainings", json::array()},
-                 {"best", {{"choice", nullptr}}}};
-  if (plan.has_choice()) {
-    const HistoryComparison& comparison = trained.comparisons.at("choice");
-    choice["why"] = fmt::format("{} ms is the best history for {} of {} objects on the runs to choose on.{}",
-                                experiments::ms_text(trained.history), comparison.choice.counts.at(trained.history),
-                                comparison.choice.of_objects.size(), rule_of(comparison));
-  } else {
-    choice["why"] = fmt::format("No run is left to choose a history on besides those reported on, so t_h stays {} ms.",
-                                experiments::ms_text(trained.history));
-  }
-  for (const microseconds history : trained.chosen) choice["trainings"].push_back(in_ms(history));
-  for (const auto& [set, comparison] : trained.comparisons) choice["best"][set] = comparison.choice;
+/// "40 ms is the best history for 5 of 10 objects on …", and how the rule decided.
+std::string why_best(microseconds history, const HistoryComparison& comparison, const char* runs) {
+  return fmt::format("{} ms is the best history for {} of {} objects on {}.{}", experiments::ms_text(history),
+                     comparison.choice.counts.at(history), comparison.choice.of_objects.size(), runs, rule_of(comparison));
+}
+
+results::StudyChoice choice_of(const StudyPlan& plan, const TrainedModels& trained) {
+  results::StudyChoice choice;
+  choice.history_ms = in_ms(trained.history);
+  choice.model = trained.to_use().name();
+  choice.chosen_on = plan.has_choice() ? "choice" : "default";
+  choice.why = plan.has_choice()
+                   ? why_best(trained.history, trained.comparisons.at("choice"), "the runs to choose on")
+                   : fmt::format("No run is left to choose a history on besides those reported on, so t_h stays {} ms.",
+                                 experiments::ms_text(trained.history));
+  for (const microseconds history : trained.chosen) choice.trainings.push_back(in_ms(history));
+  for (const auto& [set, comparison] : trained.comparisons) choice.best[set] = comparison.choice;
   return choice;
 }
 
-json paper_way_json(const TrainedModels& trained) {
+results::ChosenHistory paper_way(const TrainedModels& trained) {
   const microseconds history = trained.paper_history;
-  const HistoryComparison& comparison = trained.comparisons.at("all_test");
-  return {{"th_ms", in_ms(history)},
-          {"model", trained.by_history.at(history).front().name()},
-          {"why", fmt::format("{} ms is the best history for {} of {} objects on all test runs, which are also reported on.{}",
-                              experiments::ms_text(history), comparison.choice.counts.at(history),
-                              comparison.choice.of_objects.size(), rule_of(comparison))}};
+  return {.history_ms = in_ms(history),
+          .model = trained.by_history.at(history).front().name(),
+          .why = why_best(history, trained.comparisons.at("all_test"), "all test runs, which are also reported on")};
 }
 
-json evaluation_json(const StudyPlan& plan, const EvaluatedModels& evaluated) {
+results::StudyEvaluation evaluation_of(const StudyPlan& plan, const EvaluatedModels& evaluated) {
   const json full = read_json(evaluated.json_file);
   const results::JsonView view(full, evaluated.json_file.string(), results::MissingMember::is_error);
-  json entry = {{"id", evaluated.id},
-                {"models", json::array()},
-                {"runs", evaluated.id},
-                {"json", path_in(plan, evaluated.json_file)},
-                {"csv", path_in(plan, evaluated.csv_file)}};
-  for (const StudyModel& model : evaluated.models) entry["models"].push_back(training_json(plan, model));
-  for (const char* key : {"accuracy", "confusion", "accuracy_by_guard", "delay_ms", "false_alarms_per_min", "over_time"})
-    entry[key] = full.at(key);
-  entry["slip_at_once"]["objects"] =
+  results::StudyEvaluation evaluation{.id = evaluated.id,
+                                      .models = described(plan, evaluated.models),
+                                      .runs = evaluated.id,
+                                      .json_file = path_in(plan, evaluated.json_file),
+                                      .csv_file = path_in(plan, evaluated.csv_file)};
+  for (const char* key : results::evaluation_figures) evaluation.figures[key] = full.at(key);
+  evaluation.slip_at_once =
       detected_at_first_tick(view["delay_ms"]["slip"].get<results::DelayTable>().objects, view["tick_ms"].number());
-  return entry;
+  return evaluation;
 }
 
 json settings_json(const StudyPlan& plan, bool simulated) {
@@ -132,14 +135,17 @@ json settings_json(const StudyPlan& plan, bool simulated) {
 }
 
 /// What each training learned from and is judged on.
-json trainings_json(const StudyPlan& plan, const TrainedModels& trained) {
-  json trainings = json::array();
+std::vector<results::StudyTraining> trainings_of(const StudyPlan& plan, const TrainedModels& trained) {
+  std::vector<results::StudyTraining> trainings;
   for (std::size_t k = 0; k < plan.trainings.size(); ++k) {
     const PlannedTraining& training = plan.trainings[k];
-    json one = {{"seed", training.seed}, {"train_run", training.train_run}, {"th_ms", in_ms(trained.chosen[k])}};
-    one["runs"]["train"] = training.train.names;
-    for (const NamedRunSet& set : run_sets) one["runs"][set.name] = (training.*set.runs).names;
-    trainings.push_back(one);
+    trainings.push_back({.seed = training.seed,
+                         .train_run = training.train_run,
+                         .history_ms = in_ms(trained.chosen[k]),
+                         .train = training.train.names,
+                         .choice = training.choice.names,
+                         .reported = training.reported.names,
+                         .all_test = training.all_test.names});
   }
   return trainings;
 }
@@ -149,33 +155,29 @@ std::string sentence_on_trainings(std::size_t trainings) {
   if (trainings == 1) return "One training of each setting: intervals are over runs and objects, not over trainings.";
   return fmt::format(
       "{} trainings of each setting, each on another run and with another seed. Each is judged on runs that it neither learned "
-      "from "
-      "nor was chosen on. Intervals are over trainings, objects and runs.",
+      "from nor was chosen on. Intervals are over trainings, objects and runs.",
       trainings);
 }
 
-/// Where the variance of the reported accuracy comes from; null where it cannot be divided.
-json variance_json(const StudyPlan& plan, const TrainedModels& trained) {
+/// Where the variance of the reported accuracy comes from; nothing where it cannot be divided.
+std::optional<results::VarianceShares> variance_of(const StudyPlan& plan, const TrainedModels& trained) {
   std::vector<results::RunConfusion> reported;
   for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
     const auto of_training = confusions_of(plan, trained.reported(training), plan.trainings[training].reported.names);
     reported.insert(reported.end(), of_training.begin(), of_training.end());
   }
-  const auto shares = evaluation::variance_of_accuracy(reported);
   // Where no run is judged by two trainings, trainings and runs cannot be distinguished.
   std::map<std::pair<std::string, std::string>, std::size_t> judged;
   std::size_t most = 0;
   for (const results::RunConfusion& run : reported) most = std::max(most, ++judged[{run.object, run.run}]);
-  if (!shares || most < 2) return {};
-  return *shares;
+  return most < 2 ? std::nullopt : evaluation::variance_of_accuracy(reported);
 }
 
 /// All trainings with the chosen history.
-TrainingSpread training_spread(const StudyPlan& plan, const TrainedModels& trained) {
-  TrainingSpread spread{.history_ms = in_ms(trained.history), .mean = {}, .objects = {}};
+results::TrainingSpread training_spread(const StudyPlan& plan, const TrainedModels& trained) {
+  results::TrainingSpread spread{.history_ms = in_ms(trained.history)};
   for (const StudyModel& model : trained.by_history.at(trained.history)) {
-    const results::Accuracy accuracy =
-        evaluation::accuracy_of(confusions_of(plan, model, plan.trainings[model.training].reported.names));
+    const results::Accuracy accuracy = reported_accuracy(plan, model);
     if (accuracy.objects.empty()) continue;
     spread.mean.push_back(accuracy.mean.value);
     for (const auto& [object, figure] : accuracy.objects) spread.objects[object].push_back(figure.value);
@@ -184,50 +186,37 @@ TrainingSpread training_spread(const StudyPlan& plan, const TrainedModels& train
 }
 
 /// All but objects held out and claims.
-json study_json(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged, const PreparedData& prepared,
-                std::span<const results::StepRecord> steps) {
+results::Study study_without_claims(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
+                                    const PreparedData& prepared, std::span<const results::StepRecord> steps) {
   const windows::Dataset& dataset = plan.dataset;
-  const results::BootstrapOptions bootstrap;
-  json study = {{"format", "tactile-study-1"},
-                {"title", fmt::format("The paper's study on {} runs ({})", dataset.simulated() ? "simulated" : "real",
-                                      plan.options.preset)},
-                {"simulated", dataset.simulated()},
-                {"settings", settings_json(plan, prepared.simulated)},
-                {"software", experiments::software_json()},
-                {"machine", experiments::machine_json(plan.options.threads)},
-                {"bootstrap",
-                 {{"draws", bootstrap.draws},
-                  {"confidence", bootstrap.confidence},
-                  {"seed", bootstrap.seed},
-                  {"trainings", sentence_on_trainings(plan.trainings.size())}}},
-                {"steps", std::vector(steps.begin(), steps.end())},
-                {"dataset",
-                 {{"file", path_in(plan, prepared.dataset)},
-                  {"manifest_hash", dataset.manifest_hash()},
-                  {"samples", dataset.samples().size()},
-                  {"tick_ms", in_ms(dataset.sampling().tick)},
-                  {"guard_ms", in_ms(dataset.sampling().guard)}}},
-                {"trainings", trainings_json(plan, trained)},
-                {"histories", histories_json(plan, trained)},
-                {"choice", choice_json(plan, trained)},
-                {"paper_way", paper_way_json(trained)},
-                {"variance", variance_json(plan, trained)},
-                {"training_spread", training_spread(plan, trained)},
-                {"evaluations", json::array()},
-                {"full_runs", json::array({json{{"run", judged.full_run},
-                                                {"model", trained.reported(0).name()},
-                                                {"th_ms", in_ms(trained.chosen.front())},
-                                                {"csv", path_in(plan, judged.full_run_file)}}})},
-                {"unseen", nullptr},
-                {"splits", json::array()},
-                {"splits_mean", nullptr},
-                {"remarks", plan.remarks}};
-  for (const EvaluatedModels& evaluated : judged.evaluations) study["evaluations"].push_back(evaluation_json(plan, evaluated));
-  study["left_out"] = left_out_of(dataset, is_there(plan.options.data) ? find_runs(plan.options.data) : std::vector<RunFolder>{});
+  results::Study study{
+      .title = fmt::format("The paper's study on {} runs ({})", dataset.simulated() ? "simulated" : "real", plan.options.preset),
+      .simulated = dataset.simulated(),
+      .settings = settings_json(plan, prepared.simulated),
+      .software = experiments::software_json(),
+      .machine = experiments::machine_json(plan.options.threads),
+      .bootstrap = {{}, sentence_on_trainings(plan.trainings.size())},
+      .steps = {steps.begin(), steps.end()},
+      .dataset = {.file = path_in(plan, prepared.dataset),
+                  .manifest_hash = dataset.manifest_hash(),
+                  .samples = dataset.samples().size(),
+                  .tick_ms = in_ms(dataset.sampling().tick),
+                  .guard_ms = in_ms(dataset.sampling().guard)},
+      .trainings = trainings_of(plan, trained),
+      .histories = histories_of(plan, trained),
+      .choice = choice_of(plan, trained),
+      .paper_way = paper_way(trained),
+      .variance = variance_of(plan, trained),
+      .training_spread = training_spread(plan, trained),
+      .full_runs = {{.run = judged.full_run,
+                     .model = trained.reported(0).name(),
+                     .history_ms = in_ms(trained.chosen.front()),
+                     .csv = path_in(plan, judged.full_run_file)}},
+      .remarks = plan.remarks};
+  for (const EvaluatedModels& evaluated : judged.evaluations) study.evaluations.push_back(evaluation_of(plan, evaluated));
+  study.left_out = left_out_of(dataset, is_there(plan.options.data) ? find_runs(plan.options.data) : std::vector<RunFolder>{});
   return study;
 }
-
-constexpr const char* split_of_plan = "paper";  // the name of the plan's own held-out objects in unseen.csv
 
 /// The sets of runs that results are reported on.
 std::span<const NamedRunSet> judged_sets() { return std::span(run_sets).subspan(1); }
@@ -267,58 +256,45 @@ std::vector<StudyModel> all_held_out(const TrainedModels& trained) {
   return all;
 }
 
-/// @return  null if the set has no run of a held-out object
-json comparison_json(const std::string& split, const SeenAndUnseen& judged, const NamedRunSet& set,
-                     std::vector<UnseenRow>& rows) {
-  if (judged.empty()) return {};
-  results::UnseenComparison comparison = evaluation::unseen_comparison(judged.seen, judged.held_out);
-  comparison.runs = judged.runs;
-  rows.push_back({split, set.name, comparison});
-  return comparison;
+/// Nothing on a set without a run of the held-out objects.
+results::OnRunSets<results::UnseenComparison> compared_with_seen(const StudyPlan& plan, const TrainedModels& trained,
+                                                                 const std::vector<StudyModel>& held_out) {
+  results::OnRunSets<results::UnseenComparison> on;
+  for (const NamedRunSet& set : judged_sets()) {
+    const SeenAndUnseen judged = judged_on(plan, trained, held_out, set);
+    if (judged.empty()) continue;
+    on[set.name] = evaluation::unseen_comparison(judged.seen, judged.held_out);
+    on[set.name]->runs = judged.runs;
+  }
+  return on;
 }
 
-/// Adds "unseen", "splits" and "splits_mean" to study.json, and the rows of unseen.csv.
-/// @param by_set  of the objects that the plan holds out, by the name of the set of runs
-void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, const std::map<std::string, SeenAndUnseen>& by_set,
-                        StudyResults& results) {
-  json& study = results.study;
+/// Adds what is held out by the plan and by the drawn splits.
+void add_unseen_objects(const StudyPlan& plan, const TrainedModels& trained, results::Study& study) {
   if (const std::vector<StudyModel> models = all_held_out(trained); !models.empty()) {
     const StudyModel& first = models.front();
-    json& unseen = study["unseen"] = {
-        {"held_out", plan.held_out},
-        {"models",
-         {{"seen", trained.by_history.at(first.settings.rendering.history)[first.training].name()}, {"held_out", first.name()}}}};
-    for (const StudyModel& model : models) unseen["trainings"].push_back(training_json(plan, model));
-    for (const NamedRunSet& set : judged_sets())
-      unseen[set.name] = comparison_json(split_of_plan, by_set.at(set.name), set, results.unseen);
+    study.unseen = {.held_out = plan.held_out,
+                    .models = {trained.by_history.at(first.settings.rendering.history)[first.training].name(), first.name()},
+                    .trainings = described(plan, models),
+                    .on = compared_with_seen(plan, trained, models)};
   }
   for (std::size_t i = 0; i < plan.splits.size(); ++i) {
     const StudyModel& model = trained.splits[i];
-    json split = {{"name", plan.splits[i].name},
-                  {"held_out", plan.splits[i].held_out},
-                  {"model", model.name()},
-                  {"training", training_json(plan, model)}};
-    for (const NamedRunSet& set : judged_sets())
-      split[set.name] = comparison_json(plan.splits[i].name, judged_on(plan, trained, {model}, set), set, results.unseen);
-    study["splits"].push_back(split);
+    study.splits.push_back({.name = plan.splits[i].name,
+                            .held_out = plan.splits[i].held_out,
+                            .model = model.name(),
+                            .training = described(plan, model),
+                            .on = compared_with_seen(plan, trained, {model})});
   }
   for (const NamedRunSet& set : judged_sets()) {
-    if (plan.splits.empty()) break;
     const SeenAndUnseen all = judged_on(plan, trained, trained.splits, set);
-    study["splits_mean"][set.name] = all.empty() ? json() : json(evaluation::accuracy_difference(all.seen, all.held_out).mean);
+    if (!all.empty()) study.splits_mean[set.name] = evaluation::accuracy_difference(all.seen, all.held_out).mean;
   }
 }
 
 results::Evaluation evaluation_in(const EvaluatedModels& evaluated) {
   const json full = read_json(evaluated.json_file);
   return results::JsonView(full, evaluated.json_file.string(), results::MissingMember::is_error).get<results::Evaluation>();
-}
-
-/// Of the objects that the plan holds out, as far as they are on the reported runs.
-results::UnseenComparison unseen_on_reported(const std::vector<UnseenRow>& rows) {
-  const auto found = std::find_if(
-      rows.begin(), rows.end(), [](const UnseenRow& row) { return row.split == split_of_plan && row.runs == run_sets[1].name; });
-  return found == rows.end() ? results::UnseenComparison{} : found->comparison;
 }
 
 std::vector<results::Claim> claims_on(const TrainedModels& trained, const JudgedModels& judged, const NamedRunSet& set,
@@ -344,38 +320,32 @@ std::vector<results::Claim> claims_on(const TrainedModels& trained, const Judged
 
 }  // namespace
 
-StudyResults results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
-                        const PreparedData& prepared, std::span<const results::StepRecord> steps) {
-  StudyResults results;
-  results.study = study_json(plan, trained, judged, prepared, steps);
-  std::map<std::string, SeenAndUnseen> unseen;
-  for (const NamedRunSet& set : judged_sets()) unseen[set.name] = judged_on(plan, trained, all_held_out(trained), set);
-  add_unseen_objects(plan, trained, unseen, results);
-  results.claims = claims_on(trained, judged, run_sets[1], unseen.at(run_sets[1].name));
-  const std::vector<results::Claim> on_all_test_runs = claims_on(trained, judged, run_sets[2], unseen.at(run_sets[2].name));
-  for (std::size_t i = 0; i < results.claims.size(); ++i)
-    results.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
-  results.study["claims"] = results.claims;
-  results.study["summary"] = summary_of(results.claims, plan.dataset.simulated());
-  results.study["found"] = results::found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
-                                             unseen_on_reported(results.unseen), results.study["summary"].get<std::string>());
-  for (const NamedRunSet& set : run_sets) {
-    const auto found = trained.comparisons.find(set.name);
-    if (found == trained.comparisons.end()) continue;
-    for (const auto& [history, accuracy] : found->second.accuracies)
-      results.accuracy.push_back({in_ms(history), set.name, &accuracy});
-  }
-  return results;
+results::Study results_of(const StudyPlan& plan, const TrainedModels& trained, const JudgedModels& judged,
+                          const PreparedData& prepared, std::span<const results::StepRecord> steps) {
+  results::Study study = study_without_claims(plan, trained, judged, prepared, steps);
+  add_unseen_objects(plan, trained, study);
+  const auto on = [&](const NamedRunSet& set) {
+    return claims_on(trained, judged, set, judged_on(plan, trained, all_held_out(trained), set));
+  };
+  study.claims = on(run_sets[1]);
+  const std::vector<results::Claim> on_all_test_runs = on(run_sets[2]);
+  for (std::size_t i = 0; i < study.claims.size(); ++i)
+    study.claims[i].all_test = static_cast<const results::ClaimOutcome&>(on_all_test_runs[i]);
+  study.summary = summary_of(study.claims, plan.dataset.simulated());
+  const std::optional<results::UnseenComparison> unseen = study.unseen ? study.unseen->on.reported : std::nullopt;
+  study.found = results::found_in(evaluation_in(judged.evaluation("reported")), trained.chosen,
+                                  unseen.value_or(results::UnseenComparison{}), study.summary);
+  return study;
 }
 
-void write_results(const StudyResults& results, const fs::path& folder) {
+void write_results(const results::Study& study, const fs::path& folder) {
   const auto write_if_changed = [&](const char* name, const std::string& text) {
     if (!fs::exists(folder / name) || read_text(folder / name) != text) write_whole(folder / name, text);
   };
-  write_if_changed("accuracy.csv", accuracy_csv(results.accuracy));
-  write_if_changed("unseen.csv", unseen_csv(results.unseen));
-  write_if_changed("claims.csv", claims_csv(results.claims));
-  write_if_changed("study.json", json_text(results.study, 2) + "\n");
+  write_if_changed("accuracy.csv", accuracy_csv(study.histories));
+  write_if_changed("unseen.csv", unseen_csv(study));
+  write_if_changed("claims.csv", claims_csv(study.claims));
+  write_if_changed("study.json", json_text(study, 2) + "\n");
 }
 
 }  // namespace tactile::study

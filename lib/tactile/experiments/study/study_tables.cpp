@@ -18,27 +18,36 @@ std::array<std::string, 4> cells(const results::Figure& figure) {
 
 }  // namespace
 
-std::string accuracy_csv(const std::vector<AccuracyRow>& rows) {
+std::string accuracy_csv(const std::vector<results::StudyHistory>& histories) {
   CsvTable table("th_ms,runs,object,value,low,high,n");
-  for (const AccuracyRow& row : rows) {
-    const std::string history = fmt::format("{}", row.history_ms);
-    table.add_row(history, row.runs, "all", cells(row.accuracy->mean));
-    for (const auto& [object, figure] : row.accuracy->objects) table.add_row(history, row.runs, object, cells(figure));
+  for (const char* runs : {"choice", "reported", "all_test"}) {
+    for (const results::StudyHistory& history : histories) {
+      const std::optional<results::Accuracy>& accuracy = history.accuracy[runs];
+      if (!accuracy) continue;
+      const std::string th_ms = fmt::format("{}", history.history_ms);
+      table.add_row(th_ms, runs, "all", cells(accuracy->mean));
+      for (const auto& [object, figure] : accuracy->objects) table.add_row(th_ms, runs, object, cells(figure));
+    }
   }
   return table.text();
 }
 
-std::string unseen_csv(const std::vector<UnseenRow>& rows) {
+std::string unseen_csv(const results::Study& study) {
   CsvTable table("split,runs,object,of,value,low,high,n");
-  for (const UnseenRow& row : rows) {
+  const auto add = [&](const std::string& split, const char* runs, const results::UnseenComparison& comparison) {
     for (const auto& [of, figure] :
          {std::pair("seen", &results::SeenAndHeldOut::seen), std::pair("held_out", &results::SeenAndHeldOut::held_out),
           std::pair("difference", &results::SeenAndHeldOut::difference)}) {
-      table.add_row(row.split, row.runs, "all", of, cells(row.comparison.mean.*figure));
-      for (const auto& [object, of_object] : row.comparison.objects)
-        table.add_row(row.split, row.runs, object, of, cells(of_object.*figure));
+      table.add_row(split, runs, "all", of, cells(comparison.mean.*figure));
+      for (const auto& [object, of_object] : comparison.objects) table.add_row(split, runs, object, of, cells(of_object.*figure));
     }
-  }
+  };
+  const auto add_all = [&](const std::string& split, const results::OnRunSets<results::UnseenComparison>& on) {
+    if (on.reported) add(split, "reported", *on.reported);
+    if (on.all_test) add(split, "all_test", *on.all_test);
+  };
+  if (study.unseen) add_all("paper", study.unseen->on);
+  for (const results::StudySplit& split : study.splits) add_all(split.name, split.on);
   return table.text();
 }
 

@@ -16,7 +16,7 @@ namespace tactile::study {
 struct HistoryComparison {
   std::map<microseconds, std::vector<results::RunConfusion>> confusions;  ///< of each training on each of its runs
   AccuracyByHistory accuracies;
-  HistoryChoice choice;
+  results::HistoryChoice choice;
 };
 
 /// The models of a study, and the histories chosen by them.

@@ -1,8 +1,8 @@
-#include "tactile/experiments/study/training_spread.hpp"
+#include "tactile/results/training_spread.hpp"
 
 #include <gtest/gtest.h>
 
-namespace tactile::study {
+namespace tactile::results {
 namespace {
 
 TEST(TrainingSpread, NamesTheObjectOnWhichTrainingsAreFurthestApart) {
@@ -25,4 +25,4 @@ TEST(TrainingSpread, OfOneTrainingIsNothing) {
 }
 
 }  // namespace
-}  // namespace tactile::study
+}  // namespace tactile::results

@@ -1,4 +1,4 @@
-#include "tactile/experiments/study/training_spread.hpp"
+#include "tactile/results/training_spread.hpp"
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 
 #include "tactile/core/robust_statistics.hpp"
 
-namespace tactile::study {
+namespace tactile::results {
 namespace {
 
 double range_of(const std::vector<double>& accuracies) {
@@ -41,4 +41,9 @@ void to_json(nlohmann::json& json, const TrainingSpread& spread) {
     json = {{"th_ms", spread.history_ms}, {"mean", spread.mean}, {"objects", spread.objects}, {"in_words", words}};
 }
 
-}  // namespace tactile::study
+void from_json(const JsonView& json, TrainingSpread& spread) {
+  spread = {.history_ms = json["th_ms"].number(), .mean = json["mean"].numbers()};
+  for (const auto& [object, accuracies] : json["objects"].members()) spread.objects[object] = accuracies.numbers();
+}
+
+}  // namespace tactile::results
