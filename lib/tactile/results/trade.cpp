@@ -10,16 +10,6 @@ namespace {
 
 nlohmann::json text_or_null(const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); }
 
-template <class T>
-nlohmann::json value_or_null(const std::optional<T>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
-}
-
-template <class T>
-std::optional<T> optional_in(const JsonView& json) {
-  return json ? std::optional(json.get<T>()) : std::nullopt;
-}
-
 }  // namespace
 
 void to_json(nlohmann::json& json, const UntriedPair& pair) {
@@ -75,10 +65,10 @@ void from_json(const JsonView& json, MeasuredAgain& again) {
 void to_json(nlohmann::json& json, const TradeRecommendation& recommendation) {
   json = {{"wish", recommendation.wish},
           {"id", text_or_null(recommendation.id)},
-          {"setting", value_or_null(recommendation.setting)},
+          {"setting", json_or_null(recommendation.setting)},
           {"met", recommendation.met},
-          {"chosen_in_interval", value_or_null(recommendation.chosen_in_interval)},
-          {"again", value_or_null(recommendation.again)},
+          {"chosen_in_interval", json_or_null(recommendation.chosen_in_interval)},
+          {"again", json_or_null(recommendation.again)},
           {"trial", recommendation.trial},
           {"sentence", recommendation.sentence}};
   if (recommendation.setting) json["model"] = recommendation.model;
@@ -88,11 +78,11 @@ void from_json(const JsonView& json, TradeRecommendation& recommendation) {
   const JsonView in_interval = json["chosen_in_interval"];
   recommendation = {.wish = json["wish"].copy(),
                     .id = json["id"].text(),
-                    .setting = optional_in<SettingValues>(json["setting"]),
+                    .setting = json["setting"].if_there<SettingValues>(),
                     .model = json["model"].text(),
                     .met = json["met"].truth(),
                     .chosen_in_interval = in_interval ? std::optional(in_interval.truth()) : std::nullopt,
-                    .again = optional_in<MeasuredAgain>(json["again"]),
+                    .again = json["again"].if_there<MeasuredAgain>(),
                     .trial = json["trial"].copy(),
                     .sentence = json["sentence"].text()};
 }
@@ -120,7 +110,7 @@ void to_json(nlohmann::json& json, const Trade& trade) {
           {"left_out", trade.left_out},
           {"not_measured", trade.not_measured},
           {"unfinished", text_or_null(trade.unfinished)},
-          {"growth", value_or_null(trade.growth)},
+          {"growth", json_or_null(trade.growth)},
           {"recommendation", trade.recommendation},
           {"steps", trade.steps}};
 }
@@ -146,7 +136,7 @@ void from_json(const JsonView& json, Trade& trade) {
            .left_out = json["left_out"].list_of<UntriedPair>(),
            .not_measured = json["not_measured"].list_of<NotMeasured>(),
            .unfinished = json["unfinished"].text(),
-           .growth = optional_in<CostGrowth>(json["growth"]),
+           .growth = json["growth"].if_there<CostGrowth>(),
            .recommendation = json["recommendation"].get<TradeRecommendation>(),
            .steps = json["steps"].list_of<StepRecord>()};
 }

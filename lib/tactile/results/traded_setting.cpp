@@ -92,7 +92,6 @@ void from_json(const JsonView& json, SettingValues& values) {
 }
 
 void to_json(nlohmann::json& json, const TradedSetting& setting) {
-  const auto share = [](const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(); };
   const FrontProbability& probability = setting.front_probability;
   json = {{"id", setting.id},
           {"text", setting.text},
@@ -102,15 +101,15 @@ void to_json(nlohmann::json& json, const TradedSetting& setting) {
           {"trainings", setting.trainings},
           {"choice", setting.choice},
           {"reported", setting.reported},
-          {"difference", setting.difference ? nlohmann::json(*setting.difference) : nlohmann::json()},
+          {"difference", json_or_null(setting.difference)},
           {"front",
            {{"accuracy", setting.on_accuracy_front},
             {"delay", setting.on_delay_front},
-            {"probability", {{"accuracy", share(probability.accuracy)}, {"delay", share(probability.delay)}}}}}};
+            {"probability", {{"accuracy", json_or_null(probability.accuracy)}, {"delay", json_or_null(probability.delay)}}}}}};
 }
 
 void from_json(const JsonView& json, TradedSetting& setting) {
-  const JsonView front = json["front"], probability = front["probability"], difference = json["difference"];
+  const JsonView front = json["front"], probability = front["probability"];
   setting = {.id = json["id"].text(),
              .text = json["text"].text(),
              .design = json["design"].text(),
@@ -119,7 +118,7 @@ void from_json(const JsonView& json, TradedSetting& setting) {
              .trainings = json["trainings"].count(),
              .choice = json["choice"].get<TradeResult>(),
              .reported = json["reported"].get<TradeResult>(),
-             .difference = difference ? std::optional(difference.get<TradeDifference>()) : std::nullopt,
+             .difference = json["difference"].if_there<TradeDifference>(),
              .on_accuracy_front = front["accuracy"].truth(),
              .on_delay_front = front["delay"].truth(),
              .front_probability = {.accuracy = probability["accuracy"].number_if_there(),
