@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds between_pictures{50}, between_scenes{5'000}, silence{500};
+constexpr milliseconds between_pictures{25}, between_scenes{5'000}, silence{500};
 constexpr std::size_t most_earlier_scenes = 60;
 
 }  // namespace
