@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "tactile/core/infinite.hpp"
 #include "tactile/core/progress.hpp"
 #include "tactile/experiments/trade/trade_setting.hpp"
 #include "tactile/model/inference/classifier.hpp"
@@ -23,12 +23,12 @@ inline float us_between(std::chrono::steady_clock::time_point begin, std::chrono
 
 /// Duration of one tick on one thread [us].
 struct TickTime {
-  float counting = 0;        ///< of moving the window: adding new events, removing old ones
-  float rendering = 0;       ///< of the model's input: a heatmap, or features
-  float network = 0;         ///< of the logits, of any kind of model
-  float comparing = 0;       ///< of the `BackgroundRatio`, which a gate may need
-  std::uint32_t events = 0;  ///< in [t_c - t_h, t_c)
-  float ratio = infinite;    ///< of `BackgroundRatio`, with all earlier events of the recording
+  float counting = 0;                                    ///< of moving the window: adding new events, removing old ones
+  float rendering = 0;                                   ///< of the model's input: a heatmap, or features
+  float network = 0;                                     ///< of the logits, of any kind of model
+  float comparing = 0;                                   ///< of the `BackgroundRatio`, which a gate may need
+  std::uint32_t events = 0;                              ///< in [t_c - t_h, t_c)
+  float ratio = std::numeric_limits<float>::infinity();  ///< of `BackgroundRatio`, with all earlier events of the recording
 
   bool is_open(const std::optional<model::GateRule>& gate) const { return !gate || !gate->closes(events, ratio); }
 
