@@ -57,7 +57,7 @@ class Viewer:
 
 
 def run(command, page, option):
-    """Runs a command with or without a page. Returns what it printed, its processor time [s], its duration [s], and the viewer."""
+    """Runs a command with or without a page. Returns what it printed, its duration [s], and the viewer."""
     if page != PAGES[0]:
         command = [*command, option, "0"]
     begin = time.monotonic()

@@ -172,7 +172,8 @@ void RecordPreview::show(const RecordMoment& moment) {
   state["recording"] = moment.now != nullptr ? run_json(*moment.now, warnings) : nlohmann::json();
   state["sources"] = sources_json(*moment.recorder, warnings);
   state["robot"] = robot_json(*moment.recorder, warnings);
-  state["has_film"] = moment.recorder->video() != nullptr;
+  const auto film = moment.recorder->video();
+  state["has_film"] = film != nullptr && film->state().running;
   state["video"] = moment.now != nullptr ? video_json(moment.now->video, warnings) : nlohmann::json();
   state["disk"] = disk_json(data_, moment.now, warnings);
   state["warnings"] = warnings;

@@ -58,7 +58,7 @@ class LivePage {
     this.#fill(this.messages, message.state?.messages ?? [], (line) => el("li", {}, line));
     this.steps.add(message.steps);
     this.charts.show(this.steps, message.columns);
-    this.film.show(message.state?.has_film && !message.ended);
+    this.film.show(message.ended ? undefined : message.state?.has_film);
     const { picture, picture_us } = message.live;
     if (!message.ended && picture > 0 && picture !== this.picture) {
       this.picture = picture;

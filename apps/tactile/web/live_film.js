@@ -10,7 +10,9 @@ export class LiveFilm {
   }
 
   /// Asks for the newest picture, one at a time: a slow line gets fewer.
+  /// @param has_film  whether the film goes on; undefined: it stays as it is
   async show(has_film) {
+    if (has_film === false) this.element.hidden = true;
     if (!has_film || this.asks) return;
     this.asks = true;
     try {

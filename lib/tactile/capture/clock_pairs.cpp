@@ -41,8 +41,17 @@ void ClockPairs::add(CameraTime camera, HostTime host) {
   }
 }
 
+namespace {
+
+constexpr microseconds window{100'000};
+
+}  // namespace
+
+microseconds RecentLateness::most(HostTime now) const {
+  return now - begin_ < 2 * window ? std::max(before_, now_) : microseconds{0};
+}
+
 void RecentLateness::add(HostTime arrived, microseconds lateness) {
-  constexpr microseconds window{100'000};
   if (arrived - begin_ >= window) {
     before_ = arrived - begin_ < 2 * window ? now_ : microseconds{0};
     now_ = microseconds{0};

@@ -42,11 +42,12 @@ class ClockPairs {
   std::vector<ClockPair> pairs_;
 };
 
-/// How much later than the earliest packet of its second or two a packet came: the most in the last 0.1 to 0.2 s.
+/// The lateness of a packet is its arrival after that of the earliest packet near it, as `ClockPairs` keeps them. Of the last 0.1
+/// to 0.2 s this is the largest.
 class RecentLateness {
  public:
   void add(HostTime arrived, microseconds lateness);
-  microseconds most() const { return std::max(before_, now_); }
+  microseconds most(HostTime now) const;  ///< 0 after a silence of 0.2 s
 
  private:
   HostTime begin_{};

@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "tactile/core/host_clock.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/packet_checksums.hpp"
@@ -94,7 +95,9 @@ void RunWriter::start() {
 
 RunWriter::Written RunWriter::written() const {
   const std::scoped_lock lock(guard_);
-  return so_far_;
+  Written written = so_far_;
+  written.lateness = lateness_.most(host_now());
+  return written;
 }
 
 void RunWriter::stop() {
@@ -208,11 +211,10 @@ void RunWriter::write_packet(QueuedPacket& queued) {
 void RunWriter::note_arrival(const ClockPair& pair) {
   pairs_.add(pair.camera, pair.host);
   const std::optional<ClockOffset> clock = pairs_.offset();
-  lateness_.add(pair.host, microseconds{saturating_subtract(saturating_subtract(us_of(pair.host), us_of(pair.camera)),
-                                                            clock->offset.count())});
+  const microseconds difference{saturating_subtract(us_of(pair.host), us_of(pair.camera))};
   const std::scoped_lock lock(guard_);
+  lateness_.add(pair.host, microseconds{saturating_subtract(difference.count(), clock->offset.count())});
   so_far_.clock = clock;
-  so_far_.lateness = lateness_.most();
 }
 
 void RunWriter::leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const {

@@ -44,8 +44,8 @@ class RunWriter {
     std::optional<CameraTime> first;       ///< start of the duration: the first packet
     bool reached_duration = false;
     std::optional<ClockOffset> clock;  ///< of the first stream's camera; nothing unless its source is live
-    microseconds lateness{0};  ///< the most that its packets came after the earliest of a second or two, in the last 0.1 to 0.2 s
-    std::string error;         ///< why the file can no longer be written
+    microseconds lateness{0};          ///< of its packets, as `RecentLateness`
+    std::string error;                 ///< why the file can no longer be written
   };
 
   void start();
@@ -73,10 +73,10 @@ class RunWriter {
   events::RecordingWriter file_;                   ///< used by the writing thread until it has ended, as are the next two
   std::vector<std::optional<CameraTime>> newest_;  ///< the last time written, of each stream
   ClockPairs pairs_;
-  RecentLateness lateness_;
 
   mutable std::mutex guard_;  ///< of all that follows
   Written so_far_;            ///< changed by the writing thread only, except `error`
+  RecentLateness lateness_;
   std::condition_variable sync_wanted_;
   bool wants_sync_ = false, ends_ = false;
   std::thread writing_, syncing_;

@@ -84,9 +84,11 @@ void limit_to(auto resource, rlim_t most) {
   ::setrlimit(resource, &limit);
 }
 
-bool is_limited_below(auto resource, rlim_t wanted) {
-  rlimit limit{};
-  return ::getrlimit(resource, &limit) == 0 && limit.rlim_max < wanted;
+/// Whether a child that wants this much memory gets less. It raises its limit of the address space as far as it may.
+bool gets_less_than(rlim_t wanted) {
+  rlimit space{}, data{};
+  return (::getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_max < wanted) ||
+         (::getrlimit(RLIMIT_DATA, &data) == 0 && data.rlim_cur < wanted);
 }
 
 /// The address space limit of a child, which starts with that of this process. With a sanitizer it is vast.
@@ -145,7 +147,7 @@ class Child {
     std::error_code unknown;
     const std::uintmax_t size = fs::file_size(file, unknown);
     const rlim_t seconds = least_seconds + (unknown ? 0 : size / bytes_a_second), memory = memory_limit();
-    has_less_memory_ = is_limited_below(RLIMIT_AS, memory) || is_limited_below(RLIMIT_DATA, memory);
+    has_less_memory_ = gets_less_than(memory);
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw_not_started(file);
     const pid_t parent = ::getpid();
@@ -175,7 +177,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   int in() const { return in_; }
-  /// Whether this process is limited to less memory than a child may need. Otherwise only a damaged file lacks memory.
+  /// Whether this process is limited to less memory than a child may need.
   bool has_less_memory() const { return has_less_memory_; }
 
  private:

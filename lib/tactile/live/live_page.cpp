@@ -129,7 +129,7 @@ void LivePage::State::run() {
     ++number;
     has_ended = ends;
     changed.notify_all();
-    next = std::max(next + step, now);
+    next = std::max(next + step, Steady::now() + step / 2);  // after long work the next step is no tiny one
     changed.wait_until(lock, next, [this] { return ends; });
   }
 }

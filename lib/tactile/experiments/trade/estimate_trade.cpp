@@ -77,7 +77,9 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
   const experiments::WorkCost cost = experiments::work_cost(usual);
   experiments::Estimate estimate{.parts = {}, .cores = options.threads, .images_per_s = usual, .data = dataset.file().string()};
 
-  const std::vector<TradePoint> points = designed_points(plan);
+  MeasuredPoints designed{.points = designed_points(plan)};
+  remove_what_cannot_be_rendered(plan, designed);
+  const std::vector<TradePoint>& points = designed.points;
   const double samples = samples_in(dataset, plan.trainings.front().runs.train);
   const std::vector<std::uint32_t> tested = plan.trainings.front().tested();
   Steps trainings, predictions;
@@ -112,6 +114,8 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
                bytes_of_model);
   estimate.add({.what = "predictions of combinations, at most", .count = corners}, predictions.each_s(),
                bytes_of_tick * most_ticks);
+  // A tenth of the ticks show which combinations are promising.
+  if (!options.full) estimate.add({.what = "settings timed first", .count = timed.size(), .is_serial = true}, time_ticks / 10, 0);
   estimate.add({.what = "timed settings, at most", .count = timed.size() + corners, .is_serial = true}, time_ticks, 0);
   estimate.add({.what = "further trainings, at most", .count = more * (trainings.names.size() + corners), .one_thread = true},
                trainings.each_s(), bytes_of_model);
@@ -119,10 +123,9 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
                predictions.each_s(), bytes_of_tick * most_ticks);
   if (options.growth) estimate.add({.what = "growth of the cost", .count = 1, .is_serial = true}, growth_s, 0);
   if (options.constraints.any()) {
-    // The recommended setting is predicted and timed again, and runs in `detect`.
-    estimate.add({.what = "recommendation", .count = 1, .is_serial = true},
-                 options.trainings * predictions.each_s() + 2 * time_ticks + std::chrono::duration<double>(options.trial).count(),
-                 0);
+    estimate.add({.what = "predictions of the recommendation", .count = options.trainings}, predictions.each_s(), 0);
+    estimate.add({.what = "recommendation timed and tried", .count = 1, .is_serial = true},
+                 2 * time_ticks + std::chrono::duration<double>(options.trial).count(), 0);
   }
   return estimate;
 }

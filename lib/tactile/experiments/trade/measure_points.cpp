@@ -36,22 +36,6 @@ void check_setting(const TradePlan& plan, const TradeSetting& setting) {
                           shortest_prediction_tick.count()));
 }
 
-void remove_what_cannot_be_rendered(const TradePlan& plan, MeasuredPoints& measured) {
-  std::map<std::string, std::string> errors;  // by setting
-  for (const TradePoint& point : measured.points) {
-    try {
-      check_setting(plan, point.setting);
-    } catch (const Error& e) {
-      if (point.setting == plan.options.usual) throw;
-      errors[id_of(point.setting)] = e.what();
-    }
-  }
-  for (const auto& [id, error] : errors) {
-    remove_unless(
-        measured, plan.options.usual, [&, &id = id](const TradePoint& point) { return id_of(point.setting) != id; }, error);
-  }
-}
-
 /// Gives each point the network of its first training, and removes those that have none, or lack a gate or transitions for it.
 void take_networks(const Stage& stage, MeasuredPoints& measured) {
   const TradeSetting& usual = stage.plan.options.usual;
@@ -193,6 +177,22 @@ void remove_unless(MeasuredPoints& measured, const TradeSetting& usual, const st
     if (!stays(point)) measured.not_measured.push_back({text_of(point.setting, usual), why});
   }
   std::erase_if(measured.points, [&](const TradePoint& point) { return !stays(point); });
+}
+
+void remove_what_cannot_be_rendered(const TradePlan& plan, MeasuredPoints& measured) {
+  std::map<std::string, std::string> errors;  // by setting
+  for (const TradePoint& point : measured.points) {
+    try {
+      check_setting(plan, point.setting);
+    } catch (const Error& e) {
+      if (point.setting == plan.options.usual) throw;
+      errors[id_of(point.setting)] = e.what();
+    }
+  }
+  for (const auto& [id, error] : errors) {
+    remove_unless(
+        measured, plan.options.usual, [&, &id = id](const TradePoint& point) { return id_of(point.setting) != id; }, error);
+  }
 }
 
 std::string prediction_name(const TradeNetwork& network, const TradeSetting& setting) {

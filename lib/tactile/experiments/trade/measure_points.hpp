@@ -43,6 +43,10 @@ struct Stage {
   Budget& budget;
 };
 
+/// Moves points that the dataset cannot render, or not at a common tick, to `not_measured`.
+/// @throws Error  if the usual setting is one of them
+void remove_what_cannot_be_rendered(const TradePlan& plan, MeasuredPoints& measured);
+
 /// Second stage: trains one network for each point, predicts the runs that it is tested on, times ticks, and judges. Points that
 /// cannot be measured, or not within the budget, are moved to `not_measured`.
 /// @param step_of_times  name of the step that times all points   @param ticks  of each point that are timed

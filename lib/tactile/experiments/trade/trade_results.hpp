@@ -11,7 +11,7 @@
 
 namespace tactile::trade {
 
-/// All that was measured. Points and steps are viewed.
+/// All that was measured. `points` is viewed.
 struct TradeFindings {
   std::span<const TradePoint> points;  ///< the usual setting first
   std::vector<results::NotMeasured> not_measured;
