@@ -64,10 +64,22 @@ std::size_t most_corners(const TradeOptions& options, std::size_t designed) {
       std::clamp(all - static_cast<double>(designed), 0.0, static_cast<double>(fronts * options.corners)));
 }
 
+/// The growth of the cost, and the recommended setting, which is predicted and timed again, and runs in `detect`.
+/// @param time_ticks  of timing one setting [s]
+void add_last_parts(const TradeOptions& options, const Steps& predictions, double time_ticks, experiments::Estimate& estimate) {
+  constexpr double growth_s = 21;  // measured where `work_cost` was
+  if (options.growth) estimate.add({.what = "growth of the cost", .count = 1, .is_serial = true}, growth_s, 0);
+  if (options.constraints.any()) {
+    estimate.add({.what = "predictions of the recommendation", .count = options.trainings}, predictions.each_s(), 0);
+    estimate.add({.what = "recommendation timed and tried", .count = 1, .is_serial = true},
+                 2 * time_ticks + std::chrono::duration<double>(options.trial).count(), 0);
+  }
+}
+
 }  // namespace
 
 experiments::Estimate estimate_trade(const TradeOptions& requested) {
-  constexpr double feature_sample_s = 1.2e-3, growth_s = 21;  // of trees; both measured where `work_cost` was
+  constexpr double feature_sample_s = 1.2e-3;  // of trees, measured where `work_cost` was
   constexpr double bytes_of_model = 5.3e6, bytes_of_tick = 30;
   const windows::Dataset dataset(requested.data / "dataset.h5");
   const TradeOptions options = completed(requested, dataset);
@@ -121,12 +133,7 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
                trainings.each_s(), bytes_of_model);
   estimate.add({.what = "further predictions, at most", .count = more * (predictions.names.size() + corners)},
                predictions.each_s(), bytes_of_tick * most_ticks);
-  if (options.growth) estimate.add({.what = "growth of the cost", .count = 1, .is_serial = true}, growth_s, 0);
-  if (options.constraints.any()) {
-    estimate.add({.what = "predictions of the recommendation", .count = options.trainings}, predictions.each_s(), 0);
-    estimate.add({.what = "recommendation timed and tried", .count = 1, .is_serial = true},
-                 2 * time_ticks + std::chrono::duration<double>(options.trial).count(), 0);
-  }
+  add_last_parts(options, predictions, time_ticks, estimate);
   return estimate;
 }
 
