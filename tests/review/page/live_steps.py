@@ -75,9 +75,10 @@ def watches_a_recording(world):
         tab.wait("!document.getElementById('lost').hidden", "and that it shows its last state")
         world.quiet("the end of a recording")
     finally:
-        world.allowed = []
         live.end()
         tab.close()
+        world.browser.events = []  # a tab may have asked for a picture after its program had ended
+        world.allowed = []
 
 
 def records_a_session_on_the_page(world):
@@ -118,9 +119,10 @@ def records_a_session_on_the_page(world):
         tab.wait("/^Recording has ended, with 1 run/.test(document.querySelector('h1').textContent)", "the session ends")
         check(live.process.wait(60) == 0, "the session ends well")
     finally:
-        world.allowed = []
         live.end()
         tab.close()
+        world.browser.events = []  # a tab may have asked for a picture after its program had ended
+        world.allowed = []
 
 
 def watches_a_detection(world):
@@ -138,6 +140,7 @@ def watches_a_detection(world):
         tab.wait("/^The program does not answer/.test(document.getElementById('lost').textContent)", "a killed program is named")
         world.quiet("a killed detection")
     finally:
-        world.allowed = []
         live.end()
         tab.close()
+        world.browser.events = []  # a tab may have asked for a picture after its program had ended
+        world.allowed = []
