@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Measures what the live page costs: `tactile record` of 10 million events/s and `tactile detect` of 0.3 million, each without a page,
-with a page that nobody looks at, and with one viewer. Prints two tables.
+with a page without a viewer, and with one viewer. Prints two tables.
 
     viewer_load.py PROGRAMS RECORDING MODEL SECONDS FOLDER     FOLDER takes the recorded runs; each row takes SECONDS
 

@@ -10,7 +10,7 @@ export class LiveFilm {
   }
 
   /// Asks for the newest picture, one at a time: a slow line gets fewer.
-  /// @param has_film  whether the film goes on; undefined: it stays as it is
+  /// @param has_film  whether the film continues; undefined: the shown picture stays
   async show(has_film) {
     if (has_film === false) this.element.hidden = true;
     if (!has_film || this.asks) return;

@@ -121,4 +121,6 @@ std::string JsonView::words() const {
   return json_->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+nlohmann::json text_or_null(const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); }
+
 }  // namespace tactile::results

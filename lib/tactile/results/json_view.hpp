@@ -91,6 +91,9 @@ class JsonView {
   MissingMember missing_;
 };
 
+/// A text in JSON, null where it is empty.
+nlohmann::json text_or_null(const std::string& text);
+
 /// A result in JSON, null where there is none.
 template <class T>
 nlohmann::json json_or_null(const std::optional<T>& result) {

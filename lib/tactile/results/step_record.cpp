@@ -3,10 +3,8 @@
 namespace tactile::results {
 
 void to_json(nlohmann::json& json, const StepRecord& step) {
-  json = {{"name", step.name},
-          {"command", step.command.empty() ? nlohmann::json() : nlohmann::json(step.command)},
-          {"seconds", step.seconds},
-          {"finished_at", step.finished_at}};
+  json = {
+      {"name", step.name}, {"command", text_or_null(step.command)}, {"seconds", step.seconds}, {"finished_at", step.finished_at}};
 }
 
 void from_json(const JsonView& json, StepRecord& step) {

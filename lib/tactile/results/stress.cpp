@@ -64,7 +64,7 @@ void to_json(nlohmann::json& json, const Stress& stress) {
           {"title", stress.title},
           {"simulated", stress.simulated},
           {"judged_by", stress.judged_by},
-          {"manifest_hash", stress.manifest_hash.empty() ? nlohmann::json() : nlohmann::json(stress.manifest_hash)},
+          {"manifest_hash", text_or_null(stress.manifest_hash)},
           {"quiet_files", stress.quiet_files},
           {"seed", stress.seed},
           {"most_lost", stress.most_lost},

@@ -6,11 +6,6 @@
 #include "tactile/core/error.hpp"
 
 namespace tactile::results {
-namespace {
-
-nlohmann::json text_or_null(const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); }
-
-}  // namespace
 
 void to_json(nlohmann::json& json, const UntriedPair& pair) {
   json = {{"th_ms", in_ms(pair.history)}, {"tick_ms", in_ms(pair.tick)}, {"why", pair.why}};

@@ -34,6 +34,13 @@ class Live:
         return self.process.wait(60)
 
 
+def leave(world, live, tab):
+    live.end()
+    tab.close()
+    world.browser.events = []  # a tab may have asked for a picture after its program had ended
+    world.allowed = []
+
+
 def picture_is_drawn(tab, kind):
     tab.wait(
         f"(() => {{ const c = document.querySelector('.picture.{kind} canvas'); return c.width > 30 &&"
@@ -75,10 +82,7 @@ def watches_a_recording(world):
         tab.wait("!document.getElementById('lost').hidden", "and that it shows its last state")
         world.quiet("the end of a recording")
     finally:
-        live.end()
-        tab.close()
-        world.browser.events = []  # a tab may have asked for a picture after its program had ended
-        world.allowed = []
+        leave(world, live, tab)
 
 
 def records_a_session_on_the_page(world):
@@ -119,10 +123,7 @@ def records_a_session_on_the_page(world):
         tab.wait("/^Recording has ended, with 1 run/.test(document.querySelector('h1').textContent)", "the session ends")
         check(live.process.wait(60) == 0, "the session ends well")
     finally:
-        live.end()
-        tab.close()
-        world.browser.events = []  # a tab may have asked for a picture after its program had ended
-        world.allowed = []
+        leave(world, live, tab)
 
 
 def watches_a_detection(world):
@@ -140,7 +141,4 @@ def watches_a_detection(world):
         tab.wait("/^The program does not answer/.test(document.getElementById('lost').textContent)", "a killed program is named")
         world.quiet("a killed detection")
     finally:
-        live.end()
-        tab.close()
-        world.browser.events = []  # a tab may have asked for a picture after its program had ended
-        world.allowed = []
+        leave(world, live, tab)

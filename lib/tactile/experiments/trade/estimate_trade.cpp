@@ -102,13 +102,13 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
     timed.insert(timed_name(point, network));
     const bool has_heatmaps = model::reads_heatmaps(point.setting.kind);
     if (trainings.names.insert(network.name()).second) {
-      trainings.exist += is_file(network.bundle.folder / "model.json") ? 1 : 0;
+      trainings.exist += is_file(network.bundle.description()) ? 1 : 0;
       trainings.seconds += cost.training_start + (has_heatmaps ? samples * options.epochs / speeds.of(network.settings.network)
                                                                : feature_sample_s * samples);
     }
     const std::string prediction = prediction_name(network, point.setting);
     if (!predictions.names.insert(prediction).second) continue;
-    predictions.exist += is_file(options.out / "said" / (prediction + ".json")) ? 1 : 0;
+    predictions.exist += is_file(prediction_file(plan, prediction)) ? 1 : 0;
     heatmaps::HeatmapOptions rendering = network.settings.rendering;
     rendering.tick = prediction_tick(network, point.setting.rendering.tick);
     double ticks = 0;

@@ -65,8 +65,6 @@ void take_networks(const Stage& stage, MeasuredPoints& measured) {
         "train' made");
 }
 
-fs::path file_of(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }
-
 /// Whether a setting may have a gate. All settings with a network share its predictions.
 bool has_gate(const TradePlan& plan) {
   const std::vector<bool>& levels = plan.options.levels.gate;
@@ -75,7 +73,7 @@ bool has_gate(const TradePlan& plan) {
 
 experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& network, const TradeSetting& setting) {
   const std::string name = prediction_name(network, setting);
-  const fs::path file = file_of(plan, name);
+  const fs::path file = prediction_file(plan, name);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   const std::vector<std::uint32_t> tested = plan.trainings[network.training].tested();
   const model::ModelDescription description = model::read_description(network.bundle);
@@ -114,7 +112,7 @@ void predict(const Stage& stage, MeasuredPoints& measured, double reserve_s, dou
   std::set<std::string> seen;
   const auto run = [&](const experiments::Step& step) {
     stage.runner.run(step);
-    measured.predictions[step.name] = read_full_runs(file_of(stage.plan, step.name));
+    measured.predictions[step.name] = read_full_runs(prediction_file(stage.plan, step.name));
   };
   for (const TradePoint& point : measured.points) {
     for (const TradeNetwork& network : point.networks) {
@@ -199,6 +197,8 @@ std::string prediction_name(const TradeNetwork& network, const TradeSetting& set
   return fmt::format("said-{}-{}us-{}-{}", network.name(), prediction_tick(network, setting.rendering.tick).count(),
                      name_of(setting.engine), name_of(setting.precision));
 }
+
+fs::path prediction_file(const TradePlan& plan, const std::string& name) { return plan.options.out / "said" / (name + ".json"); }
 
 const TimesOfRuns& PointTimes::of(const TradePoint& point) const {
   return times[static_cast<std::size_t>(std::find(settings.begin(), settings.end(), timed_setting_of(point)) - settings.begin())];

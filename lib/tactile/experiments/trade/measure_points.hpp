@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <span>
@@ -34,6 +35,7 @@ struct MeasuredPoints {
 
 /// Identifies a network's predictions for a setting: its tick, engine and precision count.
 std::string prediction_name(const TradeNetwork& network, const TradeSetting& setting);
+std::filesystem::path prediction_file(const TradePlan& plan, const std::string& name);  ///< @param name  as `prediction_name`
 
 /// What the stages work with. All of it must outlive them.
 struct Stage {
