@@ -1,0 +1,86 @@
+#include "tactile/core/parallel.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "tactile/core/error.hpp"
+
+namespace tactile {
+namespace {
+
+std::vector<int> calls_of_each(std::size_t count, unsigned threads) {
+  std::vector<std::atomic<int>> calls(count);
+  parallel_for(count, threads, [&](std::size_t i) { ++calls[i]; });
+  return {calls.begin(), calls.end()};
+}
+
+TEST(ParallelFor, CallsEachIndexOnce) {
+  for (const unsigned threads : {0U, 1U, 2U, 7U}) {
+    for (const std::size_t count : {0U, 1U, 2U, 1000U})
+      EXPECT_EQ(calls_of_each(count, threads), std::vector<int>(count, 1)) << threads << " threads, " << count;
+  }
+}
+
+TEST(ParallelFor, UsesAsManyThreadsAsAsked) {
+  constexpr std::size_t threads = 5;
+  std::atomic<std::size_t> there{0};
+  std::vector<std::thread::id> ids(threads);
+  parallel_for(threads, threads, [&](std::size_t i) {
+    ids[i] = std::this_thread::get_id();
+    ++there;
+    while (there < threads) std::this_thread::yield();  // each call waits for the others, so each needs a thread
+  });
+  EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), threads);
+}
+
+TEST(ParallelFor, OneThreadIsTheCallersAlone) {
+  parallel_for(50, 1, [caller = std::this_thread::get_id()](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
+}
+
+TEST(ParallelFor, CallsWithinCallsAndBesideThemEnd) {
+  std::atomic<int> calls{0};
+  const auto nested = [&] {
+    parallel_for(
+        6, 4, [&](std::size_t) { parallel_for(5, 3, [&](std::size_t) { parallel_for(4, 2, [&](std::size_t) { ++calls; }); }); });
+  };
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 3; ++i) callers.emplace_back(nested);
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(calls, 3 * 6 * 5 * 4);
+}
+
+TEST(ParallelFor, ThrowsTheFirstFailureAndBeginsNoFurtherCall) {
+  std::atomic<int> calls{0};
+  const auto work = [&](std::size_t i) {
+    ++calls;
+    if (i == 3) throw Error("third");
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  };
+  EXPECT_THROW(parallel_for(10'000, 4, work), Error);
+  EXPECT_LT(calls, 1000);
+  EXPECT_EQ(calls_of_each(100, 4), std::vector<int>(100, 1));  // the threads still work
+}
+
+TEST(ParallelFor, EndsInAChildProcessToo) {
+  ASSERT_EQ(calls_of_each(100, 4), std::vector<int>(100, 1));  // there are threads, which the child will lack
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(60);
+    std::atomic<int> calls{0};
+    parallel_for(100, 4, [&](std::size_t) { ++calls; });
+    ::_exit(calls == 100 ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+}
+
+}  // namespace
+}  // namespace tactile
