@@ -20,8 +20,8 @@ struct StartingPoint {
   std::string weights_sha256;
 };
 
-/// Everything that, with the dataset, determines a trained model. The number of threads is not included: it affects only the last
-/// bits.
+/// Everything that, with the dataset, determines a trained model. The number of threads is not included: at most, with
+/// libtorch's layers, it affects the last bits.
 struct ModelSettings {
   heatmaps::HeatmapOptions rendering;  ///< of a kind without heatmaps, history, tick and mask
   windows::SplitOptions split;

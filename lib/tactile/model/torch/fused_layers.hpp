@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tactile/core/parallel.hpp"
+#include "tactile/model/training/fully_connected.hpp"
 #include "tactile/model/training/fused_convolutions.hpp"
 
 namespace tactile::model {
@@ -53,7 +54,7 @@ class FusedBatch {
   }
 
  private:
-  static constexpr std::size_t slice_size = 4;  ///< heatmaps per partial sum of gradients, independent of the threads
+  static constexpr std::size_t slice_size = 2;  ///< heatmaps per partial sum of gradients, independent of the threads
 
   std::size_t count() const { return heatmaps_.size() / cells_; }
   std::size_t slices() const { return (count() + slice_size - 1) / slice_size; }
@@ -105,47 +106,38 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
   }
 };
 
-/// A fully connected layer whose units are divided among threads, with the same result as libtorch's layer. Each thread calls
-/// OpenBLAS, which uses one thread.
-class SharedLinear : public torch::autograd::Function<SharedLinear> {
+/// A fully connected layer as a libtorch function.
+class FusedLinear : public torch::autograd::Function<FusedLinear> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,
                                const torch::Tensor& bias, std::int64_t threads) {
     context->save_for_backward({input, weight});
     context->saved_data["threads"] = threads;
-    const torch::Tensor output = torch::empty({input.size(0), weight.size(0)});
-    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
-      output.narrow(1, first, count).copy_(torch::addmm(bias.narrow(0, first, count), input, weight.narrow(0, first, count).t()));
-    });
+    torch::Tensor output = torch::empty({input.size(0), weight.size(0)});
+    layer_of(weight).forward(values_of(input), values_of(weight), values_of(bias), values_in(output),
+                             static_cast<unsigned>(threads));
     return output;
   }
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
                                                  const torch::autograd::variable_list& gradients) {
     const torch::Tensor input = context->get_saved_variables()[0], weight = context->get_saved_variables()[1];
-    const torch::Tensor& gradient = gradients[0];
-    const std::int64_t threads = context->saved_data["threads"].toInt();
-    const torch::Tensor of_input = torch::empty_like(input), of_weight = torch::empty_like(weight);
-    share(weight.size(0), threads, [&](std::int64_t first, std::int64_t count) {
-      torch::Tensor rows = of_weight.narrow(0, first, count);
-      torch::mm_out(rows, gradient.narrow(1, first, count).t(), input);
-    });
-    share(input.size(0), threads, [&](std::int64_t first, std::int64_t count) {
-      torch::Tensor rows = of_input.narrow(0, first, count);
-      torch::mm_out(rows, gradient.narrow(0, first, count), weight);
-    });
+    const torch::Tensor gradient = gradients[0].contiguous();
+    torch::Tensor of_input = torch::empty_like(input), of_weight = torch::empty_like(weight);
+    layer_of(weight).backward(values_of(input), values_of(weight), values_of(gradient), values_in(of_input), values_in(of_weight),
+                              static_cast<unsigned>(context->saved_data["threads"].toInt()));
     return {of_input, of_weight, gradient.sum(0), torch::Tensor()};
   }
 
  private:
-  template <class Work>
-  static void share(std::int64_t count, std::int64_t threads, const Work& work) {
-    parallel_for(static_cast<std::size_t>(threads), static_cast<unsigned>(threads), [&](std::size_t i) {
-      const torch::NoGradGuard no_gradients;  // of each thread
-      const auto part = static_cast<std::int64_t>(i);
-      const std::int64_t first = count * part / threads, end = count * (part + 1) / threads;
-      if (end > first) work(first, end - first);
-    });
+  static FullyConnected layer_of(const torch::Tensor& weight) {
+    return {static_cast<std::size_t>(weight.size(1)), static_cast<std::size_t>(weight.size(0))};
+  }
+  static std::span<const float> values_of(const torch::Tensor& tensor) {
+    return {tensor.data_ptr<float>(), static_cast<std::size_t>(tensor.numel())};
+  }
+  static std::span<float> values_in(torch::Tensor& tensor) {
+    return {tensor.data_ptr<float>(), static_cast<std::size_t>(tensor.numel())};
   }
 };
 

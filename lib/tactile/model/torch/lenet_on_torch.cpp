@@ -172,7 +172,7 @@ class TrainerWithModule : public TrainerOnTorch {
       throw Error("training batch: " + std::to_string(count) + " heatmaps for " + std::to_string(truth.size()) +
                   " touches; expected one each, and at least one");
     }
-    set_threads(threads_);
+    set_threads(batch_ ? 1 : threads_);  // libtorch's own; its results depend on them
     const torch::Tensor targets = torch::empty({static_cast<std::int64_t>(count)}, torch::kInt64);
     std::transform(truth.begin(), truth.end(), targets.data_ptr<std::int64_t>(),
                    [](Touch touch) { return static_cast<std::int64_t>(touch); });
@@ -231,7 +231,9 @@ class TrainerWithModule : public TrainerOnTorch {
     batch_->set_heatmaps(heatmaps);
     const torch::Tensor flat = FusedLayers::apply(trained_->conv1->weight, trained_->conv1->bias, trained_->conv2->weight,
                                                   trained_->conv2->bias, batch_.get());
-    return connected(trained_->options.last_pool == 2 ? flat : trained_->flattened(flat.view(second_sizes())));
+    const torch::Tensor inputs = trained_->options.last_pool == 2 ? flat : trained_->flattened(flat.view(second_sizes()));
+    return trained_->connected_after_first(
+        FusedLinear::apply(inputs.contiguous(), trained_->fc1->weight, trained_->fc1->bias, static_cast<std::int64_t>(threads_)));
   }
 
   /// The second pooled layer of a batch: [n, channels, height, width].
@@ -240,18 +242,12 @@ class TrainerWithModule : public TrainerOnTorch {
     return {-1, static_cast<std::int64_t>(layers.second_channels), layers.second_pooled.height, layers.second_pooled.width};
   }
 
-  torch::Tensor connected(const torch::Tensor& flat) const {
-    if (threads_ == 1) return trained_->connected(flat);
-    return trained_->connected_after_first(
-        SharedLinear::apply(flat, trained_->fc1->weight, trained_->fc1->bias, static_cast<std::int64_t>(threads_)));
-  }
-
   /// @return  whether the gradient is finite and not too large
   bool measure_gradient(BatchResult& result) const {
     double squares = 0;
     for (const torch::Tensor& parameter : parameters_) {
       if (fast_) {
-        squares += sum_of_squares(values_in(parameter.grad()));
+        squares += sum_of_squares(values_in(parameter.grad()), threads_);
       } else {
         const auto norm = parameter.grad().norm().item<double>();
         squares += norm * norm;
@@ -276,7 +272,7 @@ class TrainerWithModule : public TrainerOnTorch {
       for (std::size_t i = 0; i < parameters_.size(); ++i) torch::Tensor(rounded[i]).copy_(parameters_[i]);
       return;
     }
-    constexpr std::size_t piece = 65536;  // values per piece of work
+    constexpr std::size_t piece = 16384;  // values per piece of work
     for (std::size_t i = 0; i < parameters_.size(); ++i) {
       const auto count = static_cast<std::size_t>(parameters_[i].numel()), pieces = (count + piece - 1) / piece;
       parallel_for(pieces, threads_, [&](std::size_t k) {

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "tactile/core/parallel.hpp"
 
 // Highway compiles what follows once for each kind of processor and takes the best of them at run time.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
@@ -114,12 +118,14 @@ void take_step(const OptimizerStep& step, const WeightSlice& slice) {
     HWY_DYNAMIC_DISPATCH(step_adam)(step, slice);
 }
 
-double sum_of_squares(std::span<const float> values) {
-  constexpr std::size_t block = 4096;
-  double sum = 0;
-  for (std::size_t i = 0; i < values.size(); i += block)
-    sum += static_cast<double>(HWY_DYNAMIC_DISPATCH(squares_of)(values.subspan(i, std::min(block, values.size() - i))));
-  return sum;
+double sum_of_squares(std::span<const float> values, unsigned threads) {
+  constexpr std::size_t block = 4096, blocks_of_piece = 16;
+  std::vector<float> sums((values.size() + block - 1) / block);
+  parallel_for((sums.size() + blocks_of_piece - 1) / blocks_of_piece, threads, [&](std::size_t piece) {
+    for (std::size_t i = piece * blocks_of_piece; i < std::min(sums.size(), (piece + 1) * blocks_of_piece); ++i)
+      sums[i] = HWY_DYNAMIC_DISPATCH(squares_of)(values.subspan(i * block, std::min(block, values.size() - i * block)));
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 }  // namespace tactile::model

@@ -30,7 +30,7 @@ struct WeightSlice {
 /// Takes the step in one pass, each weight by itself. So slices give the same result as the whole.
 void take_step(const OptimizerStep& step, const WeightSlice& slice);
 
-/// Summed in float32 over up to 4096 values and in float64 over these.
-double sum_of_squares(std::span<const float> values);
+/// Summed in float32 over up to 4096 values and in float64 over these. It does not depend on the threads.
+double sum_of_squares(std::span<const float> values, unsigned threads = 1);
 
 }  // namespace tactile::model

@@ -8,6 +8,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/model/inference/temporal_network.hpp"
 #include "tactile/model/training/blas_threads.hpp"
+#include "tactile/model/training/fully_connected.hpp"
 #include "tactile/model/training/fused_convolutions.hpp"
 #include "tactile/model/training/optimizer_steps.hpp"
 #include "tactile/model/training/torch_version.hpp"
@@ -21,7 +22,7 @@ namespace {
 [[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &check_shapes,
                                               &heatmap_count, &verdict_of, &standardise, &prepare_blas, &take_step,
                                               &weights_of_classes, &moment_shapes, &FusedConvolutions::make_kept,
-                                              &learning_rate_at);
+                                              &FullyConnected::forward, &learning_rate_at);
 
 }  // namespace
 
