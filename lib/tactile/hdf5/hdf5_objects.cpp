@@ -262,7 +262,7 @@ void append_packed_chunk(hid_t table, std::span<const std::uint8_t> chunk, hsize
     fail_writing(where, "cannot be written");
 }
 
-std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where) {
+std::vector<std::uint8_t> stored_chunk(hid_t table, hsize_t first_row, const std::string& where) {
   std::vector<hsize_t> place(shape_of(table, where).size(), 0);
   place[0] = first_row;
   hsize_t size = 0;
@@ -272,6 +272,11 @@ std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, cons
   std::uint32_t left_out_filters = 0;
   if (H5Dread_chunk(table, H5P_DEFAULT, place.data(), &left_out_filters, chunk.data()) < 0 || left_out_filters != 0)
     fail(where, "a chunk cannot be read");
+  return chunk;
+}
+
+std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where) {
+  std::vector<std::uint8_t> chunk = stored_chunk(table, first_row, where);
   check_checksum(chunk, where);
   return chunk;
 }

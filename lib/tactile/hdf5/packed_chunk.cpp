@@ -56,14 +56,21 @@ std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std
   return chunk;
 }
 
-std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t values, const std::string& where) {
+std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t bytes, const std::string& where,
+                                         std::size_t value_size) {
   check_checksum(chunk, where);
-  std::vector<std::uint8_t> unpacked(values);
-  auto size = static_cast<uLongf>(values);
+  std::vector<std::uint8_t> unpacked(bytes);
+  auto size = static_cast<uLongf>(bytes);
   const auto packed_size = static_cast<uLong>(chunk.size() - checksum_size);
-  if (uncompress(unpacked.data(), &size, chunk.data(), packed_size) != Z_OK || size != values)
-    throw Damaged(where + ": a chunk does not hold " + std::to_string(values) + " values; expected a sound HDF5 file");
-  return unpacked;
+  if (uncompress(unpacked.data(), &size, chunk.data(), packed_size) != Z_OK || size != bytes)
+    throw Damaged(where + ": a chunk does not hold " + std::to_string(bytes) + " bytes; expected a sound HDF5 file");
+  if (value_size == 1) return unpacked;
+  std::vector<std::uint8_t> values(bytes);
+  const std::size_t count = bytes / value_size;
+  for (std::size_t byte = 0; byte < value_size; ++byte) {
+    for (std::size_t i = 0; i < count; ++i) values[i * value_size + byte] = unpacked[byte * count + i];
+  }
+  return values;
 }
 
 }  // namespace tactile::hdf5

@@ -14,8 +14,9 @@ inline constexpr unsigned deflate_level = 4;
 /// @param values      little-endian, of all rows of the chunk; rows that do not exist are 0
 /// @param value_size  bytes of one value: 1, 2, 4 or 8
 std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std::size_t value_size = 1);
-/// The inverse for values of one byte. @throws Damaged  if the checksum differs, or the chunk holds another number of values
-std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t values, const std::string& where);
+/// The inverse. @param bytes  of all values  @throws Damaged  if the checksum differs, or the chunk holds another number of bytes
+std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, std::size_t bytes, const std::string& where,
+                                         std::size_t value_size = 1);
 /// @throws Damaged  if the last bytes of a packed chunk are not the checksum of the others
 void check_checksum(std::span<const std::uint8_t> chunk, const std::string& where);
 

@@ -10,6 +10,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
+#include "tactile/hdf5/packed_rows.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 
@@ -42,6 +43,19 @@ std::size_t common_length(const std::string& where, const First& first, const Ot
 Touch touch_of(std::uint8_t value, const std::string& where) {
   if (value >= touch_count) throw_inconsistent(where, "class " + std::to_string(value) + " is not 0, 1 or 2");
   return static_cast<Touch>(value);
+}
+
+/// @param columns  t_us, x, y, on
+void unpack(std::span<const h5::PackedRows> columns, std::span<events::Event> events) {
+  const auto store = [&]<class T>(const std::vector<T>& values, const auto& set) {
+    for (std::size_t i = 0; i < values.size(); ++i) set(events[i], values[i]);
+  };
+  store(columns[0].unpacked<std::int64_t>(), [](events::Event& event, std::int64_t t) { event.t = camera_time(t); });
+  store(columns[1].unpacked<std::uint16_t>(),
+        [](events::Event& event, std::uint16_t x) { event.x = static_cast<std::int16_t>(x); });
+  store(columns[2].unpacked<std::uint16_t>(),
+        [](events::Event& event, std::uint16_t y) { event.y = static_cast<std::int16_t>(y); });
+  store(columns[3].unpacked<std::uint8_t>(), [](events::Event& event, std::uint8_t on) { event.on = on; });
 }
 
 /// Checks the target of a link of the dataset before HDF5 follows the link.
@@ -239,37 +253,35 @@ std::vector<events::Event> Dataset::events(std::uint32_t run_index) const {
 }
 
 std::vector<events::Event> Dataset::events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const {
-  const h5::Session session;
   const DatasetRun& run = state_->runs.at(run_index);
   if (first > run.events || count > run.events - first) {
     throw Error(state_->file.string() + ": " + run.object + "/" + run.run + " has " + std::to_string(run.events) +
                 " events; expected at least " + std::to_string(count) + " from " + std::to_string(first) + " on");
   }
   const std::string where = state_->file.string() + ": /events";
-  const std::string remedy = remove_and_make(state_->file, "events", "windows");
-  // The file may have been replaced, and may be replaced between two columns: all are read from the group that was checked.
-  h5::Id group;
-  with_remedy(remedy, [&] { group = state_->checked_events(state_->file.string()); });
+  std::vector<h5::PackedRows> columns;
   std::vector<events::Event> events(count);
-  const auto read_column = [&]<class T>(const char* name, T, const auto& store) {
-    std::vector<T> values(count);
-    with_remedy(remedy, [&] {
-      h5::read_rows(h5::open_table(group, name, where), h5::memory_type<T>(), values.data(), run.first_event + first, count,
-                    where + "/" + name);
-    });
-    for (std::size_t i = 0; i < values.size(); ++i) store(events[i], values[i]);
-  };
+  with_remedy(remove_and_make(state_->file, "events", "windows"), [&] {
+    {
+      const h5::Session session;
+      // The file may have been replaced, and may be replaced between two columns: all are read from the group that was checked.
+      const h5::Id group = state_->checked_events(state_->file.string());
+      const auto read = [&]<class T>(const char* name, T) {
+        columns.push_back(
+            h5::PackedRows::of<T>(h5::open_table(group, name, where), run.first_event + first, count, where + "/" + name));
+      };
+      read("t_us", std::int64_t{});
+      read("x", std::uint16_t{});
+      read("y", std::uint16_t{});
+      read("on", std::uint8_t{});
+    }
+    unpack(columns, events);
+  });
   const events::SensorSize sensor = state_->sensor;
-  read_column("t_us", std::int64_t{}, [](events::Event& event, std::int64_t t) { event.t = camera_time(t); });
-  read_column("x", std::uint16_t{}, [&](events::Event& event, std::uint16_t x) {
-    if (x >= sensor.width) throw_inconsistent(where, "an event lies outside the sensor");
-    event.x = static_cast<std::int16_t>(x);
-  });
-  read_column("y", std::uint16_t{}, [&](events::Event& event, std::uint16_t y) {
-    if (y >= sensor.height) throw_inconsistent(where, "an event lies outside the sensor");
-    event.y = static_cast<std::int16_t>(y);
-  });
-  read_column("on", std::uint8_t{}, [](events::Event& event, std::uint8_t on) { event.on = on; });
+  const auto is_outside = [sensor](const events::Event& e) {
+    return e.x < 0 || e.x >= sensor.width || e.y < 0 || e.y >= sensor.height;  // also if it is above 32767 in the file
+  };
+  if (std::any_of(events.begin(), events.end(), is_outside)) throw_inconsistent(where, "an event lies outside the sensor");
   return events;
 }
 
