@@ -1,8 +1,12 @@
 #include "tactile/events/recording_writer.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
+#include <csignal>
 #include <set>
+#include <string>
 
 #include "events/aedat4_bytes.hpp"
 #include "events/made_streams.hpp"
@@ -217,6 +221,46 @@ TEST(RecordingHeader, RequiresANewFileOfTheRightName) {
   EXPECT_THROW(RecordingWriter(folder / "b.aedat4", {mini}, {.packet_events = 0}), Error);
   EXPECT_THROW(RecordingWriter(folder / "b.aedat4", {mini}, {.packet_events = std::size_t{1} << 40}), Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "b.aedat4"));
+}
+
+TEST_P(EveryCompression, HasTheSameBytesWithAnyNumberOfThreads) {
+  const test::TemporaryFolder folder;
+  RecordingReader original(vendor_files / "dv-none.aedat4");
+  const auto bytes_with = [&](unsigned threads) {
+    const auto file = folder / ("with" + std::to_string(threads) + ".aedat4");
+    test::rewrite(original, file, {.compression = GetParam(), .packet_events = 100, .threads = threads});
+    return test::bytes_of(file);
+  };
+  const std::string bytes = bytes_with(1);
+  EXPECT_GT(test::contents_of(folder / "with1.aedat4").events.size(), 40 * 100U);  // more packets than wait for each other
+  for (const unsigned threads : {2U, 5U}) EXPECT_EQ(bytes_with(threads) == bytes, true) << threads << " threads";
+}
+
+TEST_P(EveryCompression, AFullDiskLeavesWholePacketsWithAnyNumberOfThreads) {
+  const test::TemporaryFolder folder;
+  const auto events = random_events(4, 60'000, 1'000, 0);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
+  for (const unsigned threads : {1U, 3U}) {
+    const auto file = folder / ("full" + std::to_string(threads) + ".aedat4");
+    RecordingWriter writer(file, {mini}, {.compression = GetParam(), .packet_events = 500, .threads = threads});
+    const rlimit little{100'000, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+    EXPECT_THROW(
+        {
+          for (std::size_t i = 0; i < events.size(); i += 1000) writer.write_events(0, std::span(events).subspan(i, 1000));
+          writer.flush();
+        },
+        Error);
+    EXPECT_THROW(writer.close(), Error);
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    const auto kept = test::contents_of(file).events;
+    EXPECT_GT(kept.size(), 500U) << threads;
+    EXPECT_EQ(kept.size() % 500, 0U) << threads;
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), events.begin())) << threads << " threads: not the first events";
+  }
+  ::signal(SIGXFSZ, ignored);
 }
 
 TEST(RecordingWriterState, ClosesWhenItGoesAndWhenItIsReplaced) {

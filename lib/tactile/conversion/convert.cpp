@@ -34,11 +34,14 @@ class TimesSeen {
  public:
   template <class Element>
   void add(std::span<const Element> elements) {
-    for (const Element& element : elements) add(element.t);
-  }
-  void add(CameraTime t) {
-    first = first ? std::min(*first, t) : t;
-    last = last ? std::max(*last, t) : t;
+    if (elements.empty()) return;
+    CameraTime earliest = first.value_or(elements.front().t), latest = last.value_or(elements.front().t);
+    for (const Element& element : elements) {
+      earliest = std::min(earliest, element.t);
+      latest = std::max(latest, element.t);
+    }
+    first = earliest;
+    last = latest;
   }
 
   std::optional<CameraTime> first, last;
@@ -126,7 +129,7 @@ class Passage {
         recipes_(options.recipes),
         summary_(summary),
         whole_(out, options.replace ? IfThere::replace : IfThere::refuse),
-        output_(open_output(whole_.path(), in, summary)) {}
+        output_(open_output(whole_.path(), in, summary, options.threads)) {}
 
   /// Gives the time of the first element. Without this call, it is the time of the first that is passed.
   void begin_at(CameraTime first) { cut_.begin_at(first); }
@@ -170,7 +173,7 @@ class Passage {
       ++summary_.cropped_frames;
       return;
     }
-    note_time(to, frame.t);
+    note_times(to, std::span(&frame, 1));
     ++to.elements;
     output_->write(to.stream.id, crop_ ? *part : frame);
   }
@@ -210,7 +213,7 @@ class Passage {
   template <class Element>
   void hand_over(ConvertedStream& to, std::span<const Element> inside) {
     if (inside.empty()) return;
-    for (const Element& element : inside) note_time(to, element.t);
+    note_times(to, inside);
     to.elements += inside.size();
     output_->write(to.stream.id, inside);
   }
@@ -224,19 +227,22 @@ class Passage {
     return worsening_.emplace(to.stream.id, recipes::RecipeStream(recipes_, *to.stream.size)).first->second;
   }
 
-  /// Records the time of an element that is about to be written.
-  /// @throws Error  that names the input, if the time steps back and the output is a recording, whose times never fall
-  void note_time(const ConvertedStream& to, CameraTime t) {
-    written_.add(t);
+  /// Records the times of elements that are about to be written.
+  /// @throws Error  that names the input, if a time steps back and the output is a recording, whose times never fall
+  template <class Element>
+  void note_times(const ConvertedStream& to, std::span<const Element> elements) {
+    written_.add(elements);
     if (holds_one_stream(summary_.to)) return;
-    const auto [newest, is_first] = newest_.try_emplace(to.stream.id, t);
-    if (!is_first && t < newest->second) {
-      throw Error(
-          fmt::format("{}: stream {} goes back in time, from {} to {} us; expected times that never fall: CSV and NPZ "
-                      "keep events as they are; --from-us above {} or --to-us up to {} omits the step",
-                      in_.string(), to.stream.id, us_of(newest->second), us_of(t), us_of(newest->second), us_of(t)));
+    CameraTime& newest = newest_.try_emplace(to.stream.id, elements.front().t).first->second;
+    for (const Element& element : elements) {
+      if (element.t < newest) {
+        throw Error(
+            fmt::format("{}: stream {} goes back in time, from {} to {} us; expected times that never fall: CSV and NPZ "
+                        "keep events as they are; --from-us above {} or --to-us up to {} omits the step",
+                        in_.string(), to.stream.id, us_of(newest), us_of(element.t), us_of(newest), us_of(element.t)));
+      }
+      newest = element.t;
     }
-    newest->second = t;
   }
 
   fs::path in_;

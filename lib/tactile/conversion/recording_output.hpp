@@ -28,8 +28,9 @@ class RecordingOutput {
 };
 
 /// Opens a file for the streams of the summary. @param in  named in errors
-/// @throws Error  if the file cannot be made, or its format needs a sensor size and a stream has none
+/// @param threads  that compress packets, > 0
+/// @throws Error   if the file cannot be made, or its format needs a sensor size and a stream has none
 std::unique_ptr<RecordingOutput> open_output(const std::filesystem::path& file, const std::filesystem::path& in,
-                                             const ConvertSummary& summary);
+                                             const ConvertSummary& summary, unsigned threads);
 
 }  // namespace tactile::conversion

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 #include <exception>
+#include <future>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/file_descriptor.hpp"
+#include "tactile/events/packet_batch.hpp"
 #include "tactile/events/packet_checksums.hpp"
 #include "tactile/events/packet_compression.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -55,8 +57,10 @@ struct RecordingWriter::State {
   std::uint64_t position_field = 0;  ///< where the header has the table's position [B]
   std::vector<Waiting> streams;
   PacketTable table;
-  PacketBuffer content, stored;
-  PacketCompressor compressor;
+  PacketBuffer content;
+  PacketBatch full{Compression::none, 1}, being_written{Compression::none, 1};
+  PacketCompressor compressor;  ///< of the table
+  std::future<void> writing;    ///< of `being_written`; the last member, so that it ends first
 
   ~State() {
     try {
@@ -76,9 +80,12 @@ struct RecordingWriter::State {
   void gather(Waiting& stream, std::span<const Element> elements, const Append& append);
   void append_events(Waiting& stream, std::span<const Event> events) const;
   void write_waiting(Waiting& stream);
-  void write_packet(Waiting& stream, PacketRecord record, PacketBuffer& packet, std::size_t content_size);
+  void take_packet(const PacketRecord& record, PacketBuffer& packet, std::size_t content_size);
+  void write_if_full();
+  void begin_writing();
+  void finish_writing();
+  void write(PacketBatch& batch);
   void write_table();
-  std::span<const std::byte> compressed(PacketBuffer& packet, std::size_t content_size);
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   void sync();
   void cut_to_end() const;
@@ -121,6 +128,7 @@ void RecordingWriter::State::open(const std::vector<Stream>& declared) {
   end = start.size();
   table = PacketTable(end);
   position_field = magic_line.size() + header.table_position;
+  for (PacketBatch* batch : {&full, &being_written}) *batch = PacketBatch(options.compression, options.threads);
   if (options.checksums) checksums = PacketChecksumWriter(checksums_beside(path));
   checksums.add_header(std::as_bytes(std::span(start)), position_field);
   sync_to_disk(path.has_parent_path() ? path.parent_path() : fs::path("."));  // so that a power cut does not remove its name
@@ -226,36 +234,53 @@ void RecordingWriter::State::write_waiting(Waiting& stream) {
       size = encode_triggers(stream.triggers, content, packet_header_size);
       break;
   }
-  write_packet(stream, record, stream.stream.type == StreamType::events ? stream.events : content, size);
+  take_packet(record, stream.stream.type == StreamType::events ? stream.events : content, size);
   stream.count = 0;
   stream.imu.clear();
   stream.triggers.clear();
+  write_if_full();
 }
 
-/// The contents in `packet`, after the space for a packet's header, in their stored form, also after such a space.
-std::span<const std::byte> RecordingWriter::State::compressed(PacketBuffer& packet, std::size_t content_size) {
-  const std::span<const std::byte> plain(packet.data(), packet_header_size + content_size);
-  if (options.compression == Compression::none) return plain;
-  const std::size_t size =
-      compressor.compress(options.compression, plain.subspan(packet_header_size), stored, packet_header_size);
-  return {stored.data(), packet_header_size + size};
+void RecordingWriter::State::write(PacketBatch& batch) {
+  batch.write_all([this](const PacketRecord& record, std::span<const std::byte> bytes) {
+    write_at(end, bytes);  // one write, so that only a kill during it leaves an incomplete packet
+    checksums.add_packet(end, bytes);
+    end += bytes.size();
+    table.add(record);
+    const auto of_stream = [&](const Waiting& each) { return each.stream.id == record.stream_id; };
+    WrittenStream& stream = std::find_if(streams.begin(), streams.end(), of_stream)->written;
+    if (stream.elements == 0) stream.first = record.first;
+    stream.last = record.last;
+    stream.elements += static_cast<std::uint64_t>(record.elements);
+    ++stream.packets;
+  });
 }
 
-/// Uses one write, so that only a kill during it leaves an incomplete packet.
-void RecordingWriter::State::write_packet(Waiting& stream, PacketRecord record, PacketBuffer& packet, std::size_t content_size) {
-  const std::span<const std::byte> bytes = compressed(packet, content_size);
-  record.payload_size = static_cast<std::uint32_t>(bytes.size() - packet_header_size);
-  auto* header = const_cast<std::byte*>(bytes.data());
-  std::memcpy(header, &record.stream_id, sizeof record.stream_id);
-  std::memcpy(header + sizeof record.stream_id, &record.payload_size, sizeof record.payload_size);
-  write_at(end, bytes);
-  checksums.add_packet(end, bytes);
-  end += bytes.size();
-  table.add(record);
-  if (stream.written.elements == 0) stream.written.first = record.first;
-  stream.written.last = record.last;
-  stream.written.elements += static_cast<std::uint64_t>(record.elements);
-  ++stream.written.packets;
+/// Ends what `begin_writing` began, also what an error of the disk has left.
+void RecordingWriter::State::finish_writing() {
+  if (writing.valid()) writing.get();
+  write(being_written);
+}
+
+/// Writes the full packets; with several threads, beside the caller, who can fill further ones.
+void RecordingWriter::State::begin_writing() {
+  finish_writing();
+  std::swap(full, being_written);
+  if (options.threads > 1) {
+    writing = std::async(std::launch::async, [this] { write(being_written); });
+  } else {
+    write(being_written);
+  }
+}
+
+/// Takes a packet; the caller then calls `write_if_full`. @param packet  its memory is replaced by other
+void RecordingWriter::State::take_packet(const PacketRecord& record, PacketBuffer& packet, std::size_t content_size) {
+  write_if_full();  // an error of the disk may have left it full
+  full.add(record, packet, content_size);
+}
+
+void RecordingWriter::State::write_if_full() {
+  if (full.is_full()) begin_writing();
 }
 
 void RecordingWriter::State::write_table() {
@@ -289,6 +314,8 @@ void RecordingWriter::State::cut_to_end() const {
 void RecordingWriter::State::write_all_waiting() {
   if (!file.is_open()) return;
   for (Waiting& stream : streams) write_waiting(stream);
+  begin_writing();
+  finish_writing();
 }
 
 void RecordingWriter::State::flush() {
@@ -305,7 +332,7 @@ void RecordingWriter::State::close() {
   } const shut{file};
   std::exception_ptr failure;  // the first one, thrown when the file is as complete as possible
   try {
-    for (Waiting& stream : streams) write_waiting(stream);
+    write_all_waiting();
   } catch (const Error&) {
     failure = std::current_exception();
   }
@@ -378,9 +405,10 @@ void RecordingWriter::write_frame(std::int32_t stream_id, const Frame& frame) {
                             frame.pixels.size(), packet_limit - 4096));
   }
   const std::size_t size = encode_frame(frame, state_->content, packet_header_size);
-  state_->write_packet(stream, {.stream_id = stream_id, .elements = 1, .first = frame.t, .last = frame.t}, state_->content, size);
+  state_->take_packet({.stream_id = stream_id, .elements = 1, .first = frame.t, .last = frame.t}, state_->content, size);
   stream.newest = frame.t;
   stream.begun = true;
+  state_->write_if_full();
 }
 
 void RecordingWriter::write_waiting() { state_->write_all_waiting(); }
@@ -388,6 +416,7 @@ void RecordingWriter::flush() { state_->flush(); }
 void RecordingWriter::close() { state_->close(); }
 
 std::vector<WrittenStream> RecordingWriter::written() const {
+  if (state_->writing.valid()) state_->writing.wait();
   std::vector<WrittenStream> all;
   for (const Waiting& stream : state_->streams) all.push_back(stream.written);
   return all;

@@ -17,6 +17,7 @@ struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
   std::chrono::microseconds packet_span{10'000};  ///< a packet's elements span less time than this, > 0
   std::size_t packet_events = 8192;               ///< and it has at most this many events, > 0
+  unsigned threads = 1;                           ///< that compress packets; more than 1 hold a few packets back until `flush`
   bool checksums = false;                         ///< in a file beside it, see packet_checksums.hpp; the caller removes that file
 };
 

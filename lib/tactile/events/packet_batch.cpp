@@ -1,0 +1,58 @@
+#include "tactile/events/packet_batch.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <utility>
+
+#include "tactile/core/parallel.hpp"
+#include "tactile/events/packet_contents.hpp"
+
+namespace tactile::events {
+
+PacketBatch::PacketBatch(Compression compression, unsigned threads)
+    : compression_(compression),
+      compressors_(compression == Compression::none ? 1 : std::max(1U, threads)),
+      packets_(compressors_.size() == 1 ? 1 : 4 * compressors_.size()) {}
+
+void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size) {
+  Packet& packet = packets_[count_++];
+  packet.record = record;
+  packet.content_size = content_size;
+  std::swap(packet.content, content);
+}
+
+void PacketBatch::compress() {
+  std::atomic<std::size_t> next{0};
+  parallel_for(compressors_.size(), static_cast<unsigned>(compressors_.size()), [&](std::size_t thread) {
+    for (std::size_t i = next++; i < count_; i = next++) {
+      Packet& packet = packets_[i];
+      const std::span<const std::byte> content(packet.content.data() + packet_header_size, packet.content_size);
+      packet.stored_size = compressors_[thread].compress(compression_, content, packet.stored, packet_header_size);
+    }
+  });
+}
+
+void PacketBatch::write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write) {
+  const bool is_compressed = compression_ != Compression::none;
+  if (is_compressed) compress();
+  std::size_t written = 0;
+  try {
+    for (; written < count_; ++written) {
+      Packet& packet = packets_[written];
+      std::byte* bytes = is_compressed ? packet.stored.data() : packet.content.data();
+      packet.record.payload_size = static_cast<std::uint32_t>(is_compressed ? packet.stored_size : packet.content_size);
+      std::memcpy(bytes, &packet.record.stream_id, sizeof packet.record.stream_id);
+      std::memcpy(bytes + sizeof packet.record.stream_id, &packet.record.payload_size, sizeof packet.record.payload_size);
+      write(packet.record, {bytes, packet_header_size + packet.record.payload_size});
+    }
+  } catch (...) {
+    const auto at = [this](std::size_t i) { return packets_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::rotate(at(0), at(written), at(count_));
+    count_ -= written;
+    throw;
+  }
+  count_ = 0;
+}
+
+}  // namespace tactile::events
