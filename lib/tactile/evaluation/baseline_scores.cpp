@@ -1,9 +1,12 @@
 #include "tactile/evaluation/baseline_scores.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
+#include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/features/step_features.hpp"
 #include "tactile/features/tick_features.hpp"
@@ -44,18 +47,17 @@ bool can_read(model::ModelKind kind, const heatmaps::HeatmapOptions& rendering) 
   }
 }
 
-std::optional<model::TemporalNetwork> temporal_of(const BaselineSamples& training, std::uint64_t seed) {
-  if (training.steps.empty()) return std::nullopt;
-  const model::TemporalOptions options;
-  return model::TemporalNetwork(options, model::fit_temporal(training.steps, training.truth, options, {.seed = seed}).weights);
-}
-
-std::optional<model::BoostedTrees> trees_of(const BaselineSamples& training, std::uint64_t seed) {
-  if (training.features.empty()) return std::nullopt;
-  return model::fit_trees(training.features, training.truth, {}, seed);
-}
-
 }  // namespace
+
+void BaselineSamples::append(const BaselineSamples& more) {
+  const auto add = [](auto& all, const auto& further) { all.insert(all.end(), further.begin(), further.end()); };
+  add(truth, more.truth);
+  add(events, more.events);
+  add(moments, more.moments);
+  add(fields, more.fields);
+  add(features, more.features);
+  add(steps, more.steps);
+}
 
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run) {
@@ -69,8 +71,9 @@ void add_features(BaselineSamples& samples, const windows::Dataset& dataset, con
   add(model::ModelKind::temporal, model::sample_steps, samples.steps);
 }
 
-void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
-                 std::uint32_t run, unsigned threads) {
+BaselineSamples samples_of(const windows::Dataset& dataset, const model::Classifier& classifier, std::uint32_t run,
+                           unsigned threads) {
+  BaselineSamples samples;
   const auto indexes = model::samples_of_runs(dataset, {&run, 1});
   const auto heatmaps = model::sample_heatmaps(dataset, classifier.rendering(), indexes, threads);
   const auto events = windows::event_counts(dataset, run, indexes, classifier.rendering().history, classifier.rendering().mask);
@@ -80,34 +83,55 @@ void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, cons
     samples.add(dataset.samples()[indexes[i]].touch, events[i], std::span(heatmaps).subspan(i * cells, cells), size);
   }
   add_features(samples, dataset, classifier, run);
+  return samples;
 }
 
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress) {
-  BaselineSamples training;
   const std::vector<std::uint32_t> runs = training_runs_of(dataset, classifier.model());
-  std::size_t step = 0;
-  for (const std::uint32_t run : runs) {
-    report_progress(progress, step++, runs.size(), "training samples of " + name_of(dataset.runs()[run]));
-    add_samples(training, dataset, classifier, run, threads);
-  }
+  std::vector<BaselineSamples> of_runs(runs.size());
+  std::mutex guard_progress;
+  std::size_t done = 0;
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    of_runs[i] = samples_of(dataset, classifier, runs[i], 1);
+    const std::scoped_lock lock(guard_progress);
+    report_progress(progress, ++done, runs.size(), "training samples of " + name_of(dataset.runs()[runs[i]]));
+  });
+  BaselineSamples training;
+  for (const BaselineSamples& samples : of_runs) training.append(samples);
   return training;
 }
 
-FittedBaselines::FittedBaselines(const BaselineSamples& training, std::uint64_t seed) {
-  if (training.truth.empty()) return;
-  fitted_ = Fitted{fit_majority(training.truth),
-                   fit_event_count(training.events, training.truth),
-                   fit_logistic(training.moments, training.truth),
-                   fit_logistic(training.fields, training.truth),
-                   trees_of(training, seed),
-                   temporal_of(training, seed)};
+FittedBaselines::FittedBaselines(BaselineSamples training, std::uint64_t seed) : training_(std::move(training)), seed_(seed) {}
+
+void FittedBaselines::fit(std::size_t part) {
+  // The longest comes first.
+  constexpr std::array fits{&FittedBaselines::fit_trees, &FittedBaselines::fit_temporal, &FittedBaselines::fit_simple};
+  static_assert(fits.size() == parts);
+  if (!training_.truth.empty()) (this->*fits[part])();
+  ++fitted_;
+}
+
+void FittedBaselines::fit_trees() {
+  if (!training_.features.empty()) trees_ = model::fit_trees(training_.features, training_.truth, {}, seed_);
+}
+
+void FittedBaselines::fit_temporal() {
+  if (training_.steps.empty()) return;
+  const model::TemporalOptions options;
+  temporal_.emplace(options, model::fit_temporal(training_.steps, training_.truth, options, {.seed = seed_}).weights);
+}
+
+void FittedBaselines::fit_simple() {
+  majority_ = fit_majority(training_.truth);
+  event_count_ = fit_event_count(training_.events, training_.truth);
+  moments_ = fit_logistic(training_.moments, training_.truth);
+  fields_ = fit_logistic(training_.fields, training_.truth);
 }
 
 BaselineConfusions FittedBaselines::confusions_of(const BaselineSamples& run) const {
   BaselineConfusions confusions;
-  if (!fitted_) return confusions;
-  const Fitted& by = *fitted_;
+  if (training_.truth.empty()) return confusions;
   const auto confusion_by = [&](auto verdict) {
     results::Confusion confusion;
     for (std::size_t k = 0; k < run.truth.size(); ++k) confusion.add(run.truth[k], verdict(k));
@@ -116,17 +140,17 @@ BaselineConfusions FittedBaselines::confusions_of(const BaselineSamples& run) co
   const auto part = [](const std::vector<float>& all, std::size_t k, std::size_t length) {
     return std::span(all).subspan(k * length, length);
   };
-  confusions[0] = confusion_by([&](std::size_t) { return by.majority.touch; });
-  confusions[1] = confusion_by([&](std::size_t k) { return by.event_count.verdict(run.events[k]); });
-  confusions[2] = confusion_by([&](std::size_t k) { return by.moments.verdict(run.moments[k]); });
-  confusions[3] = confusion_by([&](std::size_t k) { return by.fields.verdict(run.fields[k]); });
-  if (by.trees && (run.truth.empty() || !run.features.empty())) {
+  confusions[0] = confusion_by([&](std::size_t) { return majority_.touch; });
+  confusions[1] = confusion_by([&](std::size_t k) { return event_count_.verdict(run.events[k]); });
+  confusions[2] = confusion_by([&](std::size_t k) { return moments_.verdict(run.moments[k]); });
+  confusions[3] = confusion_by([&](std::size_t k) { return fields_.verdict(run.fields[k]); });
+  if (trees_ && (run.truth.empty() || !run.features.empty())) {
     confusions[4] = confusion_by(
-        [&](std::size_t k) { return model::verdict_of(by.trees->logits(part(run.features, k, features::feature_count))); });
+        [&](std::size_t k) { return model::verdict_of(trees_->logits(part(run.features, k, features::feature_count))); });
   }
-  if (by.temporal && (run.truth.empty() || !run.steps.empty())) {
+  if (temporal_ && (run.truth.empty() || !run.steps.empty())) {
     confusions[5] = confusion_by(
-        [&](std::size_t k) { return model::verdict_of(by.temporal->logits(part(run.steps, k, features::step_values))); });
+        [&](std::size_t k) { return model::verdict_of(temporal_->logits(part(run.steps, k, features::step_values))); });
   }
   return confusions;
 }

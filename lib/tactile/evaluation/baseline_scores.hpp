@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -33,6 +34,8 @@ struct BaselineSamples {
     moments.push_back(moments_of(heatmap, size));
     fields.push_back(shares_of_fields(heatmap, size));
   }
+
+  void append(const BaselineSamples& more);
 };
 
 /// Adds the features of all samples of a run, which `add` has added in their order.
@@ -40,9 +43,9 @@ struct BaselineSamples {
 void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
                   std::uint32_t run);
 
-/// Adds all samples of a run, with their features. @throws Error  if the dataset cannot be read
-void add_samples(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
-                 std::uint32_t run, unsigned threads);
+/// All samples of a run, with their features. @throws Error  if the dataset cannot be read
+BaselineSamples samples_of(const windows::Dataset& dataset, const model::Classifier& classifier, std::uint32_t run,
+                           unsigned threads);
 
 /// The samples that the model learned from directly, with no other model between; none where the dataset has none of these runs.
 /// @throws Error  if the dataset cannot be read
@@ -55,23 +58,35 @@ inline constexpr std::array baseline_names{"majority",          "event_count",  
 /// The predictions of each baseline on the samples of one run; nothing of one that cannot read the samples.
 using BaselineConfusions = std::array<std::optional<results::Confusion>, baseline_names.size()>;
 
-/// Every baseline, fitted on the samples that a model learned from.
+/// Every baseline, fitted on the samples that a model learned from. They are fitted in parts, which may run beside other work.
 class FittedBaselines {
  public:
-  /// Without samples there are no baselines.
-  FittedBaselines(const BaselineSamples& training, std::uint64_t seed);
+  static constexpr std::size_t parts = 3;
 
+  /// Without samples there are no baselines.
+  FittedBaselines(BaselineSamples training, std::uint64_t seed);
+
+  /// Fits one part. Each part must be fitted once, on any thread. @throws Error  as the function that fits it
+  void fit(std::size_t part);
+
+  /// Whether all parts have been fitted.
+  bool are_fitted() const { return fitted_ == parts; }
+  /// @pre  all parts have been fitted
   BaselineConfusions confusions_of(const BaselineSamples& run) const;
 
  private:
-  struct Fitted {
-    MajorityBaseline majority;
-    EventCountBaseline event_count;
-    LogisticBaseline moments, fields;
-    std::optional<model::BoostedTrees> trees;
-    std::optional<model::TemporalNetwork> temporal;
-  };
-  std::optional<Fitted> fitted_;
+  void fit_simple();
+  void fit_trees();
+  void fit_temporal();
+
+  BaselineSamples training_;
+  std::uint64_t seed_;
+  MajorityBaseline majority_;
+  EventCountBaseline event_count_;
+  LogisticBaseline moments_, fields_;
+  std::optional<model::BoostedTrees> trees_;
+  std::optional<model::TemporalNetwork> temporal_;
+  std::atomic<std::size_t> fitted_{0};
 };
 
 /// The scores of the baselines that predicted every run.

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "tactile/core/error.hpp"
@@ -138,10 +139,15 @@ Features shares_of_fields(std::span<const std::uint8_t> heatmap, events::SensorS
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
   Features shares{};
   double sum = 0;
-  for (std::size_t i = 0; i < heatmap.size(); ++i) {
-    const std::size_t column = 3 * (i % width) / width, row = 3 * (i / width) / height;
-    shares[3 * row + column] += heatmap[i];
-    sum += heatmap[i];
+  for (std::size_t y = 0; y < height; ++y) {
+    const auto row = heatmap.subspan(y * width, width);
+    for (std::size_t column = 0; column < 3; ++column) {
+      const std::size_t begin = (column * width + 2) / 3, end = ((column + 1) * width + 2) / 3;  // where 3 x / width is `column`
+      const auto cells = row.subspan(begin, end - begin);
+      const auto weight = std::accumulate(cells.begin(), cells.end(), std::uint64_t{0});
+      shares[3 * (3 * y / height) + column] += static_cast<double>(weight);
+      sum += static_cast<double>(weight);
+    }
   }
   for (double& share : shares) share = sum > 0 ? share / sum : 1.0 / feature_count;
   return shares;

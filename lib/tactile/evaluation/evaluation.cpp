@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -133,22 +134,6 @@ void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored
   }
 }
 
-/// Figures of every tick, of the network and of trivial detectors.
-void add_tick_scores(results::Evaluation& evaluation, const ScoredRuns& scored, const results::OverTimeOptions& options) {
-  for (const RunResult* run : scored.runs) evaluation.ticks += run->ticks, evaluation.close_ticks += run->close_ticks;
-  evaluation.detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.network.detections; });
-  evaluation.network = scored.detector(&RunResult::network);
-  for (std::size_t i = 0; i < trivial_count; ++i)
-    evaluation.trivial[trivial_names[i]] = scored.detector([i](const RunResult& run) { return run.trivial[i]; });
-  for (std::size_t i = 0; i < default_thresholds().size(); ++i) {
-    evaluation.operating_curve.push_back(operating_point(
-        default_thresholds()[i],
-        scored.each<results::RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
-        scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap));
-  }
-  evaluation.over_time = accuracy_over_time(scored.taken<RunOverTime>(&RunResult::over_time), options, scored.bootstrap);
-}
-
 /// A flagged run that is left out of the dataset, scored by one training.
 struct ScoredFlaggedRun {
   results::JudgedRun run;
@@ -210,6 +195,47 @@ results::GateOff gate_off(const ScoredRuns& scored, const model::GateRule& rule)
   return off;
 }
 
+std::vector<results::BaselineScore> baselines_of(const ScoredRuns& scored) {
+  std::vector<BaselineConfusions> confusions;
+  for (const RunResult* run : scored.runs) confusions.push_back(run->baselines);
+  return baseline_scores(confusions, scored.names, scored.bootstrap);
+}
+
+/// All figures. They do not depend on each other, and threads share them: drawing runs again takes most of their time.
+void add_figures(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards,
+                 std::span<const ScoredFlaggedRun> left_out, const std::optional<model::GateRule>& gate,
+                 const EvaluationOptions& options) {
+  for (const RunResult* run : scored.runs) evaluation.ticks += run->ticks, evaluation.close_ticks += run->close_ticks;
+  evaluation.detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.network.detections; });
+  const auto& thresholds = default_thresholds();
+  evaluation.operating_curve.resize(thresholds.size());
+  std::vector<std::function<void()>> figures{[&] { add_label_scores(evaluation, scored, left_out); },
+                                             [&] { add_sample_scores(evaluation, scored, guards); },
+                                             [&] { evaluation.truth = truth_score(scored, options.over_time); },
+                                             [&] { evaluation.network = scored.detector(&RunResult::network); },
+                                             [&] { evaluation.baselines = baselines_of(scored); },
+                                             [&] {
+                                               evaluation.over_time =
+                                                   accuracy_over_time(scored.taken<RunOverTime>(&RunResult::over_time),
+                                                                      options.over_time, scored.bootstrap);
+                                             }};
+  if (gate) figures.emplace_back([&] { evaluation.gate_off = gate_off(scored, *gate); });
+  for (std::size_t i = 0; i < trivial_count; ++i) {
+    figures.emplace_back([&scored, i, &into = evaluation.trivial[trivial_names[i]]] {
+      into = scored.detector([i](const RunResult& run) { return run.trivial[i]; });
+    });
+  }
+  for (std::size_t i = 0; i < thresholds.size(); ++i) {
+    figures.emplace_back([&, i] {
+      evaluation.operating_curve[i] = operating_point(
+          thresholds[i],
+          scored.each<results::RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
+          scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap);
+    });
+  }
+  parallel_for(figures.size(), threads_or_all(options.threads), [&](std::size_t i) { figures[i](); });
+}
+
 void check_alike(std::span<const ModelOnRuns> trainings) {
   if (trainings.empty()) throw Error("no model to evaluate; expected one at least");
   const model::Classifier& first = *trainings.front().classifier;
@@ -266,8 +292,8 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
     runs.resize(first + trainings[k].runs.size());
     for (const std::uint32_t run : trainings[k].runs)
       scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
-    const FittedBaselines baselines(training_samples(dataset, classifier, threads, part_of(progress, before, fitted)),
-                                    options.bootstrap.seed);
+    FittedBaselines baselines(training_samples(dataset, classifier, threads, part_of(progress, before, fitted)),
+                              options.bootstrap.seed);
     const RunScoring scoring{dataset,
                              classifier,
                              options,
@@ -276,22 +302,20 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
                              gate_of(classifier, options),
                              decision_of(classifier, options),
                              baselines};
-    for_full_runs(dataset, trainings[k].runs, ticks[k], threads, part_of(progress, fitted, before + each),
-                  [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-                    runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
-                  });
+    for_full_runs(
+        dataset, trainings[k].runs, ticks[k], threads, part_of(progress, fitted, before + each),
+        [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
+          runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
+        },
+        FittedBaselines::parts, [&](std::size_t part) { baselines.fit(part); });
+    parallel_for(trainings[k].runs.size(), threads, [&](std::size_t i) {
+      RunResult& run = runs[first + i];
+      if (run.for_baselines) run.baselines = baselines.confusions_of(*std::exchange(run.for_baselines, std::nullopt));
+    });
     for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
   }
   for (RunResult& run : runs) scored.runs.push_back(&run);
-  add_sample_scores(evaluation, scored, sampling_guards);
-  add_tick_scores(evaluation, scored, options.over_time);
-  add_label_scores(evaluation, scored, left_out);
-  if (const auto gate = gate_of(*trainings.front().classifier, options)) evaluation.gate_off = gate_off(scored, *gate);
-  evaluation.truth = truth_score(scored, options.over_time);
-
-  std::vector<BaselineConfusions> confusions;
-  for (const RunResult& run : runs) confusions.push_back(run.baselines);
-  evaluation.baselines = baseline_scores(confusions, scored.names, options.bootstrap);
+  add_figures(evaluation, scored, sampling_guards, left_out, gate_of(*trainings.front().classifier, options), options);
   return evaluation;
 }
 

@@ -231,9 +231,13 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
   if (reads_heatmaps(scoring.classifier.kind())) {
     add_features(samples, dataset, scoring.classifier, run_index);
   } else {
-    add_samples(samples, dataset, scoring.classifier, run_index, threads);
+    samples = samples_of(dataset, scoring.classifier, run_index, threads);
   }
-  result.baselines = scoring.baselines.confusions_of(samples);
+  if (scoring.baselines.are_fitted()) {
+    result.baselines = scoring.baselines.confusions_of(samples);
+  } else {
+    result.for_baselines = std::move(samples);
+  }
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];
@@ -278,11 +282,14 @@ std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::C
 
 void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
                    const ProgressCallback& progress,
-                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work) {
+                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work,
+                   std::size_t others, const std::function<void(std::size_t)>& other_work) {
   std::uint64_t done = 0;
   std::mutex guard_progress;
   const auto threads_each = std::max(1U, threads / std::max(1U, static_cast<unsigned>(runs.size())));
-  parallel_for(runs.size(), threads, [&](std::size_t i) {
+  parallel_for(others + runs.size(), threads, [&](std::size_t item) {
+    if (item < others) return other_work(item);
+    const std::size_t i = item - others;
     const auto advance = [&](std::size_t ticks) {
       const std::scoped_lock lock(guard_progress);
       done += ticks;

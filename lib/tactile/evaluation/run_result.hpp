@@ -47,6 +47,8 @@ struct RunResult {
   WithFlaggedScore with_flagged;
   std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
   BaselineConfusions baselines;
+  std::optional<BaselineSamples>
+      for_baselines;  ///< where the baselines were not fitted yet: `baselines` is to be found from these
   RunScore network;
   std::array<RunScore, trivial_count> trivial;
   std::vector<RunScore> by_threshold;  ///< one for each of `default_thresholds`
@@ -115,9 +117,11 @@ std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::C
                                  std::span<const std::uint32_t> runs, unsigned threads);
 
 /// Calls `work` for each run with the number of threads it may use, and reports how many ticks are done.
-/// @param total  ticks of all runs, as `ticks_of_unchanged`
+/// @param total       ticks of all runs, as `ticks_of_unchanged`
+/// @param others      calls of `other_work`, with 0, 1, …, which share the threads and begin before the first run
 void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
                    const ProgressCallback& progress,
-                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work);
+                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work,
+                   std::size_t others = 0, const std::function<void(std::size_t)>& other_work = {});
 
 }  // namespace tactile::evaluation
