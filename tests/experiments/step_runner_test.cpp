@@ -8,7 +8,6 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::experiments {
@@ -38,8 +37,8 @@ class Steps : public testing::Test {
   Step by_process(const std::string& name, nlohmann::json inputs) {
     Step step = writing(name, std::move(inputs));
     step.work = {};
-    step.arguments = [this, file = (folder_ / name).string()](const StepPast& past) {
-      pasts_.push_back(past);
+    step.arguments = [this, file = (folder_ / name).string()](const StepStart& start) {
+      starts_.push_back(start);
       return std::vector<std::string>{"-c", "printf made > '" + file + "'"};
     };
     return step;
@@ -47,7 +46,7 @@ class Steps : public testing::Test {
 
   test::TemporaryFolder folder_;
   int worked_ = 0;
-  std::vector<StepPast> pasts_;
+  std::vector<StepStart> starts_;
 };
 
 TEST_F(Steps, AreDoneOnceWhileInputsAndOutputsStay) {
@@ -65,10 +64,8 @@ TEST_F(Steps, AreDoneOnceWhileInputsAndOutputsStay) {
 TEST(KeyOf, IsTheHashThatVersion010Wrote) {
   const nlohmann::json inputs = {
       {"data", "../data"}, {"objects", {"fan", "white-box"}}, {"preset", "tiny"}, {"runs", nullptr}, {"seed", 1}};
-  EXPECT_EQ(hash_of({{"name", "simulate"}, {"version", "0.1.0"}, {"inputs", inputs}}),
-            "04928a2afbae8272e62af4f62d69a45a8e07977442a5f23991c5a2ad93ea0dd9");
   EXPECT_EQ(key_of({.name = "simulate", .command = "", .inputs = inputs, .outputs = {}}),
-            hash_of({{"name", "simulate"}, {"version", version()}, {"inputs", inputs}}));
+            "04928a2afbae8272e62af4f62d69a45a8e07977442a5f23991c5a2ad93ea0dd9");
 }
 
 TEST_F(Steps, AreDoneAgainForOtherInputsAndOtherOutputs) {
@@ -117,7 +114,7 @@ TEST_F(Steps, ProcessesRunSideBySideAndAreRecordedInTheirOrder) {
   StepRunner again = runner();
   again.run_side_by_side({by_process("b", {}), by_process("a", {})});
   EXPECT_EQ(again.done_now(), 0U);
-  EXPECT_EQ(pasts_.size(), 3U);
+  EXPECT_EQ(starts_.size(), 3U);
 }
 
 TEST_F(Steps, AreReportedByTheirDescriptionAsEachBegins) {
@@ -141,25 +138,36 @@ TEST_F(Steps, AreReportedByTheirDescriptionAsEachBegins) {
 
 TEST_F(Steps, TheArgumentsDependOnWhatIsKnownOfTheStep) {
   runner().run(by_process("a", {{"x", 1}}));
-  ASSERT_EQ(pasts_.size(), 1U);
-  EXPECT_FALSE(pasts_[0].begun_with_other_inputs);
-  EXPECT_FALSE(pasts_[0].made_outputs);
+  ASSERT_EQ(starts_.size(), 1U);
+  EXPECT_FALSE(starts_[0].begun_with_other_inputs);
+  EXPECT_FALSE(starts_[0].made_outputs);
   runner().run(by_process("a", {{"x", 2}}));
-  EXPECT_TRUE(pasts_[1].begun_with_other_inputs);
-  EXPECT_TRUE(pasts_[1].made_outputs);
+  EXPECT_TRUE(starts_[1].begun_with_other_inputs);
+  EXPECT_TRUE(starts_[1].made_outputs);
 
   Step broken = by_process("b", {{"x", 1}});
-  broken.arguments = [](const StepPast&) { return std::vector<std::string>{"-c", "exit 1"}; };
+  broken.arguments = [](const StepStart&) { return std::vector<std::string>{"-c", "exit 1"}; };
   EXPECT_THROW(runner().run(broken), Error);
   runner().run(by_process("b", {{"x", 1}}));
-  EXPECT_FALSE(pasts_[2].begun_with_other_inputs) << "what it left half-done is its own";
-  EXPECT_FALSE(pasts_[2].made_outputs);
+  EXPECT_FALSE(starts_[2].begun_with_other_inputs) << "what it left half-done is its own";
+  EXPECT_FALSE(starts_[2].made_outputs);
   Step other = broken;
   other.name = "c";
   EXPECT_THROW(runner().run(other), Error);
   runner().run(by_process("c", {{"x", 2}}));
-  EXPECT_TRUE(pasts_[3].begun_with_other_inputs);
-  EXPECT_FALSE(pasts_[3].made_outputs);
+  EXPECT_TRUE(starts_[3].begun_with_other_inputs);
+  EXPECT_FALSE(starts_[3].made_outputs);
+}
+
+TEST_F(Steps, ProcessesShareTheThreads) {
+  runner().run(by_process("alone", {}));
+  runner().run_side_by_side({by_process("a", {}), by_process("b", {})});
+  StepRunner({.folder = folder_.path(), .program = "/bin/sh", .threads = 7})
+      .run_side_by_side({by_process("c", {}), by_process("d", {})});
+  runner().run_side_by_side({by_process("e", {}), by_process("f", {}), by_process("g", {})});
+  std::vector<unsigned> threads;
+  for (const StepStart& start : starts_) threads.push_back(start.threads);
+  EXPECT_EQ(threads, (std::vector<unsigned>{2, 1, 1, 3, 3, 1, 1, 1}));
 }
 
 TEST_F(Steps, InputsAreRemembered) {

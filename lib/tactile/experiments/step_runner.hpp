@@ -14,21 +14,22 @@
 
 namespace tactile::experiments {
 
-/// What is known of a step that is due.
-struct StepPast {
+/// What a step must know when it begins.
+struct StepStart {
   bool begun_with_other_inputs = false;  ///< what it left half-done cannot be used
   bool made_outputs = false;             ///< it made the outputs that exist: they may be replaced
+  unsigned threads = 1;                  ///< that its process may use: its share of those of this machine
 };
 
 /// A piece of work that is done once, and again only if its inputs change or its outputs are missing or changed.
 struct Step {
   std::string name;       ///< also a file's name: "train-th040-single-run-01-s1"
   std::string command;    ///< what a person types to do the same; empty if there is no such command
-  nlohmann::json inputs;  ///< settings and hashes of what goes in. The step's key is the hash of this, its name and the version
+  nlohmann::json inputs;  ///< settings and hashes of what goes in. The step's key is the hash of this and its name
   std::function<nlohmann::json()> outputs;  ///< identifies the outputs that exist; null if they are not complete
 
   std::function<void(const ProgressCallback&)> work = {};  ///< runs in this process; empty if `arguments` are given
-  std::function<std::vector<std::string>(const StepPast&)> arguments = {};  ///< of a process that does the work
+  std::function<std::vector<std::string>(const StepStart&)> arguments = {};  ///< of a process that does the work
   /// On a cluster: of a process that does `work` there. Empty: this process always does it.
   std::function<std::vector<std::string>()> on_cluster = {};
   std::string description = {};  ///< reported while it runs: "training 3 of 11: t_h 20 ms"; the name if empty
@@ -95,7 +96,7 @@ class StepRunner {
 /// done again.
 std::vector<nlohmann::json> step_records(const std::filesystem::path& experiment, std::string_view begin);
 
-/// Identifies a step of this name with these inputs, made by this version.
+/// Identifies a step of this name with these inputs. Later versions have the same keys until a step does something else.
 std::string key_of(const Step& step);
 
 }  // namespace tactile::experiments

@@ -36,7 +36,6 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
     add("--kind", "temporal");
     if (settings.temporal != model::TemporalOptions{}) add("--channels", std::to_string(settings.temporal.channels));
   }
-  add("--threads", "1");
   add("--models", places.models.string());
   add("--name", bundle.name());
   const nlohmann::json rendered = rendering;
@@ -63,13 +62,13 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
                            : nlohmann::json();
               },
           .arguments =
-              [words, bundle](const StepPast& past) {
+              [words, bundle](const StepStart& start) {
                 std::error_code ignored;
-                if (past.begun_with_other_inputs)
+                if (start.begun_with_other_inputs)
                   std::filesystem::remove_all(model::CheckpointFolder::beside(bundle.folder), ignored);
                 std::vector<std::string> all = words;
-                all.insert(all.end(), {"--quiet", "--resume"});
-                if (past.made_outputs) all.emplace_back("--force");
+                all.insert(all.end(), {"--threads", std::to_string(start.threads), "--quiet", "--resume"});
+                if (start.made_outputs) all.emplace_back("--force");
                 return all;
               }};
 }
