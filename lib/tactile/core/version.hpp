@@ -4,7 +4,7 @@
 
 namespace tactile {
 
-std::string_view version();   ///< as in CMakeLists.txt, "0.1.0"
+std::string_view version();   ///< as in CMakeLists.txt, "1.0.0"
 std::string_view revision();  ///< git's short commit id, "-dirty" appended where files differ from it
 
 }  // namespace tactile
