@@ -249,8 +249,9 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
     throw;
   }
   const unsigned threads = model::read_description(bundle).threads;
-  if (resumes && threads != common.threads)
-    spdlog::info("resumed with {} threads, as it began: another number of threads changes the last bits of the weights", threads);
+  if (resumes && threads != common.threads && model::depends_on_threads(settings))
+    spdlog::info("resumed with {} threads, as it began: with libtorch's layers, another number changes the weights' last digits",
+                 threads);
   warn_of_nothing_learned(bundle, settings, summary);
   return summary;
 }

@@ -69,17 +69,24 @@ TEST(ParallelFor, ThrowsTheFirstFailureAndBeginsNoFurtherCall) {
 }
 
 TEST(ParallelFor, EndsInAChildProcessToo) {
-  ASSERT_EQ(calls_of_each(100, 4), std::vector<int>(100, 1));  // there are threads, which the child will lack
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::alarm(60);
-    std::atomic<int> calls{0};
-    parallel_for(100, 4, [&](std::size_t) { ++calls; });
-    ::_exit(calls == 100 ? 0 : 1);
+  for (int i = 0; i < 20; ++i) {
+    for (const unsigned threads : {5U, 2U})  // there are threads, which the child will lack; some sleep, some do not yet
+      ASSERT_EQ(calls_of_each(100, threads), std::vector<int>(100, 1));
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::alarm(60);
+      std::atomic<int> calls{0}, together{0};
+      parallel_for(100, 8, [&](std::size_t) { ++calls; });
+      parallel_for(3, 3, [&](std::size_t) {  // it has threads of its own
+        ++together;
+        while (together < 3) std::this_thread::yield();
+      });
+      ::_exit(calls == 100 ? 0 : 1);
+    }
+    int status = -1;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
   }
-  int status = -1;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 
 }  // namespace

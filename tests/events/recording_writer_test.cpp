@@ -280,5 +280,52 @@ TEST(RecordingWriterState, ClosesWhenItGoesAndWhenItIsReplaced) {
   EXPECT_EQ(test::contents_of(folder / "b.aedat4").events, events);
 }
 
+TEST(RecordingWriterState, MayGoWhileOtherThreadsWrite) {
+  const test::TemporaryFolder folder;
+  const auto events = random_events(10, 40'000, 0, 5);
+  const RecordingWriterOptions options{.compression = Compression::zstd, .packet_events = 50, .threads = 3};
+  {
+    RecordingWriter writer(folder / "a.aedat4", {mini}, options);
+    writer.write_events(0, events);
+    EXPECT_LE(writer.written()[0].elements, events.size());
+    RecordingWriter moved = std::move(writer);
+    moved.write_events(0, std::vector<Event>{events.back()});
+    moved = RecordingWriter(folder / "b.aedat4", {mini}, options);
+    EXPECT_EQ(RecordingReader(folder / "a.aedat4").index(), PacketIndex::table);
+    moved.write_events(0, events);
+  }
+  EXPECT_EQ(test::contents_of(folder / "a.aedat4").events.size(), 40'001U);
+  EXPECT_EQ(test::contents_of(folder / "b.aedat4").events, events);
+}
+
+TEST(RecordingWriterState, WritesTheRestWhereTheDiskHasRoomAgain) {
+  const test::TemporaryFolder folder;
+  const auto events = random_events(4, 60'000, 1'000, 0);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
+  for (const unsigned threads : {1U, 3U}) {
+    const auto file = folder / ("again" + std::to_string(threads) + ".aedat4");
+    RecordingWriter writer(file, {mini}, {.compression = Compression::lz4, .packet_events = 500, .threads = threads});
+    const rlimit little{100'000, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+    std::size_t given = 0;
+    const auto write_until_refused = [&] {
+      for (; given < events.size(); given += 500) writer.write_events(0, std::span(events).subspan(given, 500));
+    };
+    EXPECT_THROW(write_until_refused(), Error);
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    try {
+      writer.close();
+    } catch (const Error&) {
+      // The error of a packet that another thread wrote in the meantime.
+    }
+    const auto kept = test::contents_of(file).events;
+    EXPECT_GE(kept.size(), given) << threads;  // the refused call's events may be there too
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), events.begin())) << threads;
+  }
+  ::signal(SIGXFSZ, ignored);
+}
+
 }  // namespace
 }  // namespace tactile::events

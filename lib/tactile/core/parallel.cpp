@@ -1,5 +1,7 @@
 #include "tactile/core/parallel.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -39,13 +41,18 @@ struct Job {
 
 /// Threads that help in calls of parallel_for, also in calls from within such a call. They are made when first needed, and sleep
 /// between calls: starting threads anew takes longer than a step of a training. A call never waits for a helper to come, so it
-/// ends even where no thread can be made, or in a child after a fork.
+/// ends even where no thread can be made.
 class Pool {
  public:
   /// Never destroyed, because its threads run until the program ends.
   static Pool& instance() {
-    static Pool& pool = *new Pool;
-    return pool;
+    static Pool* pool = nullptr;
+    static const int registered = [] {
+      pool = new Pool;
+      return ::pthread_atfork(nullptr, nullptr, [] { pool = new Pool; });  // a child has none of the threads
+    }();
+    static_cast<void>(registered);
+    return *pool;
   }
 
   void run(Job& job, std::size_t helpers) {

@@ -98,18 +98,22 @@ BaselineSamples training_samples(const windows::Dataset& dataset, const model::C
     report_progress(progress, ++done, runs.size(), "training samples of " + name_of(dataset.runs()[runs[i]]));
   });
   BaselineSamples training;
-  for (const BaselineSamples& samples : of_runs) training.append(samples);
+  for (BaselineSamples& samples : of_runs) {
+    training.append(samples);
+    samples = {};
+  }
   return training;
 }
 
-FittedBaselines::FittedBaselines(BaselineSamples training, std::uint64_t seed) : training_(std::move(training)), seed_(seed) {}
+FittedBaselines::FittedBaselines(BaselineSamples training, std::uint64_t seed)
+    : training_(std::move(training)), has_samples_(!training_.truth.empty()), seed_(seed) {}
 
 void FittedBaselines::fit(std::size_t part) {
   // The longest comes first.
   constexpr std::array fits{&FittedBaselines::fit_trees, &FittedBaselines::fit_temporal, &FittedBaselines::fit_simple};
   static_assert(fits.size() == parts);
-  if (!training_.truth.empty()) (this->*fits[part])();
-  ++fitted_;
+  if (has_samples_) (this->*fits[part])();
+  if (++fitted_ == parts) training_ = {};  // nothing reads it any more
 }
 
 void FittedBaselines::fit_trees() {
@@ -131,7 +135,7 @@ void FittedBaselines::fit_simple() {
 
 BaselineConfusions FittedBaselines::confusions_of(const BaselineSamples& run) const {
   BaselineConfusions confusions;
-  if (training_.truth.empty()) return confusions;
+  if (!has_samples_) return confusions;
   const auto confusion_by = [&](auto verdict) {
     results::Confusion confusion;
     for (std::size_t k = 0; k < run.truth.size(); ++k) confusion.add(run.truth[k], verdict(k));

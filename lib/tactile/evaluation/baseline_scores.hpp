@@ -79,7 +79,8 @@ class FittedBaselines {
   void fit_trees();
   void fit_temporal();
 
-  BaselineSamples training_;
+  BaselineSamples training_;  ///< until all parts are fitted
+  bool has_samples_;
   std::uint64_t seed_;
   MajorityBaseline majority_;
   EventCountBaseline event_count_;

@@ -20,6 +20,7 @@ void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::si
   packet.record = record;
   packet.content_size = content_size;
   std::swap(packet.content, content);
+  waiting_bytes_ += content_size;
 }
 
 void PacketBatch::compress() {
@@ -34,6 +35,7 @@ void PacketBatch::compress() {
 }
 
 void PacketBatch::write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write) {
+  if (count_ == 0) return;
   const bool is_compressed = compression_ != Compression::none;
   if (is_compressed) compress();
   std::size_t written = 0;
@@ -45,6 +47,13 @@ void PacketBatch::write_all(const std::function<void(const PacketRecord& record,
       std::memcpy(bytes, &packet.record.stream_id, sizeof packet.record.stream_id);
       std::memcpy(bytes + sizeof packet.record.stream_id, &packet.record.payload_size, sizeof packet.record.payload_size);
       write(packet.record, {bytes, packet_header_size + packet.record.payload_size});
+      waiting_bytes_ -= packet.content_size;
+      // Each of many places would keep the memory of a large packet.
+      constexpr std::size_t large = std::size_t{1} << 20;
+      if (packets_.size() > 1 && packet.content.capacity() > large) {
+        packet.content = PacketBuffer();
+        packet.stored = PacketBuffer();
+      }
     }
   } catch (...) {
     const auto at = [this](std::size_t i) { return packets_.begin() + static_cast<std::ptrdiff_t>(i); };

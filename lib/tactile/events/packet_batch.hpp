@@ -18,7 +18,7 @@ class PacketBatch {
  public:
   PacketBatch(Compression compression, unsigned threads);
 
-  bool is_full() const { return count_ == packets_.size(); }
+  bool is_full() const { return count_ == packets_.size() || waiting_bytes_ >= most_waiting_bytes; }
   /// Takes the contents of a packet, which begin after `packet_header_size` bytes, and gives `content` other memory.
   /// @pre  not full
   void add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size);
@@ -28,6 +28,7 @@ class PacketBatch {
   void write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write);
 
  private:
+  static constexpr std::size_t most_waiting_bytes = std::size_t{16} << 20;  ///< of contents: frames can be large
   struct Packet {
     PacketRecord record;
     PacketBuffer content, stored;
@@ -38,7 +39,7 @@ class PacketBatch {
   Compression compression_;
   std::vector<PacketCompressor> compressors_;  ///< of each thread
   std::vector<Packet> packets_;                ///< the first `count_` wait; the others' memory is reused
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, waiting_bytes_ = 0;
 };
 
 }  // namespace tactile::events

@@ -10,6 +10,7 @@
 #include <future>
 #include <limits>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -266,11 +267,15 @@ void RecordingWriter::State::finish_writing() {
 void RecordingWriter::State::begin_writing() {
   finish_writing();
   std::swap(full, being_written);
-  if (options.threads > 1) {
-    writing = std::async(std::launch::async, [this] { write(being_written); });
-  } else {
-    write(being_written);
+  if (options.threads > 1 && options.compression != Compression::none) {
+    try {
+      writing = std::async(std::launch::async, [this] { write(being_written); });
+      return;
+    } catch (const std::system_error&) {
+      // No thread can be made.
+    }
   }
+  write(being_written);
 }
 
 /// Takes a packet; the caller then calls `write_if_full`. @param packet  its memory is replaced by other
@@ -327,15 +332,24 @@ void RecordingWriter::State::flush() {
 void RecordingWriter::State::close() {
   if (!file.is_open()) return;
   struct Shut {
-    FileDescriptor& file;
-    ~Shut() { file.reset(); }
-  } const shut{file};
+    State& state;
+    ~Shut() {
+      if (state.writing.valid()) state.writing.wait();
+      state.file.reset();
+    }
+  } const shut{*this};
   std::exception_ptr failure;  // the first one, thrown when the file is as complete as possible
-  try {
-    write_all_waiting();
-  } catch (const Error&) {
-    failure = std::current_exception();
-  }
+  const auto attempt = [&](const auto& work) {
+    try {
+      work();
+    } catch (const Error&) {
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  attempt([&] {
+    if (writing.valid()) writing.get();
+  });
+  attempt([&] { write_all_waiting(); });
   cut_to_end();
   const std::uint64_t table_at = end;
   checksums.add_end(end);

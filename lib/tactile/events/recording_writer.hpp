@@ -17,7 +17,7 @@ struct RecordingWriterOptions {
   Compression compression = Compression::lz4;
   std::chrono::microseconds packet_span{10'000};  ///< a packet's elements span less time than this, > 0
   std::size_t packet_events = 8192;               ///< and it has at most this many events, > 0
-  unsigned threads = 1;                           ///< that compress packets; more than 1 hold a few packets back until `flush`
+  unsigned threads = 1;                           ///< that compress packets, > 0; see below
   bool checksums = false;                         ///< in a file beside it, see packet_checksums.hpp; the caller removes that file
 };
 
@@ -28,7 +28,9 @@ struct WrittenStream {
 };
 
 /// Writes an AEDAT4 recording that the vendor's software reads. The file has its final name from the start, and is always
-/// readable up to its last whole packet. Elements are collected until a packet is full; `flush` writes the waiting ones.
+/// readable up to its last whole packet. Elements are collected until a packet is full; `flush` writes the waiting ones. With
+/// more than one thread, up to 8 packets per thread wait or are written beside the caller, and a later call throws the error of
+/// an earlier one.
 ///
 /// The times of a stream must not go back, and events must lie inside the sensor. Otherwise the whole span is refused. Further
 /// `info` of a stream is written as whole numbers if possible, otherwise as text. Memory grows by the data table, about 7 bytes

@@ -38,7 +38,7 @@ struct StepRunner::Known {
 };
 
 std::string key_of(const Step& step) {
-  // The last version whose steps later ones do again. Raise it where a step does something else with the same inputs.
+  // Later versions do what this one did, but for the last digits of weights. Raise it where a step does something else.
   constexpr const char* steps_since = "0.1.0";
   return hash_of({{"name", step.name}, {"version", steps_since}, {"inputs", step.inputs}});
 }

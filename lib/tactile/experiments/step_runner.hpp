@@ -44,7 +44,7 @@ using StepCallback = std::function<void(const std::string& description, bool kep
 struct StepRunnerOptions {
   std::filesystem::path folder;   ///< of the experiment
   std::filesystem::path program;  ///< takes the `arguments` of steps
-  unsigned threads = 1;           ///< number of processes that run side by side, > 0
+  unsigned threads = 1;           ///< shared by the processes that run side by side, of which there are at most as many; > 0
   NewProgress new_progress = {};
   StepCallback on_step = {};
   std::optional<SlurmOptions> slurm = {};  ///< the processes run on a cluster, in `folder/slurm`; nothing: on this machine

@@ -36,6 +36,8 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
     add("--kind", "temporal");
     if (settings.temporal != model::TemporalOptions{}) add("--channels", std::to_string(settings.temporal.channels));
   }
+  const bool one_thread = model::depends_on_threads(settings);  // a study's models must not depend on the machine
+  if (one_thread) add("--threads", "1");
   add("--models", places.models.string());
   add("--name", bundle.name());
   const nlohmann::json rendered = rendering;
@@ -62,12 +64,13 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
                            : nlohmann::json();
               },
           .arguments =
-              [words, bundle](const StepStart& start) {
+              [words, bundle, one_thread](const StepStart& start) {
                 std::error_code ignored;
                 if (start.begun_with_other_inputs)
                   std::filesystem::remove_all(model::CheckpointFolder::beside(bundle.folder), ignored);
                 std::vector<std::string> all = words;
-                all.insert(all.end(), {"--threads", std::to_string(start.threads), "--quiet", "--resume"});
+                all.insert(all.end(), {"--quiet", "--resume"});
+                if (!one_thread) all.insert(all.end(), {"--threads", std::to_string(start.threads)});
                 if (start.made_outputs) all.emplace_back("--force");
                 return all;
               }};

@@ -262,23 +262,24 @@ void append_packed_chunk(hid_t table, std::span<const std::uint8_t> chunk, hsize
     fail_writing(where, "cannot be written");
 }
 
-std::vector<std::uint8_t> stored_chunk(hid_t table, hsize_t first_row, const std::string& where) {
+std::optional<std::vector<std::uint8_t>> stored_chunk(hid_t table, hsize_t first_row, const std::string& where) {
   std::vector<hsize_t> place(shape_of(table, where).size(), 0);
   place[0] = first_row;
   hsize_t size = 0;
-  if (H5Dget_chunk_storage_size(table, place.data(), &size) < 0 || size == 0 || size > largest_chunk)
-    fail(where, "a chunk cannot be found");
+  if (H5Dget_chunk_storage_size(table, place.data(), &size) < 0 || size > largest_chunk) fail(where, "a chunk cannot be found");
+  if (size == 0) return std::nullopt;
   std::vector<std::uint8_t> chunk(size);
   std::uint32_t left_out_filters = 0;
-  if (H5Dread_chunk(table, H5P_DEFAULT, place.data(), &left_out_filters, chunk.data()) < 0 || left_out_filters != 0)
-    fail(where, "a chunk cannot be read");
+  if (H5Dread_chunk(table, H5P_DEFAULT, place.data(), &left_out_filters, chunk.data()) < 0) fail(where, "a chunk cannot be read");
+  if (left_out_filters != 0) return std::nullopt;
   return chunk;
 }
 
 std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where) {
-  std::vector<std::uint8_t> chunk = stored_chunk(table, first_row, where);
-  check_checksum(chunk, where);
-  return chunk;
+  std::optional<std::vector<std::uint8_t>> chunk = stored_chunk(table, first_row, where);
+  if (!chunk) throw Damaged(where + ": a chunk cannot be read; expected one as tactile writes it");
+  check_checksum(*chunk, where);
+  return *std::move(chunk);
 }
 
 std::vector<hsize_t> shape_of(hid_t table, const std::string& where) {

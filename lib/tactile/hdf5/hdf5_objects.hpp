@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -116,8 +117,9 @@ void append_packed_rows(hid_t table, std::span<const std::vector<std::uint8_t>> 
 /// Appends a packed chunk to a table of whole chunks. @param rows  those of its rows that exist; all of them unless it is the
 /// last
 void append_packed_chunk(hid_t table, std::span<const std::uint8_t> chunk, hsize_t rows, const std::string& where);
-/// The chunk that begins with this row, as it is stored; its checksum is not compared. @throws Damaged  if it is missing
-std::vector<std::uint8_t> stored_chunk(hid_t table, hsize_t first_row, const std::string& where);
+/// The chunk that begins with this row, as it is stored; its checksum is not compared. Nothing if it is not stored at all, or
+/// without some of the table's filters: HDF5 reads it then. @throws Damaged
+std::optional<std::vector<std::uint8_t>> stored_chunk(hid_t table, hsize_t first_row, const std::string& where);
 /// The same, compared with its checksum. @throws Damaged  if it is missing, or its checksum differs
 std::vector<std::uint8_t> read_packed_chunk(hid_t table, hsize_t first_row, const std::string& where);
 

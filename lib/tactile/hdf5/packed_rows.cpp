@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace tactile::hdf5 {
 namespace {
@@ -27,14 +28,21 @@ PackedRows::PackedRows(hid_t table, const Type& type, hsize_t first, hsize_t cou
     : where_(where), row_size_(type.size), first_(first), count_(count) {
   const std::vector<hsize_t> shape = shape_of(table, where);
   const bool holds_them = shape.size() == 1 && first <= shape[0] && count <= shape[0] - first;
-  if (!holds_them || count == 0 || !is_packed(table, type.in_file, type.size)) {
-    chunks_.emplace_back(count * row_size_);
-    read_rows(table, type.in_memory, chunks_.front().data(), first, count, where);
-    return;
+  if (holds_them && is_packed(table, type.in_file, type.size) && read_chunks(table)) return;
+  rows_per_chunk_ = 0;
+  chunks_.assign(1, std::vector<std::uint8_t>(count * row_size_));
+  read_rows(table, type.in_memory, chunks_.front().data(), first, count, where);
+}
+
+/// @return  whether all are stored with all filters
+bool PackedRows::read_chunks(hid_t table) {
+  rows_per_chunk_ = rows_per_chunk(table, where_);
+  for (hsize_t row = first_ / rows_per_chunk_ * rows_per_chunk_; row < first_ + count_; row += rows_per_chunk_) {
+    auto chunk = stored_chunk(table, row, where_);
+    if (!chunk) return false;
+    chunks_.push_back(*std::move(chunk));
   }
-  rows_per_chunk_ = rows_per_chunk(table, where);
-  for (hsize_t row = first / rows_per_chunk_ * rows_per_chunk_; row < first + count; row += rows_per_chunk_)
-    chunks_.push_back(stored_chunk(table, row, where));
+  return true;
 }
 
 void PackedRows::unpack(std::uint8_t* rows) const {

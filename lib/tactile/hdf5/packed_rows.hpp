@@ -33,6 +33,7 @@ class PackedRows {
     std::size_t size;
   };
   PackedRows(hid_t table, const Type& type, hsize_t first, hsize_t count, const std::string& where);
+  bool read_chunks(hid_t table);
   void unpack(std::uint8_t* rows) const;
 
   std::string where_;

@@ -109,6 +109,7 @@ h5::Id open_heatmaps(hid_t group, const std::string& name, const fs::path& datas
 struct Dataset::State {
   fs::path file;
   h5::Id id;
+  h5::Id events;  ///< /events as it was checked: a file that replaces its file meanwhile is not read
   events::SensorSize sensor;
   bool simulated = false;
   std::vector<DatasetRun> runs;
@@ -120,6 +121,7 @@ struct Dataset::State {
 
   ~State() {
     const h5::Session session;
+    events = {};
     id = {};
   }
 
@@ -177,7 +179,7 @@ void Dataset::State::read() {
                           (samples[i - 1].run_index == samples[i].run_index && samples[i - 1].t < samples[i].t);
     if (sample_run[i] >= runs.size() || !in_order) throw_inconsistent(where, "the samples are not sorted by run and time");
   }
-  checked_events(where);
+  events = checked_events(where);
 }
 
 void Dataset::State::read_runs(const std::string& where) {
@@ -264,11 +266,9 @@ std::vector<events::Event> Dataset::events(std::uint32_t run_index, std::uint64_
   with_remedy(remove_and_make(state_->file, "events", "windows"), [&] {
     {
       const h5::Session session;
-      // The file may have been replaced, and may be replaced between two columns: all are read from the group that was checked.
-      const h5::Id group = state_->checked_events(state_->file.string());
       const auto read = [&]<class T>(const char* name, T) {
-        columns.push_back(
-            h5::PackedRows::of<T>(h5::open_table(group, name, where), run.first_event + first, count, where + "/" + name));
+        columns.push_back(h5::PackedRows::of<T>(h5::open_table(state_->events, name, where), run.first_event + first, count,
+                                                where + "/" + name));
       };
       read("t_us", std::int64_t{});
       read("x", std::uint16_t{});

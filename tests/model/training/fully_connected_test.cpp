@@ -4,7 +4,6 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -48,7 +47,7 @@ Results results_of(const Layer& layer, unsigned threads) {
 
 /// Each value's error by the sum of the absolute products, from plain sums of long double.
 void expect_exact(const Layer& layer, const Results& results) {
-  const auto [samples, inputs, units] = std::array{layer.samples, layer.inputs, layer.units};
+  const std::size_t samples = layer.samples, inputs = layer.inputs, units = layer.units;
   const auto expect = [](float value, long double sum, long double largest, const char* what) {
     EXPECT_LE(std::abs(static_cast<long double>(value) - sum), 3e-7L * std::max(largest, 1e-3L)) << what;
   };

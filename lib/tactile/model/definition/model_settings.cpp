@@ -85,6 +85,10 @@ void from_json(const nlohmann::json& json, ModelSettings& settings) {
     settings.split.held_out = member<std::vector<std::string>>(split, "held_out", where);
 }
 
+bool depends_on_threads(const ModelSettings& settings) {
+  return settings.kind == ModelKind::lenet && (settings.training.engine != EngineKind::fast || !settings.network.is_fast());
+}
+
 bool same_settings(const ModelSettings& a, const ModelSettings& b) { return nlohmann::json(a) == nlohmann::json(b); }
 
 namespace {

@@ -20,8 +20,8 @@ struct StartingPoint {
   std::string weights_sha256;
 };
 
-/// Everything that, with the dataset, determines a trained model. The number of threads is not included: at most, with
-/// libtorch's layers, it affects the last bits.
+/// Everything that, with the dataset, determines a trained model. The number of threads is not included, see
+/// `depends_on_threads`.
 struct ModelSettings {
   heatmaps::HeatmapOptions rendering;  ///< of a kind without heatmaps, history, tick and mask
   windows::SplitOptions split;
@@ -39,6 +39,9 @@ struct ModelSettings {
 /// convolution lacks what only LeNet's has: "augment", "engine", "validation_share" and "early_stop".
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
+
+/// Whether the last digits of the weights depend on the number of threads: where libtorch's layers are trained.
+bool depends_on_threads(const ModelSettings& settings);
 
 /// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);

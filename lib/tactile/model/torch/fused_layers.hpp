@@ -111,6 +111,7 @@ class FusedLinear : public torch::autograd::Function<FusedLinear> {
  public:
   static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& input, const torch::Tensor& weight,
                                const torch::Tensor& bias, std::int64_t threads) {
+    TORCH_CHECK(input.size(1) == weight.size(1) && bias.size(0) == weight.size(0));
     context->save_for_backward({input, weight});
     context->saved_data["threads"] = threads;
     torch::Tensor output = torch::empty({input.size(0), weight.size(0)});

@@ -28,9 +28,10 @@ void check_finite(std::span<const Logits> logits) {
   }
 }
 
-void set_threads(unsigned threads) {
+/// @param threads     that call libtorch  @param of_libtorch  number of its own threads; its results depend on it
+void set_threads(unsigned threads, unsigned of_libtorch) {
   prepare_blas(threads);
-  const int count = static_cast<int>(threads);
+  const int count = static_cast<int>(of_libtorch);
   if (at::get_num_threads() != count) at::set_num_threads(count);
 }
 
@@ -121,7 +122,7 @@ class LeNetWithModule : public LeNetOnTorch {
     const events::SensorSize size = layers_.input;
     const std::size_t count = heatmap_count(heatmaps, size), cells = count == 0 ? 0 : heatmaps.size() / count;
     std::vector<Logits> logits(count);
-    set_threads(1);
+    set_threads(threads, 1);
     parallel_for((count + chunk - 1) / chunk, threads, [&](std::size_t i) {
       const torch::NoGradGuard no_gradients;  // of each thread
       const std::size_t first = i * chunk, n = std::min(chunk, count - first);
@@ -172,7 +173,7 @@ class TrainerWithModule : public TrainerOnTorch {
       throw Error("training batch: " + std::to_string(count) + " heatmaps for " + std::to_string(truth.size()) +
                   " touches; expected one each, and at least one");
     }
-    set_threads(batch_ ? 1 : threads_);  // libtorch's own; its results depend on them
+    set_threads(threads_, batch_ ? 1 : threads_);
     const torch::Tensor targets = torch::empty({static_cast<std::int64_t>(count)}, torch::kInt64);
     std::transform(truth.begin(), truth.end(), targets.data_ptr<std::int64_t>(),
                    [](Touch touch) { return static_cast<std::int64_t>(touch); });

@@ -261,7 +261,7 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
 struct Learned {
   TrainedWeights weights;
   TrainingSummary summary;
-  unsigned threads = 1;  ///< that it depends on
+  unsigned threads = 1;
 };
 
 /// The state of a training that was interrupted, and the task that it belongs to.
@@ -276,12 +276,13 @@ Resumption resumption_of(const windows::Dataset& dataset, const ModelSettings& s
   Resumption resumed{.task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}},
                      .threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()),
                      .state = std::nullopt};
+  resumed.task["threads"] = resumed.threads;
   if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {
-    resumed.threads = member<unsigned>(*begun, "threads", bundle.folder.string());  // another number would change the last bits
-    resumed.task["threads"] = resumed.threads;
+    const auto threads = member<unsigned>(*begun, "threads", bundle.folder.string());
+    if (depends_on_threads(settings)) resumed.threads = threads;
+    resumed.task["threads"] = threads;
     resumed.state = kept.load(resumed.task, layers, settings.training.optimizer);
   }
-  resumed.task["threads"] = resumed.threads;
   if (!resumed.state) kept.clear();
   return resumed;
 }
