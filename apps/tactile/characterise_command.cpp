@@ -165,7 +165,7 @@ void add_characterise_command(CLI::App& app) {
   auto args = std::make_shared<CharacteriseArguments>();
   Command command = add_command(app, "characterise", "Measure what a sensor does: read-out, noise, hot pixels, flicker",
                                 [args](const CommonArguments& common) { characterise_sensor(*args, common); });
-  command.add_option("quiet", args->quiet, "Recordings or runs in which nothing touches the sensor")
+  command.add_option("recordings", args->quiet, "Recordings or runs in which nothing touches the sensor")
       .type_name("FILE|RUN")
       .required();
   command.add_option("--touched", args->touched, "Recordings or runs in which markers move, for the events per passage")

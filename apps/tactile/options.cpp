@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace tactile::cli {
@@ -13,6 +15,16 @@ namespace {
 
 /// The words as the name of a check, from which `words_of` reads them.
 std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, "|")); }
+
+/// A key of a file for --config would mean both of two options with one name, with dashes and without. CLI11 from 2.4 on (Debian
+/// 13) refuses them.
+CLI::Option& with_a_name_of_its_own(const CLI::App& command, CLI::Option* added) {
+  for (const CLI::Option* other : command.get_options()) {
+    if (other != added && other->get_single_name() == added->get_single_name())
+      throw std::logic_error(command.get_name() + ": two options are named " + added->get_single_name());
+  }
+  return *added;
+}
 
 }  // namespace
 
@@ -78,11 +90,11 @@ Option& Option::excludes(const Option& other) {
 
 template <class T>
 Option Command::add_option(const std::string& names, T& value, const std::string& meaning) {
-  return Option(*command_->add_option(names, value, meaning));
+  return Option(with_a_name_of_its_own(*command_, command_->add_option(names, value, meaning)));
 }
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& meaning) {
-  return Option(*command_->add_flag(names, value, meaning));
+  return Option(with_a_name_of_its_own(*command_, command_->add_flag(names, value, meaning)));
 }
 
 Option Command::add_ordered_option(const std::string& names, const std::function<void(const std::string&)>& keep,
