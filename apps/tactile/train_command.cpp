@@ -250,8 +250,8 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
   }
   const unsigned threads = model::read_description(bundle).threads;
   if (resumes && threads != common.threads && model::depends_on_threads(settings))
-    spdlog::info("resumed with {} threads, as it began: with libtorch's layers, another number changes the weights' last digits",
-                 threads);
+    spdlog::info("resumed with {}, as it began: with libtorch's layers, another number changes the weights' last digits",
+                 counted(threads, "thread"));
   warn_of_nothing_learned(bundle, settings, summary);
   return summary;
 }

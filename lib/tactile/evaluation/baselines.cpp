@@ -231,12 +231,12 @@ LogisticBaseline fit_logistic(std::span<const Features> features, std::span<cons
     const Vector direction = derivatives.hessian.llt().solve(derivatives.gradient);
     // Half the step until the loss falls.
     const Weights from = weights;
-    double step = 1, stepped = loss;
-    do {
-      weights = from - step * Eigen::Map<const Weights>(direction.data());
-      stepped = loss_of(samples, truth, weights, options.ridge);
-      step /= 2;
-    } while (!(stepped < loss) && step > 1e-10);
+    const auto loss_after = [&](double length) {
+      weights = from - length * Eigen::Map<const Weights>(direction.data());
+      return loss_of(samples, truth, weights, options.ridge);
+    };
+    double step = 1, stepped = loss_after(step);
+    while (!(stepped < loss) && step / 2 > 1e-10) stepped = loss_after(step /= 2);
     if (!(stepped < loss)) {
       weights = from;
       break;

@@ -285,7 +285,8 @@ std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i)
     for (std::size_t k = next_events; k < ahead_until; ++k) {
       if (streams_read.contains(records[k].stream_id)) packets.push_back({records[k], sensor_of(records[k])});
     }
-    if (!ahead) ahead = std::make_unique<EventReadAhead>(file, start.header.compression, threads - 1);
+    constexpr unsigned most_ahead = 4;  // more wait for each other: with 16 threads `info` took longer than with one
+    if (!ahead) ahead = std::make_unique<EventReadAhead>(file, start.header.compression, std::min(threads, most_ahead) - 1);
     ahead->expect(std::move(packets));
     return std::nullopt;
   }

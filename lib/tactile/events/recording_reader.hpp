@@ -74,7 +74,7 @@ struct OwnedEvents {
 /// Sources: the AEDAT 4.0 format of iniVation's DV; Prophesee, EVT 2.0 and EVT 3.0 Format.
 class RecordingReader {
  public:
-  /// @param threads  threads that decode, the caller's included, > 0
+  /// @param threads  threads that decode, the caller's included, > 0; at most 4 decode ahead
   /// @throws Error  if the file is neither AEDAT4 nor RAW, or declares no stream
   explicit RecordingReader(std::filesystem::path file, unsigned threads = 1);
   ~RecordingReader();

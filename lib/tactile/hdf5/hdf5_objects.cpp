@@ -266,8 +266,7 @@ std::optional<std::vector<std::uint8_t>> stored_chunk(hid_t table, hsize_t first
   std::vector<hsize_t> place(shape_of(table, where).size(), 0);
   place[0] = first_row;
   hsize_t size = 0;
-  if (H5Dget_chunk_storage_size(table, place.data(), &size) < 0 || size > largest_chunk) fail(where, "a chunk cannot be found");
-  if (size == 0) return std::nullopt;
+  if (H5Dget_chunk_storage_size(table, place.data(), &size) < 0 || size == 0 || size > largest_chunk) return std::nullopt;
   std::vector<std::uint8_t> chunk(size);
   std::uint32_t left_out_filters = 0;
   if (H5Dread_chunk(table, H5P_DEFAULT, place.data(), &left_out_filters, chunk.data()) < 0) fail(where, "a chunk cannot be read");

@@ -128,7 +128,23 @@ TEST(TrainCommand, AnInterruptedTrainingRequiresResumeOrForce) {
   EXPECT_TRUE(CheckpointFolder::holds_state(kept));
   const auto resumed = test::run_tactile(arguments + std::string("--name mine --resume --threads 2"), folder.path());
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
-  EXPECT_EQ(nlohmann::json::parse(resumed.out).at("threads"), 1) << "others would move the last bits";
+  EXPECT_EQ(nlohmann::json::parse(resumed.out).at("threads"), 2);
+}
+
+TEST(TrainCommand, AnInterruptedTrainingOfLibtorchsLayersKeepsItsThreads) {
+  const test::TemporaryFolder folder;
+  test::make_runs(folder / "data", {"fan", "usb-hub"}, 2);
+  windows::write_dataset(folder / "data", folder / "data/dataset.h5", {}, 1);
+  const std::string command = arguments + std::string("--name mine --engine libtorch");
+  {
+    const test::RunningCommand training(command + " --threads 1", folder.path());
+    ASSERT_TRUE(test::comes_true([&] { return CheckpointFolder::holds_state(folder / "models/mine.training"); }))
+        << training.err();
+  }
+  const auto resumed = test::run_tactile(command + " --resume --threads 2", folder.path());
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(nlohmann::json::parse(resumed.out).at("threads"), 1) << "others would change the last digits";
+  EXPECT_NE(resumed.err.find("resumed with 1 thread, as it began"), std::string::npos) << resumed.err;
 }
 
 }  // namespace
