@@ -18,8 +18,9 @@ namespace {
 
 class Aedat4Output : public RecordingOutput {
  public:
-  Aedat4Output(const fs::path& file, std::vector<events::Stream> streams, events::Compression compression, unsigned threads)
-      : writer_(file, std::move(streams), {.compression = compression, .threads = threads}) {}
+  Aedat4Output(const fs::path& file, const std::vector<events::Stream>& streams, events::Compression compression,
+               unsigned threads)
+      : writer_(file, streams, {.compression = compression, .threads = threads}) {}
   void write(std::int32_t id, std::span<const events::Event> events) override { writer_.write_events(id, events); }
   void write(std::int32_t id, std::span<const events::ImuSample> samples) override { writer_.write_imu(id, samples); }
   void write(std::int32_t id, std::span<const events::Trigger> triggers) override { writer_.write_triggers(id, triggers); }
@@ -83,7 +84,7 @@ std::unique_ptr<RecordingOutput> open_output(const fs::path& file, const fs::pat
       std::for_each(streams.begin(), streams.end(), check_size);
       break;
   }
-  return std::make_unique<Aedat4Output>(file, std::move(streams), *summary.compression, threads);
+  return std::make_unique<Aedat4Output>(file, streams, *summary.compression, threads);
 }
 
 }  // namespace tactile::conversion

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tactile/core/parallel.hpp"
-#include "tactile/events/packet_contents.hpp"
+#include "tactile/events/recording_header.hpp"
 
 namespace tactile::events {
 

@@ -19,7 +19,8 @@ class PacketBatch {
   PacketBatch(Compression compression, unsigned threads);
 
   bool is_full() const { return count_ == packets_.size() || waiting_bytes_ >= most_waiting_bytes; }
-  /// Takes the contents of a packet, which begin after `packet_header_size` bytes, and gives `content` other memory.
+  /// Takes the contents of a packet, which begin after `packet_header_size` bytes (recording_header.hpp), and gives `content`
+  /// other memory.
   /// @pre  not full
   void add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size);
 

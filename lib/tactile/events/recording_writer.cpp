@@ -372,7 +372,7 @@ void RecordingWriter::State::close() {
   if (failure) std::rethrow_exception(failure);
 }
 
-RecordingWriter::RecordingWriter(const fs::path& file, std::vector<Stream> streams, RecordingWriterOptions options)
+RecordingWriter::RecordingWriter(const fs::path& file, const std::vector<Stream>& streams, RecordingWriterOptions options)
     : state_(std::make_unique<State>()) {
   state_->path = file;
   state_->options = options;

@@ -39,7 +39,7 @@ class RecordingWriter {
  public:
   /// A stream must have one of the four types, a unique id, a name, a source, and for events and frames a size: the vendor's
   /// reader requires them. @throws Error  if a stream lacks one, or the file does not end in .aedat4, exists or cannot be made
-  RecordingWriter(const std::filesystem::path& file, std::vector<Stream> streams, RecordingWriterOptions options = {});
+  RecordingWriter(const std::filesystem::path& file, const std::vector<Stream>& streams, RecordingWriterOptions options = {});
   ~RecordingWriter();  ///< closes the file; errors are only reported by `close`
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;

@@ -29,7 +29,7 @@ const std::string& description_or_name(const Step& step) { return step.descripti
 }  // namespace
 
 /// The contents of `steps/NAME.json`; empty if the file is missing or damaged.
-struct StepRunner::Known {
+struct StepRunner::Known {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::string key;
   bool done = false;
   bool made_outputs = false;  ///< this step was done before, with any key
