@@ -42,6 +42,7 @@ CutSamples cut_samples(const windows::Dataset& dataset, const ModelSettings& set
                        std::span<const std::uint32_t> train_runs) {
   const std::vector<std::uint32_t> indexes = samples_of_runs(dataset, train_runs);
   std::vector<windows::Sample> samples;
+  samples.reserve(indexes.size());
   for (const std::uint32_t index : indexes) samples.push_back(dataset.samples()[index]);
   const ValidationCut cut = cut_in_time(samples, settings.training.validation_share, settings.rendering.history);
   CutSamples result;
