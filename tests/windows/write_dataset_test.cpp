@@ -334,12 +334,12 @@ TEST(HeatmapsWriter, RefusesTooFewHeatmapsAndAnotherDataset) {
   const StoredHeatmaps description{.name = "th_002", .settings = nlohmann::json::object(), .width = 2, .height = 1};
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(writer.packed(std::vector<std::uint8_t>(2 * 269)));
+    writer.append(writer.packed(std::vector<std::uint8_t>(std::size_t{2} * 269)));
     EXPECT_THROW(writer.commit(), Error);
   }
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(writer.packed(std::vector<std::uint8_t>(2 * 270)));
+    writer.append(writer.packed(std::vector<std::uint8_t>(std::size_t{2} * 270)));
     write_dataset(folder.path(), folder / "dataset.h5", {.sampling = {.seed = 2}});
     EXPECT_NE(message_of([&] { writer.commit(); }).find("replaced by another dataset"), std::string::npos);
   }
