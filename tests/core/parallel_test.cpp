@@ -51,6 +51,7 @@ TEST(ParallelFor, CallsWithinCallsAndBesideThemEnd) {
         6, 4, [&](std::size_t) { parallel_for(5, 3, [&](std::size_t) { parallel_for(4, 2, [&](std::size_t) { ++calls; }); }); });
   };
   std::vector<std::thread> callers;
+  callers.reserve(3);
   for (int i = 0; i < 3; ++i) callers.emplace_back(nested);
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(calls, 3 * 6 * 5 * 4);
