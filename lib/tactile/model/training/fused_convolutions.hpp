@@ -49,7 +49,7 @@ class FusedConvolutions {
 
   /// Sums of gradients, in the layout of the passes.
   struct Gradients {
-    AlignedValues<float> first = AlignedValues<float>(25 * 8), first_bias = AlignedValues<float>(8);
+    AlignedValues<float> first = AlignedValues<float>(std::size_t{25} * 8), first_bias = AlignedValues<float>(8);
     AlignedValues<float> second = AlignedValues<float>(std::size_t{16} * 5 * 32), second_bias = AlignedValues<float>(16);
 
     void clear();
@@ -81,7 +81,8 @@ class FusedConvolutions {
 
   /// The weights in the layout of the passes.
   struct Packed {
-    AlignedValues<float> first = AlignedValues<float>(25 * 8), first_bias = AlignedValues<float>(8);  ///< [5][5][8 of 6 channels]
+    AlignedValues<float> first = AlignedValues<float>(std::size_t{25} * 8),
+                         first_bias = AlignedValues<float>(8);  ///< [5][5][8 of 6 channels]
     AlignedValues<float> second = AlignedValues<float>(std::size_t{150} * 16),
                          second_bias = AlignedValues<float>(16);                        ///< [5][5 * 6][16 channels]
     AlignedValues<float> second_back = AlignedValues<float>(std::size_t{16} * 5 * 32);  ///< [16][5][32 of 5 * 6]
