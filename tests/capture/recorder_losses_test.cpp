@@ -1,16 +1,15 @@
 // What a run loses, and how it is counted.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <csignal>
 #include <fstream>
 #include <memory>
 
 #include "capture/recorded_run.hpp"
 #include "support/events_in_file.hpp"
+#include "support/file_size_limit.hpp"
 #include "tactile/capture/new_run.hpp"
 #include "tactile/capture/run_recorder.hpp"
 #include "tactile/core/json.hpp"
@@ -148,20 +147,14 @@ void expect_a_kept_beginning(const RunSummary& summary, std::uint64_t sent) {
 }
 
 TEST_F(RunRecorderTest, KeepsWhatFitsIfTheFileMayNotGrow) {
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old_action = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{.rlim_cur = 1'000'000, .rlim_max = before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   std::atomic<std::uint64_t> sent{0};
   RunSummary summary;
   {
+    const test::FileSizeLimit small(1'000'000);
     RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
                          {.compression = events::Compression::none});
     summary = record(recorder);
   }
-  EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
-  std::signal(SIGXFSZ, old_action);
   expect_a_kept_beginning(summary, 100 * 8192);
   EXPECT_GT(summary.drops.unwritten.events, 0U);
 }
@@ -173,6 +166,7 @@ TEST_F(RunRecorderTest, KeepsWhatFitsOnAFullDisk) {
   RunSummary summary;
   std::atomic<std::uint64_t> sent{0};
   {
+    const test::FileSizeLimit small(1'000'000);
     RunRecorder recorder(sources_of(event_source(noise(160, sent, 5000), false)), nullptr, nullptr,
                          {.compression = events::Compression::none});
     recorder.begin({.run = make_run_folder(disk, "fan"), .session = "", .duration = {}});

@@ -16,6 +16,7 @@
 #include "events/recording_contents.hpp"
 #include "events/rewrite.hpp"
 #include "support/comes_true.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
@@ -89,9 +90,6 @@ TEST(KilledRecording, HoldsEveryFlushedPacketAndAnExactPrefix) {
 TEST(KilledRecording, OnAFullDiskGivesBackTheRoomOfAPartOfAPacket) {
   const test::TemporaryFolder folder;
   const auto file = folder / "full.aedat4";
-  rlimit limit{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
-  const auto old_action = ::signal(SIGXFSZ, SIG_IGN);
   std::uintmax_t whole = 0;
   {
     RecordingWriter writer(file, {mini}, {.compression = Compression::none});
@@ -101,14 +99,12 @@ TEST(KilledRecording, OnAFullDiskGivesBackTheRoomOfAPartOfAPacket) {
     writer.flush();
     whole = std::filesystem::file_size(file);
     writer.write_events(0, std::array{numbered_event(1000)});
-    // Room for a part of the next packet, and none for a table.
-    const rlimit little{.rlim_cur = whole + 10, .rlim_max = limit.rlim_max};
-    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
-    EXPECT_THROW(writer.close(), Error);
-    ::setrlimit(RLIMIT_FSIZE, &limit);
+    {
+      const test::FileSizeLimit little(whole + 10);  // room for a part of the next packet, and none for a table
+      EXPECT_THROW(writer.close(), Error);
+    }
     EXPECT_EQ(writer.written().front().elements, 1000U) << "what waited is not in the file";
   }
-  ::signal(SIGXFSZ, old_action);
   EXPECT_EQ(std::filesystem::file_size(file), whole);
   RecordingReader recording(file);
   EXPECT_EQ(recording.index(), PacketIndex::scan);

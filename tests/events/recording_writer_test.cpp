@@ -1,10 +1,8 @@
 #include "tactile/events/recording_writer.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <set>
 #include <string>
 
@@ -12,6 +10,7 @@
 #include "events/made_streams.hpp"
 #include "events/recording_contents.hpp"
 #include "events/rewrite.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
@@ -239,28 +238,24 @@ TEST_P(EveryCompression, HasTheSameBytesWithAnyNumberOfThreads) {
 TEST_P(EveryCompression, AFullDiskLeavesWholePacketsWithAnyNumberOfThreads) {
   const test::TemporaryFolder folder;
   const auto events = random_events(4, 60'000, 1'000, 0);
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
   for (const unsigned threads : {1U, 3U}) {
     const auto file = folder / ("full" + std::to_string(threads) + ".aedat4");
     RecordingWriter writer(file, {mini}, {.compression = GetParam(), .packet_events = 500, .threads = threads});
-    const rlimit little{100'000, before.rlim_max};
-    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
-    EXPECT_THROW(
-        {
-          for (std::size_t i = 0; i < events.size(); i += 1000) writer.write_events(0, std::span(events).subspan(i, 1000));
-          writer.flush();
-        },
-        Error);
-    EXPECT_THROW(writer.close(), Error);
-    ::setrlimit(RLIMIT_FSIZE, &before);
+    {
+      const test::FileSizeLimit little(100'000);
+      EXPECT_THROW(
+          {
+            for (std::size_t i = 0; i < events.size(); i += 1000) writer.write_events(0, std::span(events).subspan(i, 1000));
+            writer.flush();
+          },
+          Error);
+      EXPECT_THROW(writer.close(), Error);
+    }
     const auto kept = test::contents_of(file).events;
     EXPECT_GT(kept.size(), 500U) << threads;
     EXPECT_EQ(kept.size() % 500, 0U) << threads;
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), events.begin())) << threads << " threads: not the first events";
   }
-  ::signal(SIGXFSZ, ignored);
 }
 
 TEST(RecordingWriterState, ClosesWhenItGoesAndWhenItIsReplaced) {
@@ -301,20 +296,17 @@ TEST(RecordingWriterState, MayGoWhileOtherThreadsWrite) {
 TEST(RecordingWriterState, WritesTheRestWhereTheDiskHasRoomAgain) {
   const test::TemporaryFolder folder;
   const auto events = random_events(4, 60'000, 1'000, 0);
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
   for (const unsigned threads : {1U, 3U}) {
     const auto file = folder / ("again" + std::to_string(threads) + ".aedat4");
     RecordingWriter writer(file, {mini}, {.compression = Compression::lz4, .packet_events = 500, .threads = threads});
-    const rlimit little{100'000, before.rlim_max};
-    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
     std::size_t given = 0;
     const auto write_until_refused = [&] {
       for (; given < events.size(); given += 500) writer.write_events(0, std::span(events).subspan(given, 500));
     };
-    EXPECT_THROW(write_until_refused(), Error);
-    ::setrlimit(RLIMIT_FSIZE, &before);
+    {
+      const test::FileSizeLimit little(100'000);
+      EXPECT_THROW(write_until_refused(), Error);
+    }
     try {
       writer.close();
     } catch (const Error&) {
@@ -324,7 +316,6 @@ TEST(RecordingWriterState, WritesTheRestWhereTheDiskHasRoomAgain) {
     EXPECT_GE(kept.size(), given) << threads;  // the refused call's events may be there too
     EXPECT_TRUE(std::equal(kept.begin(), kept.end(), events.begin())) << threads;
   }
-  ::signal(SIGXFSZ, ignored);
 }
 
 }  // namespace

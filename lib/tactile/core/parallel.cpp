@@ -40,7 +40,7 @@ struct Job {
 };
 
 /// Threads that help in calls of parallel_for, also in calls from within such a call. They are made when first needed, and sleep
-/// between calls: starting threads anew takes longer than a step of a training. A call never waits for a helper to come, so it
+/// between calls: starting threads again takes longer than a step of a training. A call never waits for a helper to come, so it
 /// ends even where no thread can be made.
 class Pool {
  public:
