@@ -88,5 +88,5 @@ function(add_part name)
   target_link_libraries(tactile_${name} PRIVATE tactile::options ${PART_LINKS})
   target_include_directories(tactile_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib)
   set_target_properties(tactile_${name} PROPERTIES
-    PREFIX "" OUTPUT_NAME tactile-${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} UNITY_BUILD OFF)
+    PREFIX "" OUTPUT_NAME tactile-${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 endfunction()

@@ -15,11 +15,11 @@ constexpr std::int64_t read_out_us = 200;
 constexpr std::int64_t length_us = 5'000'000;
 
 /// Adds the events of a read-out at t [us].
-using Scene =
+using BurstScene =
     std::function<void(std::int64_t t, Random& random, const std::function<void(std::uint64_t x, std::uint64_t y)>& add)>;
 
 /// 64 x 48 pixels with a noise of 3 events per read-out on average, and what `scene` adds.
-std::vector<Burst> slow_bursts_of(const Scene& scene, std::uint64_t seed = 1, const std::vector<Burst>& known = {}) {
+std::vector<Burst> slow_bursts_of(const BurstScene& scene, std::uint64_t seed = 1, const std::vector<Burst>& known = {}) {
   const test::TemporaryFolder folder;
   Random random(seed);
   std::vector<events::Event> events;
@@ -45,7 +45,7 @@ std::vector<Burst> slow_bursts_of(const Scene& scene, std::uint64_t seed = 1, co
 }
 
 /// A marker of 10 x 10 pixels with this many events per read-out, from 2 to 3 s.
-Scene marker_that_moves(double events_per_read_out) {
+BurstScene marker_that_moves(double events_per_read_out) {
   return [=](std::int64_t t, Random& random, const auto& add) {
     if (t < 2'000'000 || t >= 3'000'000) return;
     for (std::uint64_t n = random.poisson(events_per_read_out); n > 0; --n) add(20 + random.below(10), 16 + random.below(10));

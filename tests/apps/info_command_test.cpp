@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using test::run_tactile;
 const std::string vendor_files = std::string(test::data_folder) + "/aedat4/";
 
-std::size_t lines_in(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
+std::size_t line_count(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
 
 nlohmann::json info_of(const std::string& arguments) {
   const test::CommandResult result = run_tactile("info --json " + arguments);
@@ -191,7 +191,7 @@ TEST(InfoCommand, ReportsTheRestIfAFileCannotBeRead) {
   const test::CommandResult result =
       run_tactile("info none.aedat4 " + vendor_files + "dv-lz4.aedat4 text.aedat4 --check", folder.path());
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(lines_in(result.err), 2U) << result.err;
+  EXPECT_EQ(line_count(result.err), 2U) << result.err;
   EXPECT_NE(result.err.find("none.aedat4"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("text.aedat4"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("dv-lz4.aedat4"), std::string::npos) << result.out;
@@ -388,7 +388,7 @@ TEST_F(InfoOfARun, NeedsARecording) {
   fs::remove(run.events());
   const test::CommandResult result = run_tactile("info data/fan/03", folder.path());
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(lines_in(result.err), 1U);
+  EXPECT_EQ(line_count(result.err), 1U);
 }
 
 TEST(InfoCommand, RefusesAGapOutOfRange) {
@@ -403,9 +403,9 @@ TEST(InfoCommand, ShowsOneLinePerRunOfAFolder) {
   const test::CommandResult brief = run_tactile("info --check data", folder.path());
   const std::size_t runs = find_runs(folder / "data").size();
   ASSERT_GT(runs, 1U);
-  EXPECT_EQ(lines_in(brief.out), runs + 2) << brief.out;
+  EXPECT_EQ(line_count(brief.out), runs + 2) << brief.out;
   EXPECT_NE(brief.out.find(std::to_string(runs) + " of " + std::to_string(runs) + " healthy\n"), std::string::npos) << brief.out;
-  EXPECT_GT(lines_in(run_tactile("info --verbose data", folder.path()).out), 10 * runs);
+  EXPECT_GT(line_count(run_tactile("info --verbose data", folder.path()).out), 10 * runs);
 
   fs::remove(folder / "data/fan/01/robot.csv");
   const test::CommandResult sick = run_tactile("info --check data", folder.path());

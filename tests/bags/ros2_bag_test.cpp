@@ -18,15 +18,15 @@ namespace tactile::bags {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path bags = fs::path(test::data_folder) / "bags";
+const fs::path ros2_bags = fs::path(test::data_folder) / "bags";
 
-struct Contents {
+struct Ros2Contents {
   std::vector<std::string> messages;  ///< topic, time of arrival and digest of each
   BagProblems problems;
 };
 
-Contents contents_of(BagReader& bag) {
-  Contents contents;
+Ros2Contents ros2_contents_of(BagReader& bag) {
+  Ros2Contents contents;
   while (const auto message = bag.next()) {
     Sha256 digest;
     digest.add(message->data);
@@ -35,53 +35,53 @@ Contents contents_of(BagReader& bag) {
   contents.problems = bag.problems();
   return contents;
 }
-Contents contents_of(const fs::path& file) { return contents_of(*open_bag(file)); }
-Contents contents_of_bytes(const std::string& bytes) {
+Ros2Contents ros2_contents_of(const fs::path& file) { return ros2_contents_of(*open_bag(file)); }
+Ros2Contents ros2_contents_of_bytes(const std::string& bytes) {
   const test::TemporaryFolder folder;
   write_whole(folder / "made", bytes);
-  return contents_of(folder / "made");
+  return ros2_contents_of(folder / "made");
 }
 
 /// Whether the messages are the first of all.
-bool is_front(const Contents& part, const Contents& all) {
+bool is_front(const Ros2Contents& part, const Ros2Contents& all) {
   return part.messages.size() <= all.messages.size() &&
          std::equal(part.messages.begin(), part.messages.end(), all.messages.begin());
 }
 
 TEST(OpenBag, GivesTheSameMessagesFromEveryForm) {
-  const Contents lz4 = contents_of(bags / "run-lz4.mcap");
+  const Ros2Contents lz4 = ros2_contents_of(ros2_bags / "run-lz4.mcap");
   EXPECT_EQ(lz4.messages.size(), 379U);
   for (const char* name : {"run-zstd.mcap", "run-file.db3.zstd", "run-message.db3"})
-    EXPECT_EQ(contents_of(bags / name).messages, lz4.messages) << name;
-  EXPECT_EQ(contents_of(bags / "mono.mcap").messages, contents_of(bags / "mono.db3").messages);
+    EXPECT_EQ(ros2_contents_of(ros2_bags / name).messages, lz4.messages) << name;
+  EXPECT_EQ(ros2_contents_of(ros2_bags / "mono.mcap").messages, ros2_contents_of(ros2_bags / "mono.db3").messages);
 }
 
 TEST(OpenBag, StartsAgainWhenRewound) {
   for (const char* name : {"mono.mcap", "mono.db3", "run-file.db3.zstd"}) {
-    const auto bag = open_bag(bags / name);
+    const auto bag = open_bag(ros2_bags / name);
     for (int i = 0; i < 10; ++i) bag->next();
     bag->rewind();
-    EXPECT_EQ(contents_of(*bag).messages, contents_of(bags / name).messages) << name;
+    EXPECT_EQ(ros2_contents_of(*bag).messages, ros2_contents_of(ros2_bags / name).messages) << name;
     EXPECT_EQ(bag->bytes_read(), bag->file_size()) << name;
   }
 }
 
 TEST(OpenBag, RefusesWhatIsNoBag) {
   const test::TemporaryFolder folder;
-  EXPECT_THROW(contents_of_bytes("text"), Error);
-  EXPECT_THROW(contents_of_bytes(""), Error);
-  EXPECT_THROW(contents_of_bytes(std::string("SQLite format 3\0", 16)), Error);
+  EXPECT_THROW(ros2_contents_of_bytes("text"), Error);
+  EXPECT_THROW(ros2_contents_of_bytes(""), Error);
+  EXPECT_THROW(ros2_contents_of_bytes(std::string("SQLite format 3\0", 16)), Error);
   EXPECT_THROW(open_bag(folder / "none.db3"), Error);
   EXPECT_THROW(open_bag(folder.path()), Error);
 }
 
 TEST(McapReader, ReadsAFileUpToTheCutWhereverThatIs) {
   for (const char* name : {"mono.mcap", "run-lz4.mcap", "run-zstd.mcap"}) {
-    const std::string whole = read_text(bags / name);
-    const Contents all = contents_of(bags / name);
+    const std::string whole = read_text(ros2_bags / name);
+    const Ros2Contents all = ros2_contents_of(ros2_bags / name);
     std::size_t most = 0;
     for (std::size_t size = 8; size < whole.size(); size += 997) {
-      const Contents cut = contents_of_bytes(whole.substr(0, size));
+      const Ros2Contents cut = ros2_contents_of_bytes(whole.substr(0, size));
       EXPECT_TRUE(is_front(cut, all)) << name << " " << size;
       EXPECT_GE(cut.messages.size(), most) << name << " " << size;
       EXPECT_EQ(cut.problems.broken_chunks, 0U) << name << " " << size;
@@ -92,21 +92,21 @@ TEST(McapReader, ReadsAFileUpToTheCutWhereverThatIs) {
 }
 
 TEST(McapReader, PassesOverAChunkWithAWrongChecksum) {
-  std::string bytes = read_text(bags / "mono.mcap");
-  const std::size_t all = contents_of(bags / "mono.mcap").messages.size();
+  std::string bytes = read_text(ros2_bags / "mono.mcap");
+  const std::size_t all = ros2_contents_of(ros2_bags / "mono.mcap").messages.size();
   bytes[15'000] = static_cast<char>(bytes[15'000] ^ 1);  // in the second of its chunks
-  const Contents damaged = contents_of_bytes(bytes);
+  const Ros2Contents damaged = ros2_contents_of_bytes(bytes);
   EXPECT_EQ(damaged.problems.broken_chunks, 1U);
   EXPECT_LT(damaged.messages.size(), all);
   EXPECT_GT(damaged.messages.size(), all / 3);
 }
 
 TEST(SqliteBagReader, ReadsAFileUpToTheCut) {
-  const std::string whole = read_text(bags / "mono.db3");
-  const Contents all = contents_of(bags / "mono.db3");
+  const std::string whole = read_text(ros2_bags / "mono.db3");
+  const Ros2Contents all = ros2_contents_of(ros2_bags / "mono.db3");
   std::size_t most = 0;
   for (std::size_t size = 5 * 4096; size < whole.size(); size += 4096) {
-    const Contents cut = contents_of_bytes(whole.substr(0, size));
+    const Ros2Contents cut = ros2_contents_of_bytes(whole.substr(0, size));
     EXPECT_TRUE(is_front(cut, all)) << size;
     EXPECT_EQ(cut.problems.truncated_bytes, whole.size() - size);
     most = std::max(most, cut.messages.size());
@@ -115,7 +115,7 @@ TEST(SqliteBagReader, ReadsAFileUpToTheCut) {
 }
 
 TEST(SqliteBagReader, GivesTheSameFromADamagedFileWhenRewound) {
-  const std::string whole = read_text(bags / "run-message.db3");
+  const std::string whole = read_text(ros2_bags / "run-message.db3");
   const test::TemporaryFolder folder;
   int read = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
@@ -125,9 +125,9 @@ TEST(SqliteBagReader, GivesTheSameFromADamagedFileWhenRewound) {
     write_whole(folder / "damaged.db3", damaged);
     try {
       const auto bag = open_bag(folder / "damaged.db3");
-      const Contents first = contents_of(*bag);
+      const Ros2Contents first = ros2_contents_of(*bag);
       bag->rewind();
-      ASSERT_EQ(contents_of(*bag).messages, first.messages) << seed;
+      ASSERT_EQ(ros2_contents_of(*bag).messages, first.messages) << seed;
       read += first.messages.empty() ? 0 : 1;
     } catch (const Error&) {  // its tables cannot be found
     }
@@ -159,7 +159,7 @@ for page, child in zip(inner, inner[1:] + [leaf]):
         data[at:at + 4] = (child + 1).to_bytes(4, 'big')
 open('many.db3', 'wb').write(data)
 )");
-  std::filesystem::copy_file(bags / "mono.db3", folder / "many.db3");
+  std::filesystem::copy_file(ros2_bags / "mono.db3", folder / "many.db3");
   const auto made = test::run_shell("/usr/bin/python3 damage.py", folder.path());
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const auto bag = open_bag(folder / "many.db3");
@@ -173,18 +173,19 @@ open('many.db3', 'wb').write(data)
 TEST(SqliteBagReader, ReadsTheLogOfAKilledRecorder) {
   const test::TemporaryFolder folder;
   // The process ends without closing the file, so its newest message is in the write-ahead log alone.
-  const std::string script = "import os, shutil, sqlite3; shutil.copy('" + (bags / "mono.db3").string() +
+  const std::string script = "import os, shutil, sqlite3; shutil.copy('" + (ros2_bags / "mono.db3").string() +
                              "', 'killed.db3'); c = sqlite3.connect('killed.db3'); c.execute('PRAGMA journal_mode=WAL'); "
                              "c.execute(\"INSERT INTO messages SELECT max(id) + 1, topic_id, timestamp, x'00010000' FROM "
                              "messages\"); c.commit(); os._exit(9)";
   write_whole(folder / "kill.py", script);
   test::run_shell("python3 kill.py", folder.path());
   ASSERT_TRUE(fs::exists(folder / "killed.db3-wal"));
-  EXPECT_EQ(contents_of(folder / "killed.db3").messages.size(), contents_of(bags / "mono.db3").messages.size() + 1);
+  EXPECT_EQ(ros2_contents_of(folder / "killed.db3").messages.size(),
+            ros2_contents_of(ros2_bags / "mono.db3").messages.size() + 1);
 }
 
 TEST(ReadBagContents, CountsWhatTopicsContain) {
-  const BagContents contents = read_bag_contents(bags / "mono.mcap");
+  const BagContents contents = read_bag_contents(ros2_bags / "mono.mcap");
   ASSERT_EQ(contents.topics.size(), 1U);
   const TopicContents& topic = contents.topics.front();
   EXPECT_EQ(topic.encoding, "mono");

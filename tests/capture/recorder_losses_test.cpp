@@ -28,13 +28,12 @@ using test::event_stream;
 using test::events_in_file;
 using test::MadeSource;
 using test::noise;
+using test::recorder_sensor;
 using test::RunRecorderTest;
 using test::sources_of;
 
-constexpr events::SensorSize size = test::recorder_sensor;
-
 TEST_F(RunRecorderTest, LeavesOutAndCountsWhatCannotBeWritten) {
-  std::vector<events::Event> events = test::steady_events(1000, 100'000, 10, size);
+  std::vector<events::Event> events = test::steady_events(1000, 100'000, 10, recorder_sensor);
   const std::vector<events::Event> sound = events;
   events.insert(events.begin() + 300, event_at(50'000, 1, 1));         // back in time
   events.insert(events.begin() + 400, event_at(200'000'000, 640, 1));  // beyond the sensor, and of no right time either
@@ -88,7 +87,7 @@ TEST_F(RunRecorderTest, DropsAndCountsWholePacketsWhereWritingIsTooSlow) {
 }
 
 TEST_F(RunRecorderTest, CountsWhatTheSourceLostDuringTheRunOnly) {
-  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, recorder_sensor);
   class Losing : public MadeSource {
    public:
     using MadeSource::MadeSource;
@@ -188,7 +187,7 @@ TEST_F(RunRecorderTest, DoesNotGrowOverALongReplay) {
   GTEST_SKIP() << "the sanitizer keeps freed memory";
 #endif
   constexpr std::size_t packets = 6000, packet_events = 8192;
-  const std::vector<events::Event> pattern = test::steady_events(packet_events, 0, 0, size);
+  const std::vector<events::Event> pattern = test::steady_events(packet_events, 0, 0, recorder_sensor);
   std::atomic<std::size_t> early{0}, late{0};
   auto replay = [&, k = std::size_t{0}](CameraPacket& packet, std::chrono::milliseconds) mutable {
     if (k == packets / 4) early = resident_bytes();

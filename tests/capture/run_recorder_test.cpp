@@ -26,13 +26,12 @@ using test::events_in_file;
 using test::imu_stream;
 using test::MadeSource;
 using test::noise;
+using test::recorder_sensor;
 using test::RunRecorderTest;
 using test::sources_of;
 
-constexpr events::SensorSize size = test::recorder_sensor;
-
 TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
-  const std::vector<events::Event> events = test::steady_events(50'000, 1'000'000, 20, size);
+  const std::vector<events::Event> events = test::steady_events(50'000, 1'000'000, 20, recorder_sensor);
   std::vector<events::ImuSample> samples;
   for (int i = 0; i < 100; ++i)
     samples.push_back({.t = camera_time(1'000'000 + 10'000 * i), .temperature_c = 20.0F + static_cast<float>(i)});
@@ -85,7 +84,7 @@ TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
 }
 
 TEST_F(RunRecorderTest, ReportsThatItIsNotCompleteWhileItRecords) {
-  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(1000, 0, 10, recorder_sensor);
   RunRecorder recorder(sources_of(event_source(test::packets_of_events(events, 100, false))), nullptr, nullptr);
   const RunFolder run = make_run_folder(data.path(), "fan");
   recorder.begin({.run = run, .session = "monday", .duration = {}});
@@ -112,7 +111,7 @@ TEST_F(RunRecorderTest, LetsASourceWaitThatIsNotLive) {
 }
 
 TEST_F(RunRecorderTest, CutsAReplayToItsDurationToTheMicrosecond) {
-  const std::vector<events::Event> events = test::steady_events(10'000, 5'000, 100, size);
+  const std::vector<events::Event> events = test::steady_events(10'000, 5'000, 100, recorder_sensor);
   RunRecorder recorder(sources_of(event_source(test::packets_of_events(events, 300, true), false)), nullptr, nullptr);
   const RunSummary summary = record(recorder, 50ms);
   EXPECT_EQ(summary.ended, "duration");
@@ -150,7 +149,7 @@ TEST_F(RunRecorderTest, EndsALiveRunByTheHostsClock) {
 }
 
 TEST_F(RunRecorderTest, KeepsWhatCameBeforeTheSourceWasGone) {
-  const std::vector<events::Event> events = test::steady_events(5000, 0, 10, size);
+  const std::vector<events::Event> events = test::steady_events(5000, 0, 10, recorder_sensor);
   auto gone = [sent = false, events](CameraPacket& packet, std::chrono::milliseconds) mutable -> CameraSource::Received {
     if (sent) throw Error("tcp://127.0.0.1:7777: the stream ends inside a packet; expected it whole");
     sent = true;

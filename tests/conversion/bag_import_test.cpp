@@ -38,7 +38,7 @@ void expect_events(const fs::path& recording, const nlohmann::json& truth) {
   EXPECT_TRUE(events::examine_recording(recording).healthy());
 }
 
-std::string refusal_of(const std::string& bag, const BagImportOptions& options = {}) {
+std::string import_refusal_of(const std::string& bag, const BagImportOptions& options = {}) {
   const test::TemporaryFolder folder;
   try {
     import_bag(bags / (bag + ".bag"), folder / "fan/01", options);
@@ -224,11 +224,11 @@ TEST(ImportBag, SortsMessagesThatOverlap) {
 }
 
 TEST(ImportBag, RequiresAChoiceAmongSeveralEventTopics) {
-  const std::string message = refusal_of("two-cameras");
+  const std::string message = import_refusal_of("two-cameras");
   EXPECT_NE(message.find("/left/events, /right/events; expected a choice by --events-topic"), std::string::npos) << message;
   const test::TemporaryFolder folder;
   EXPECT_EQ(import_bag(bags / "two-cameras.bag", folder / "fan/01", {.events_topic = "/right/events"}).events, 50U);
-  EXPECT_NE(refusal_of("two-cameras", {.events_topic = "/up/events"}).find("has no topic /up/events with events"),
+  EXPECT_NE(import_refusal_of("two-cameras", {.events_topic = "/up/events"}).find("has no topic /up/events with events"),
             std::string::npos);
 }
 
@@ -238,12 +238,12 @@ TEST(ImportBag, OmitsADeselectedTopic) {
   EXPECT_FALSE(fs::exists(folder / "fan/01/video.mp4"));
   EXPECT_TRUE(read_text(folder / "fan/01/robot.csv").starts_with("timestamp,actual_TCP_pose_0,"));
   EXPECT_EQ(events::RecordingReader(folder / "fan/01/events.aedat4").streams().size(), 1U);
-  EXPECT_NE(refusal_of("run", {.events_topic = "none"}).find("--events-topic"), std::string::npos);
+  EXPECT_NE(import_refusal_of("run", {.events_topic = "none"}).find("--events-topic"), std::string::npos);
 }
 
 TEST(ImportBag, ReportsWhatABagLacks) {
-  EXPECT_NE(refusal_of("no-events").find("no topic has events"), std::string::npos);
-  EXPECT_NE(refusal_of("evt2").find("encoded as 'evt2'; expected libcaer, libcaer_cmp, mono or evt3"), std::string::npos);
+  EXPECT_NE(import_refusal_of("no-events").find("no topic has events"), std::string::npos);
+  EXPECT_NE(import_refusal_of("evt2").find("encoded as 'evt2'; expected libcaer, libcaer_cmp, mono or evt3"), std::string::npos);
 }
 
 TEST(ImportBag, NamesADefinitionThatItDoesNotKnow) {

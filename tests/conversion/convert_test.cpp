@@ -7,6 +7,7 @@
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/conversion/hdf5_recording.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -15,8 +16,9 @@
 namespace tactile::conversion {
 namespace {
 
+using test::vendor_files;
+
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));

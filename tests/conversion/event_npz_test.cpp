@@ -6,6 +6,7 @@
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -13,8 +14,9 @@
 namespace tactile::conversion {
 namespace {
 
+using test::vendor_files;
+
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 /// What Python finds in an NPZ, as truth.json has it.
 nlohmann::json numpy_sums(const fs::path& file) {

@@ -7,6 +7,7 @@
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -18,8 +19,9 @@
 namespace tactile::conversion {
 namespace {
 
+using test::vendor_files;
+
 namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
 
 /// Runs Python lines in `folder`, with numpy as np and h5py; returns what they print.
 std::string python(const test::TemporaryFolder& folder, const std::string& lines) {
@@ -31,7 +33,7 @@ std::string python(const test::TemporaryFolder& folder, const std::string& lines
 }
 
 /// The error for a file.
-std::string refusal_of(const fs::path& file, const ConvertOptions& options = {}) {
+std::string hdf5_refusal_of(const fs::path& file, const ConvertOptions& options = {}) {
   const test::TemporaryFolder folder;
   try {
     convert_recording(file, folder / "out.aedat4", options);
@@ -151,12 +153,12 @@ TEST(Hdf5Recording, TakesTheSensorFromTheUserWhereTheFileLacksIt) {
   python(folder,
          "with h5py.File('theirs.h5', 'w') as f:\n"
          "    for n in ('t_us', 'x', 'y', 'on'): f['events/' + n] = np.array([0, 1])\n");
-  EXPECT_NE(refusal_of(folder / "theirs.h5").find("--size WxH"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "theirs.h5").find("--size WxH"), std::string::npos);
   convert_recording(folder / "theirs.h5", folder / "out.aedat4", {.size = events::SensorSize{320, 240}, .source = "mine"});
   EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().size, (events::SensorSize{320, 240}));
   EXPECT_EQ(events::RecordingReader(folder / "out.aedat4").streams().front().source, "mine");
   convert_recording(folder / "out.aedat4", folder / "out.h5");
-  EXPECT_NE(refusal_of(folder / "out.h5", {.size = events::SensorSize{64, 48}}).find("omit --size"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "out.h5", {.size = events::SensorSize{64, 48}}).find("omit --size"), std::string::npos);
 }
 
 TEST(Hdf5Recording, ReportsInWordsWhatIsWrongWithAFile) {
@@ -167,7 +169,7 @@ TEST(Hdf5Recording, ReportsInWordsWhatIsWrongWithAFile) {
            "    columns = dict(t_us=np.arange(5), x=np.arange(5), y=np.arange(5), on=np.ones(5, dtype='u1'))\n"
            "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n" +
                change + "\n    for n, v in columns.items(): f.create_dataset('events/' + n, data=v)\n");
-    return refusal_of(folder / "bad.h5");
+    return hdf5_refusal_of(folder / "bad.h5");
   };
   const auto expect = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
@@ -187,7 +189,7 @@ TEST(Hdf5Recording, ReportsInWordsWhatIsWrongWithAFile) {
   expect(refusal("    columns = {}\n    f['other'] = 1"), "contains no recording, only other");
   expect(refusal("    columns = {}\n    f['events'] = np.zeros(3, dtype=[('t', 'i8'), ('x', 'u2')])"), "/events: is not a group");
   write_whole(folder / "bad.h5", "no HDF5 at all");
-  expect(refusal_of(folder / "bad.h5"), "cannot be opened");
+  expect(hdf5_refusal_of(folder / "bad.h5"), "cannot be opened");
 }
 
 TEST(Hdf5Recording, NeverAllocatesForWhatAFileMerelyClaims) {
@@ -201,8 +203,8 @@ TEST(Hdf5Recording, NeverAllocatesForWhatAFileMerelyClaims) {
       "    f.attrs['sensor_width'], f.attrs['sensor_height'] = 64, 48\n"
       "    for n in ('t_us', 'x', 'y', 'on'):\n"
       "        f.create_dataset('events/' + n, shape=(5,), maxshape=(None,), dtype='i8', chunks=(2**28,), compression='gzip')\n");
-  EXPECT_NE(refusal_of(folder / "huge.h5").find("claims more values than its file can contain"), std::string::npos);
-  EXPECT_NE(refusal_of(folder / "chunk.h5").find("chunks of more than 64 MiB"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "huge.h5").find("claims more values than its file can contain"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "chunk.h5").find("chunks of more than 64 MiB"), std::string::npos);
 }
 
 /// Reads a recording's every element; whether that gives an error.
@@ -261,8 +263,8 @@ TEST(Hdf5Recording, ReportsThatADatasetIsNoRecording) {
          "        if not attributes: f.create_group('runs')\n"
          "with h5py.File('linked.h5', 'w') as f: f['events'] = h5py.ExternalLink('other.h5', '/events')\n");
   for (const char* name : {"dataset.h5", "dataset.events.h5"})
-    EXPECT_NE(refusal_of(folder / name).find("is the events file of a dataset"), std::string::npos);
-  EXPECT_NE(refusal_of(folder / "linked.h5").find("lies in another file"), std::string::npos);
+    EXPECT_NE(hdf5_refusal_of(folder / name).find("is the events file of a dataset"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "linked.h5").find("lies in another file"), std::string::npos);
 }
 
 TEST(Hdf5Recording, NeverHoldsTimesThatStepBack) {
@@ -282,7 +284,7 @@ TEST(Hdf5Recording, LeavesOutASizeThatAStreamDoesNotHave) {
   writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
   writer.write_events(4, test::steady_events(30, 0, 100, {320, 240}));
   writer.close();
-  EXPECT_NE(refusal_of(folder / "two.h5").find("--size WxH"), std::string::npos);
+  EXPECT_NE(hdf5_refusal_of(folder / "two.h5").find("--size WxH"), std::string::npos);
   const Hdf5RecordingReader reader(folder / "two.h5", events::SensorSize{320, 240});
   EXPECT_EQ(reader.streams()[0].size, (events::SensorSize{64, 48}));
   EXPECT_EQ(reader.streams()[1].size, (events::SensorSize{320, 240}));
@@ -294,7 +296,7 @@ TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
          "with h5py.File('theirs.h5', 'w') as f:\n"
          "    for n in ('t_us', 'x', 'y', 'on'):\n"
          "        f.create_dataset('events/' + n, data=np.zeros(1000, dtype='i8'), chunks=(100,), compression='lzf')\n");
-  const std::string message = refusal_of(folder / "theirs.h5", {.size = events::SensorSize{64, 48}});
+  const std::string message = hdf5_refusal_of(folder / "theirs.h5", {.size = events::SensorSize{64, 48}});
   EXPECT_NE(message.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << message;
 }
 

@@ -7,13 +7,14 @@
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/conversion/convert.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::conversion {
 namespace {
 
-const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
+using test::vendor_files;
 
 TEST(ConvertCsv, ReadsTheColumnsAndTimesOfOtherPrograms) {
   const test::TemporaryFolder folder;

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "support/host_time.hpp"
 #include "tactile/core/random.hpp"
 
 namespace tactile::detect {
 namespace {
 
-HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
+using test::host_time;
 
 constexpr std::int64_t base = 1'700'000'000'000'000;
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/host_time.hpp"
 #include "tactile/detect/live_detector.hpp"
 #include "tactile/model/inference/heatmap_classifier.hpp"
 
@@ -16,8 +17,6 @@ namespace tactile::test {
 inline constexpr events::SensorSize sensor{50, 50};
 inline const heatmaps::HeatmapOptions short_history{.history = 10ms, .tick = 2ms};
 inline constexpr std::int64_t base = 1'700'000'000'000'000;
-
-inline HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
 
 /// A network that predicts slip for a heatmap with events.
 inline model::Logits slip_where_anything_is(std::span<const std::uint8_t> heatmap) {

@@ -12,12 +12,10 @@
 namespace tactile::events {
 namespace {
 
+using test::stored_bytes;
+
 namespace fs = std::filesystem;
 constexpr SensorSize small{64, 48};
-
-std::string stored_bytes(const fs::path& file, const PacketRecord& packet) {
-  return read_text(file).substr(packet.payload_offset - 8, packet.payload_size + 8);
-}
 
 class CutRecording : public testing::Test {
  protected:

@@ -5,8 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "events/aedat4_bytes.hpp"
+
 namespace tactile::events {
 namespace {
+
+using test::event;
 
 using Words = std::vector<std::uint16_t>;
 
@@ -27,12 +31,6 @@ std::vector<std::int64_t> times_of(const Decoded& made) {
   std::vector<std::int64_t> times;
   for (const Event& event : made.events) times.push_back(us_of(event.t));
   return times;
-}
-Event event(std::int64_t t_us, int x, int y, int on) {
-  return {.t = camera_time(t_us),
-          .x = static_cast<std::int16_t>(x),
-          .y = static_cast<std::int16_t>(y),
-          .on = static_cast<std::uint8_t>(on)};
 }
 
 TEST(Evt3Decoder, ReadsSingleEventsAndVectorsOfARow) {

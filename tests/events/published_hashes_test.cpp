@@ -32,7 +32,7 @@ std::map<std::string, std::string> published_hashes(const fs::path& expected_ass
 }
 
 template <class T>
-void append(std::string& bytes, const T& value) {
+void append_value(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
@@ -40,22 +40,22 @@ void append(std::string& bytes, const T& value) {
 std::map<std::string, std::string> columns_of(const test::RecordingContents& contents) {
   std::map<std::string, std::string> columns;
   for (const Event& event : contents.events) {
-    append(columns["t"], us_of(event.t));
-    append(columns["x"], event.x);
-    append(columns["y"], event.y);
-    append(columns["on"], event.on);
+    append_value(columns["t"], us_of(event.t));
+    append_value(columns["x"], event.x);
+    append_value(columns["y"], event.y);
+    append_value(columns["on"], event.on);
   }
   for (const ImuSample& sample : contents.imu) {
     std::string& bytes = columns["imus"];
-    append(bytes, us_of(sample.t));
-    append(bytes, sample.temperature_c);
-    append(bytes, sample.acceleration_g);
-    append(bytes, sample.angular_rate_dps);
-    append(bytes, sample.magnetic_field_ut);
+    append_value(bytes, us_of(sample.t));
+    append_value(bytes, sample.temperature_c);
+    append_value(bytes, sample.acceleration_g);
+    append_value(bytes, sample.angular_rate_dps);
+    append_value(bytes, sample.magnetic_field_ut);
   }
   for (const Trigger& trigger : contents.triggers) {
-    append(columns["triggers"], us_of(trigger.t));
-    append(columns["triggers"], trigger.type);
+    append_value(columns["triggers"], us_of(trigger.t));
+    append_value(columns["triggers"], trigger.type);
   }
   for (const Frame& frame : contents.frames) columns["frame"].append(frame.pixels.begin(), frame.pixels.end());
   return columns;

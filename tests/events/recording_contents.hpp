@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tactile/core/sha256.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile::test {
@@ -107,6 +108,11 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 }
 inline bool same(const RecordingContents& a, const RecordingContents& b) {
   return a.events == b.events && same(a.imu, b.imu) && same(a.triggers, b.triggers) && same(a.frames, b.frames);
+}
+
+/// A packet as the file has it, with its header.
+inline std::string stored_bytes(const std::filesystem::path& file, const events::PacketRecord& packet) {
+  return read_text(file).substr(packet.payload_offset - 8, packet.payload_size + 8);
 }
 
 }  // namespace tactile::test

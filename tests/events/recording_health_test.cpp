@@ -8,6 +8,7 @@
 #include "events/made_recording.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
@@ -15,8 +16,7 @@ namespace tactile::events {
 namespace {
 
 using test::event_at;
-
-const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
+using test::vendor_files;
 
 bool mentions(const std::vector<std::string>& lines, const std::string& words) {
   return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != std::string::npos; });

@@ -6,13 +6,14 @@
 
 #include "events/recording_contents.hpp"
 #include "support/paths.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 
 namespace tactile::events {
 namespace {
 
-const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
+using test::vendor_files;
 
 // Files that the vendor's own writer made, and what went into them.
 class VendorFile : public testing::TestWithParam<const char*> {

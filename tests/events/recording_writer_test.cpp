@@ -13,6 +13,7 @@
 #include "support/file_size_limit.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 
@@ -22,8 +23,7 @@ namespace {
 using test::mini;
 using test::other_stream;
 using test::random_events;
-
-const std::filesystem::path vendor_files = std::filesystem::path(test::data_folder) / "aedat4";
+using test::vendor_files;
 
 class EveryCompression : public testing::TestWithParam<Compression> {};
 

@@ -8,18 +8,17 @@
 #include "events/recording_contents.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_health.hpp"
 
 namespace tactile::events {
 namespace {
 
-namespace fs = std::filesystem;
-const fs::path vendor_files = fs::path(test::data_folder) / "aedat4";
+using test::stored_bytes;
+using test::vendor_files;
 
-std::string stored_bytes(const fs::path& file, const PacketRecord& packet) {
-  return read_text(file).substr(packet.payload_offset - 8, packet.payload_size + 8);
-}
+namespace fs = std::filesystem;
 
 std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));

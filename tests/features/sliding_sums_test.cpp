@@ -10,7 +10,7 @@
 namespace tactile::features {
 namespace {
 
-constexpr events::SensorSize sensor{640, 480};
+constexpr events::SensorSize summed_sensor{640, 480};
 
 events::Event event_at(std::int64_t us, int x, int y, bool on) {
   return {camera_time(us), static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::uint8_t>(on ? 1 : 0)};
@@ -42,7 +42,7 @@ std::vector<events::Event> any_events(std::int64_t from_us, std::size_t count, R
 TEST(SlidingSums, EqualASlowSumInEveryBinAtEveryTickAndAfterSkippedOnes) {
   Random random(7);
   const auto events = any_events(-20'000, 20'000, random);
-  SlidingSums sums(sensor, 20ms, 1ms);
+  SlidingSums sums(summed_sensor, 20ms, 1ms);
   std::size_t given = 0;
   for (std::int64_t t = 0; t < us_of(events.back().t);
        t += random.below(5) == 0 ? 2'000 * static_cast<int>(random.below(30)) : 2'000) {
@@ -63,7 +63,7 @@ TEST(SlidingSums, EqualASlowSumInEveryBinAtEveryTickAndAfterSkippedOnes) {
 }
 
 TEST(SlidingSums, CountEventsThatComeAfterTheHistoryHasMovedAhead) {
-  SlidingSums sums(sensor, 4ms, 2ms);
+  SlidingSums sums(summed_sensor, 4ms, 2ms);
   sums.move_to(camera_time(10'000));
   sums.add(std::vector{event_at(5'999, 1, 1, true), event_at(6'000, 2, 2, true), event_at(9'999, 3, 3, true)});
   sums.move_to(camera_time(10'000));
@@ -76,7 +76,7 @@ TEST(SlidingSums, DoNotDriftInAYear) {
   // One tick in each minute of a year, at both ends of camera time's sign: sums stay those of their own events.
   Random random(3);
   constexpr std::int64_t year_us = 365LL * 24 * 3600 * 1'000'000, minute_us = 60'000'000;
-  SlidingSums sums(sensor, 4ms, 2ms);
+  SlidingSums sums(summed_sensor, 4ms, 2ms);
   std::vector<events::Event> last;
   for (std::int64_t t = -year_us / 2; t < year_us / 2; t += minute_us) {
     last = any_events(t - 4'500, 12, random);
@@ -91,7 +91,7 @@ TEST(SlidingSums, DoNotDriftInAYear) {
 }
 
 TEST(SlidingSums, LeaveOutTheEventsOfMaskedPixels) {
-  SlidingSums sums(sensor, 2ms, 2ms, {{5, 6}});
+  SlidingSums sums(summed_sensor, 2ms, 2ms, {{5, 6}});
   sums.add(std::vector{event_at(0, 5, 6, true), event_at(1, 6, 5, false)});
   sums.move_to(camera_time(2'000));
   EXPECT_EQ(sums.events(), 1U);
@@ -100,9 +100,9 @@ TEST(SlidingSums, LeaveOutTheEventsOfMaskedPixels) {
 
 TEST(SlidingSums, RefuseWhatTheyCannotCount) {
   EXPECT_THROW(SlidingSums({0, 480}, 4ms, 2ms), Error);
-  EXPECT_THROW(SlidingSums(sensor, 5ms, 2ms), Error);
-  EXPECT_THROW(SlidingSums(sensor, 5ms, 1us), Error);
-  SlidingSums sums(sensor, 4ms, 2ms);
+  EXPECT_THROW(SlidingSums(summed_sensor, 5ms, 2ms), Error);
+  EXPECT_THROW(SlidingSums(summed_sensor, 5ms, 1us), Error);
+  SlidingSums sums(summed_sensor, 4ms, 2ms);
   EXPECT_THROW(sums.add(std::vector{event_at(0, 640, 0, true)}), Error);
   EXPECT_THROW(sums.add(std::vector{event_at(0, 0, -1, true)}), Error);
   sums.add(std::vector{event_at(5, 0, 0, true)});

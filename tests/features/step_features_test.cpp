@@ -12,7 +12,7 @@
 namespace tactile::features {
 namespace {
 
-constexpr events::SensorSize sensor{64, 48};
+constexpr events::SensorSize small_sensor{64, 48};
 
 /// The features of each window by its definition, from all events.
 std::array<float, step_values> by_definition(const std::vector<events::Event>& events, CameraTime tick,
@@ -32,7 +32,7 @@ std::array<float, step_values> by_definition(const std::vector<events::Event>& e
       ++sum.cells[event->on][y * grid_rows / 48 * grid_columns + x * grid_columns / 64];
     }
     std::array<float, features_of_window> all{};
-    window_features(sum, sensor, all);
+    window_features(sum, small_sensor, all);
     std::copy_n(all.begin(), features_of_step, values.begin() + static_cast<std::ptrdiff_t>(k * features_of_step));
   }
   return values;
@@ -67,7 +67,7 @@ TEST(StepFeatures, AreThoseOfTheirDefinitionAtAnyTicks) {
   const std::vector<events::Event> events = random_events(6'000);
   for (const microseconds tick : {2'000us, 1'000us, 4'000us, 500us}) {
     const StepWindows windows = step_windows(40ms, 2ms, tick);
-    StepFeatures steps(sensor, windows);
+    StepFeatures steps(small_sensor, windows);
     steps.add(events);
     Random random(5);
     for (CameraTime t{0us}; t < CameraTime{200ms}; t = after(t, tick * static_cast<std::int64_t>(1 + random.below(3)))) {
@@ -80,7 +80,7 @@ TEST(StepFeatures, AreThoseOfTheirDefinitionAtAnyTicks) {
 TEST(StepFeatures, ReadAWindowAgainOnceEventsCameLater) {
   const std::vector<events::Event> events = random_events(4'000);
   const StepWindows windows = step_windows(40ms, 2ms, 2ms);
-  StepFeatures steps(sensor, windows);
+  StepFeatures steps(small_sensor, windows);
   auto given = events.begin();
   for (std::int64_t ms = 40; ms < 180; ms += 2) {
     const CameraTime t{microseconds{1000 * ms}};
@@ -102,7 +102,7 @@ TEST(StepFeatures, ReadAWindowAgainOnceEventsCameLater) {
 }
 
 TEST(StepFeatures, AreFiniteBeforeTheFirstTickWithoutEventsAndSaturated) {
-  StepFeatures steps(sensor, step_windows(40ms, 2ms, 2ms));
+  StepFeatures steps(small_sensor, step_windows(40ms, 2ms, 2ms));
   const auto none = steps.features();
   steps.move_to(CameraTime{40ms});
   EXPECT_EQ(steps.features(), none) << "no events";
@@ -116,7 +116,7 @@ TEST(StepFeatures, AreFiniteBeforeTheFirstTickWithoutEventsAndSaturated) {
 
 TEST(StepFeatures, DoNotDriftWithinAYear) {
   const StepWindows windows = step_windows(40ms, 2ms, 2ms);
-  StepFeatures steps(sensor, windows);
+  StepFeatures steps(small_sensor, windows);
   const std::vector<events::Event> once = random_events(800);
   std::array<float, step_values> first{};
   for (std::int64_t day = 0; day <= 365; day += 5) {

@@ -7,26 +7,24 @@
 
 #include "alignment/made_run.hpp"
 #include "labels/altered_run.hpp"
+#include "labels/press_and_slip.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::labels {
 namespace {
 
+using test::lift_after_press;
 using test::made_camera_begin_us;
 using test::made_lift;
+using test::press_and_slip;
 using test::write_made_run;
-
-// A press of 200 ms at 0.8 s; a lift at 1.5 s that moves for 0.6 s, with the skin firing from 3 ms after its start to 3 ms before
-// its end.
-const test::MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
-const robot::RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
 
 double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - test::made_camera_begin_us) / 1000.0; }
 
 TEST(LabelRun, FindsPressAndSlipInCameraTime) {
   const test::TemporaryFolder data;
-  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift_after_press));
   EXPECT_TRUE(labels.flags.empty()) << labels.flags.front().reason;
   ASSERT_EQ(labels.intervals.size(), 2U);
   EXPECT_EQ(labels.intervals[0].touch, Touch::press);
@@ -39,7 +37,7 @@ TEST(LabelRun, FindsPressAndSlipInCameraTime) {
 
 TEST(LabelRun, FlagsARecordingThatLostEventsOnTheirWay) {
   const test::TemporaryFolder data;
-  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
   RunInfo info{
       .object = run.object, .run = run.run, .session = "", .simulated = false, .complete = true, .width = 64, .height = 48};
   const auto lost = [](int events) { return nlohmann::json{{"packets", 0}, {"events", events}, {"others", 0}}; };
@@ -60,7 +58,7 @@ TEST(LabelRun, FlagsARecordingThatLostEventsOnTheirWay) {
 
 TEST(LabelRun, RelatesTheRobotsClockAndKeepsTheLagOutOfIt) {
   const test::TemporaryFolder data;
-  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift));
+  const Labels labels = label_run(write_made_run(data.path(), press_and_slip, lift_after_press));
   ASSERT_EQ(labels.robot_clocks.size(), 1U);
   // Events that do not follow the arm's speed, as no skin's do: the interval shows how little they decide.
   EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
@@ -92,7 +90,7 @@ TEST(LabelRun, WithoutRobotLogUsesTheOrderAndFlagsThat) {
 
 TEST(LabelRun, OfNoiseAloneFindsNothingAndFlagsThat) {
   const test::TemporaryFolder data;
-  const Labels labels = label_run(write_made_run(data.path(), {}, lift));
+  const Labels labels = label_run(write_made_run(data.path(), {}, lift_after_press));
   EXPECT_TRUE(labels.intervals.empty());
   EXPECT_TRUE(labels.run_is_flagged());
 }
@@ -110,7 +108,7 @@ TEST(LabelRun, OfAnArmThatNeverRisesHasNoSlip) {
 
 TEST(LabelRun, RemarksThatMotionsAreThoseOfTheTarget) {
   const test::TemporaryFolder data;
-  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
   std::string text = read_text(run.robot());
   for (std::size_t at = 0; (at = text.find("actual_TCP", at)) != std::string::npos;) text.replace(at, 6, "target");
   write_whole(run.robot(), text);
@@ -123,7 +121,7 @@ TEST(LabelRun, RemarksThatMotionsAreThoseOfTheTarget) {
 
 TEST(LabelRun, FlagsAGapInTheRecording) {
   const test::TemporaryFolder data;
-  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
   // Rewritten without what lies between 1.45 and 1.55 s, the slip's onset among it.
   events::RecordingReader recording(run.events());
   events::RecordingWriter writer(data / "cut.aedat4", {events::event_stream_declaration({64, 48}, "DVXplorer_TEST")});
@@ -146,9 +144,9 @@ bool says(const Labels& labels, const std::string& words) {
 
 TEST(LabelRun, FlagsAGapInTheRobotLog) {
   const test::TemporaryFolder data;
-  robot::RobotLog torn = lift;
+  robot::RobotLog torn = lift_after_press;
   std::erase_if(torn.states, [](const robot::RobotState& state) {
-    const std::int64_t us = us_of(state.t) - us_of(lift.states.front().t);
+    const std::int64_t us = us_of(state.t) - us_of(lift_after_press.states.front().t);
     return us > 300'000 && us < 500'000;
   });
   const Labels labels = label_run(write_made_run(data.path(), press_and_slip, torn));
@@ -159,7 +157,7 @@ TEST(LabelRun, FlagsAGapInTheRobotLog) {
 
 TEST(LabelRun, FlagsARobotsClockThatRestarts) {
   const test::TemporaryFolder data;
-  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
   // Five rows of another clock ahead of the others, which are still there whole.
   std::string text = read_text(run.robot());
   std::string rows;
@@ -170,7 +168,7 @@ TEST(LabelRun, FlagsARobotsClockThatRestarts) {
   const Labels labels = label_run(run);
   EXPECT_TRUE(says(labels, "restarts 1 time within its log"));
   ASSERT_EQ(labels.robot_clocks.size(), 1U) << "nothing shows the five rows' clock";
-  EXPECT_EQ(labels.robot_clocks[0].relation.reference_us, us_of(lift.states.front().t));
+  EXPECT_EQ(labels.robot_clocks[0].relation.reference_us, us_of(lift_after_press.states.front().t));
   EXPECT_LE(labels.robot_clocks[0].offset_low_us, -123'456'789);
   EXPECT_GE(labels.robot_clocks[0].offset_high_us, -123'456'789);
   EXPECT_TRUE(labels.robot_clocks[0].from && labels.robot_clocks[0].to);
@@ -190,7 +188,8 @@ TEST(LabelRun, LeavesOpenWhetherASlipEndsWithTheArmOrWithTheEvents) {
 
 TEST(LabelRun, FlagsATouchThatTheRecordingBeginsWithin) {
   const test::TemporaryFolder data;
-  const Labels labels = label_run(write_made_run(data.path(), {.bursts = {{0, 250'000}, {1'503'000, 2'097'000}}}, lift));
+  const Labels labels =
+      label_run(write_made_run(data.path(), {.bursts = {{0, 250'000}, {1'503'000, 2'097'000}}}, lift_after_press));
   ASSERT_EQ(labels.intervals.size(), 2U);
   ASSERT_TRUE(labels.interval_is_flagged(0));
   EXPECT_EQ(labels.flags.front().reason, "the recording begins within it: its onset lies before the first event");
@@ -222,7 +221,7 @@ TEST(LabelRun, FlagsALiftThatTheObjectFollows) {
   // The skin shears for 28 ms, in which the arm moves by 0.5 mm at 1.2 m/s^2; the arm continues for 0.6 s. The host's times
   // relate the clocks to a few milliseconds.
   const test::TemporaryFolder data;
-  robot::RobotLog logged = lift;
+  robot::RobotLog logged = lift_after_press;
   for (robot::RobotState& state : logged.states) state.host_time = HostTime{microseconds{us_of(state.t) - 123'456'789}};
   const RunFolder run = write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}, {1'502'000, 1'530'000, 120}}}, logged);
   RunInfo info = read_run_info(run);
@@ -238,7 +237,7 @@ TEST(LabelRun, FlagsALiftThatTheObjectFollows) {
 
 TEST(LabelRun, GivesTheSameBytesEachTime) {
   const test::TemporaryFolder data;
-  const RunFolder run = write_made_run(data.path(), press_and_slip, lift);
+  const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
   write_labels(data / "first.json", label_run(run));
   write_labels(data / "second.json", label_run(run));
   EXPECT_EQ(read_text(data / "first.json"), read_text(data / "second.json"));

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "alignment/made_run.hpp"
+#include "labels/press_and_slip.hpp"
 #include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -12,18 +13,17 @@
 namespace tactile::labels {
 namespace {
 
+using test::lift_after_press;
 using test::made_lift;
 using test::MadeRun;
+using test::press_and_slip;
 using test::TemporaryFolder;
-
-const MadeRun press_and_slip{.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}};
-const robot::RobotLog lift = made_lift(1'500'000, 500'000, 0.06, -123'456'789);
 
 /// Two runs of one object, of one session if it has a name.
 std::vector<RunFolder> write_two_runs(const TemporaryFolder& data, const std::string& session) {
   std::vector<RunFolder> runs;
   for (const std::string name : {"01", "02"}) {
-    runs.push_back(test::write_made_run(data.path(), press_and_slip, lift, name));
+    runs.push_back(test::write_made_run(data.path(), press_and_slip, lift_after_press, name));
     RunInfo info = read_run_info(runs.back());
     info.session = session;
     write_run_info(runs.back(), info);

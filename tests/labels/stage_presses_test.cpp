@@ -2,23 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include "labels/made_interval.hpp"
+
 namespace tactile::labels {
 namespace {
 
+using test::made_interval;
+
 CameraTime at_ms(std::int64_t ms) { return camera_time(1000 * ms); }
 
-LabelledInterval interval(Touch touch, std::int64_t start_ms, std::int64_t end_ms) {
-  const alignment::UncertainTime start{at_ms(start_ms), at_ms(start_ms), at_ms(start_ms)};
-  const alignment::UncertainTime end{at_ms(end_ms), at_ms(end_ms), at_ms(end_ms)};
-  return {.id = {}, .touch = touch, .start = start, .end = end, .source = "events", .evidence = {}, .confirmed = false};
-}
-
 /// A recording of 10 s with a robot log on the camera's clock, whose output changes at these times.
-struct MadeRun {
+struct StageRun {
   alignment::RunSignals signals;
   alignment::RobotClocks clocks;
 
-  explicit MadeRun(std::vector<std::int64_t> closes_ms) {
+  explicit StageRun(std::vector<std::int64_t> closes_ms) {
     signals.rate.begin = at_ms(0);
     signals.rate.last = at_ms(10'000);
     signals.robot.resize(1);
@@ -37,44 +35,44 @@ struct MadeRun {
 };
 
 TEST(MissingPresses, AreCommandsWithoutAPress) {
-  const MadeRun run({1000, 4000});
+  const StageRun run({1000, 4000});
   Labels labels;
-  labels.intervals = {interval(Touch::press, 1300, 1500), interval(Touch::slip, 7000, 8000)};
+  labels.intervals = {made_interval(Touch::press, 1300, 1500), made_interval(Touch::slip, 7000, 8000)};
   const std::vector<LabelFlag> flags = missing_presses(run.signals, run.clocks, labels);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_FALSE(flags[0].interval_index);
   EXPECT_EQ(flags[0].reason, "the stage was commanded to close at 4.00 s, and no press is labelled in the 2 s after it");
   EXPECT_EQ(stage_command(run.signals, run.clocks, at_ms(1300)), at_ms(1000));
 
-  labels.intervals.insert(labels.intervals.begin() + 1, interval(Touch::press, 4400, 4600));
+  labels.intervals.insert(labels.intervals.begin() + 1, made_interval(Touch::press, 4400, 4600));
   EXPECT_TRUE(missing_presses(run.signals, run.clocks, labels).empty());
 }
 
 TEST(MissingPresses, AreNotKnownByAnOutputThatIsNoStages) {
   Labels labels;
-  labels.intervals = {interval(Touch::press, 1300, 1500)};
-  const MadeRun lamp({4000, 5000}), late({1000, 9000});
+  labels.intervals = {made_interval(Touch::press, 1300, 1500)};
+  const StageRun lamp({4000, 5000}), late({1000, 9000});
   EXPECT_TRUE(missing_presses(lamp.signals, lamp.clocks, labels).empty());
   EXPECT_TRUE(missing_presses(late.signals, late.clocks, labels).empty()) << "the recording may end before that press";
-  MadeRun two({1000, 4000});
+  StageRun two({1000, 4000});
   two.signals.robot[0].log.output_changes[1].output = "digital output 1";
   EXPECT_TRUE(missing_presses(two.signals, two.clocks, labels).empty());
-  MadeRun unrelated({1000, 4000});
+  StageRun unrelated({1000, 4000});
   unrelated.clocks.pieces[0].reset();
   EXPECT_TRUE(missing_presses(unrelated.signals, unrelated.clocks, labels).empty());
 }
 
 TEST(MissingPresses, AreBetweenAReleaseAndASlip) {
-  const MadeRun run({});
+  const StageRun run({});
   Labels labels;
-  labels.intervals = {interval(Touch::press, 1300, 1500), interval(Touch::slip, 4000, 5000)};
+  labels.intervals = {made_interval(Touch::press, 1300, 1500), made_interval(Touch::slip, 4000, 5000)};
   labels.releases = {{Touch::none, at_ms(2000), at_ms(2200)}};
   const std::vector<LabelFlag> flags = missing_presses(run.signals, run.clocks, labels);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_FALSE(flags[0].interval_index);
   EXPECT_EQ(flags[0].reason, "the skin was released before the slip at 4.00 s, and no press is labelled between them");
 
-  labels.intervals.insert(labels.intervals.begin() + 1, interval(Touch::press, 3000, 3200));
+  labels.intervals.insert(labels.intervals.begin() + 1, made_interval(Touch::press, 3000, 3200));
   EXPECT_TRUE(missing_presses(run.signals, run.clocks, labels).empty());
 }
 

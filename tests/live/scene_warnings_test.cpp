@@ -5,11 +5,11 @@
 namespace tactile::live {
 namespace {
 
-constexpr events::SensorSize sensor{100, 100};  // so that 5000 events per second are 0.5 per pixel
+constexpr events::SensorSize scene_sensor{100, 100};  // so that 5000 events per second are 0.5 per pixel
 constexpr double usual_hz = 5'000;
 
 std::string first_warning(const characterise::Scene& scene, const std::vector<characterise::Scene>& earlier = {}) {
-  const std::vector<std::string> warnings = scene_warnings(scene, earlier, sensor);
+  const std::vector<std::string> warnings = scene_warnings(scene, earlier, scene_sensor);
   return warnings.empty() ? "" : warnings.front();
 }
 

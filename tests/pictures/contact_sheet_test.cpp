@@ -26,16 +26,16 @@ SheetTile tile_of(int width, int height, int value = 100, std::optional<Touch> t
           .touch = touch};
 }
 
-cv::Mat pixels_of(const cv::Mat& picture, const cv::Scalar& colour) {
+cv::Mat mask_of(const cv::Mat& picture, const cv::Scalar& colour) {
   cv::Mat found;
   cv::inRange(picture, colour, colour, found);
   return found;
 }
 
 /// How many frames of this colour: an area of it that hangs together and is as large as a frame.
-int frames_of(const cv::Mat& sheet, const cv::Scalar& colour) {
+int number_of_frames(const cv::Mat& sheet, const cv::Scalar& colour) {
   cv::Mat labels, numbers, middles;
-  const int count = cv::connectedComponentsWithStats(pixels_of(sheet, colour), labels, numbers, middles);
+  const int count = cv::connectedComponentsWithStats(mask_of(sheet, colour), labels, numbers, middles);
   int frames = 0;
   for (int i = 1; i < count; ++i) frames += numbers.at<int>(i, cv::CC_STAT_AREA) > 1000 ? 1 : 0;
   return frames;
@@ -43,7 +43,7 @@ int frames_of(const cv::Mat& sheet, const cv::Scalar& colour) {
 
 /// Whether a frame of that many pixels along the edge is blank: nothing was drawn into it, so nothing is clipped by it.
 bool edge_is_blank(const cv::Mat& sheet, int wide) {
-  cv::Mat inked = 255 - pixels_of(sheet, {255, 255, 255});
+  cv::Mat inked = 255 - mask_of(sheet, {255, 255, 255});
   inked(cv::Rect(wide, wide, sheet.cols - 2 * wide, sheet.rows - 2 * wide)).setTo(0);
   return cv::countNonZero(inked) == 0;
 }
@@ -52,9 +52,9 @@ TEST(ContactSheet, FramesThreePicturesOfEveryMomentInTheColourOfItsLabel) {
   std::vector<SheetTile> press(4, tile_of(128, 96, 0, Touch::press)), slip(2, tile_of(128, 96, 0, Touch::slip));
   press.front().touch = Touch::none;
   const cv::Mat sheet = contact_sheet({{.title = "press", .tiles = press}, {.title = "slip", .tiles = slip}}, {.columns = 3});
-  EXPECT_EQ(frames_of(sheet, touch_colour(Touch::press)), 3 * 3);
-  EXPECT_EQ(frames_of(sheet, touch_colour(Touch::slip)), 2 * 3);
-  EXPECT_EQ(frames_of(sheet, touch_colour(Touch::none)), 1 * 3);
+  EXPECT_EQ(number_of_frames(sheet, touch_colour(Touch::press)), 3 * 3);
+  EXPECT_EQ(number_of_frames(sheet, touch_colour(Touch::slip)), 2 * 3);
+  EXPECT_EQ(number_of_frames(sheet, touch_colour(Touch::none)), 1 * 3);
 }
 
 TEST(ContactSheet, ShowsEachOfTheThreePicturesByItsOwnScale) {
@@ -66,7 +66,7 @@ TEST(ContactSheet, ShowsEachOfTheThreePicturesByItsOwnScale) {
     const cv::Mat sheet = contact_sheet({{.title = "", .tiles = {tile}}}, {.brightness = brightness});
     const cv::Mat dark = contact_sheet({{.title = "", .tiles = {tile_of(128, 96, 0)}}}, {.brightness = brightness});
     const cv::Scalar brightest(164, 255, 252);  // of which the scales have some too
-    return cv::countNonZero(pixels_of(sheet, brightest)) - cv::countNonZero(pixels_of(dark, brightest));
+    return cv::countNonZero(mask_of(sheet, brightest)) - cv::countNonZero(mask_of(dark, brightest));
   };
   constexpr int one = 4;  // a pixel, shown twice as large
   EXPECT_EQ(bright_pixels({.counts = 7, .heatmap = 90}), 3 * one);
@@ -103,7 +103,7 @@ TEST(ContactSheet, HasRoomForABanner) {
                     }};
   const cv::Mat sheet = contact_sheet(groups, options);
   EXPECT_GE(sheet.rows, height + 70);
-  EXPECT_EQ(cv::countNonZero(pixels_of(sheet, {1, 2, 3})), 70 * place.width) << "nothing is drawn over it";
+  EXPECT_EQ(cv::countNonZero(mask_of(sheet, {1, 2, 3})), 70 * place.width) << "nothing is drawn over it";
 }
 
 TEST(ContactSheet, KeepsOfAMomentWhatIsShown) {

@@ -12,7 +12,7 @@ namespace {
 
 using tactile::test::run_tactile;
 
-constexpr events::SensorSize sensor{320, 240};
+constexpr events::SensorSize converted_sensor{320, 240};
 
 /// The path of a CSV with these events, and the events that another CSV has.
 std::string csv_of(const std::vector<events::Event>& events) {
@@ -22,7 +22,7 @@ std::string csv_of(const std::vector<events::Event>& events) {
 }
 
 std::vector<events::Event> events_in(const std::filesystem::path& csv) {
-  events::EventCsvReader reader(csv, sensor, {});
+  events::EventCsvReader reader(csv, converted_sensor, {});
   std::vector<events::Event> all;
   for (auto piece = reader.next(); !piece.empty(); piece = reader.next()) all.insert(all.end(), piece.begin(), piece.end());
   return all;
@@ -30,14 +30,14 @@ std::vector<events::Event> events_in(const std::filesystem::path& csv) {
 
 TEST(ConvertStress, WritesWhatTheRecipesMakeOfTheEvents) {
   const tactile::test::TemporaryFolder folder;
-  const auto events = test::random_events(5000, sensor);
+  const auto events = test::random_events(5000, converted_sensor);
   write_whole(folder / "in.csv", csv_of(events));
-  const std::string size = fmt::format("--size {}x{} ", sensor.width, sensor.height);
+  const std::string size = fmt::format("--size {}x{} ", converted_sensor.width, converted_sensor.height);
   const auto result =
       run_tactile("convert in.csv out.csv --json --seed 3 --stress noise:100,jitter:2000,late:20 " + size, folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto recipes = parse_recipes("noise:100,jitter:2000,late:20", 3);
-  const auto expected = worsened(events, recipes, sensor);
+  const auto expected = worsened(events, recipes, converted_sensor);
   EXPECT_EQ(events_in(folder / "out.csv"), expected);
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("stress").size(), 3U);

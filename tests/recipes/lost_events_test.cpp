@@ -11,10 +11,10 @@ using events::Event;
 using test::after_recipe;
 using test::event;
 
-constexpr events::SensorSize sensor{16, 12};
+constexpr events::SensorSize lossy_sensor{16, 12};
 
 TEST(Loss, LosesItsShareAndMoreContainsLess) {
-  const auto events = test::random_events(20'000, sensor);
+  const auto events = test::random_events(20'000, lossy_sensor);
   EXPECT_TRUE(after_recipe("loss:100", events).empty());
   const auto kept = after_recipe("loss:30", events), fewer = after_recipe("loss:60", events);
   EXPECT_NEAR(static_cast<double>(kept.size()), 14'000, 350);
@@ -25,7 +25,7 @@ TEST(Loss, LosesItsShareAndMoreContainsLess) {
 }
 
 TEST(BurstLoss, LosesItsShareInBurstsOfItsLength) {
-  const auto events = test::random_events(200'000, sensor, 50);  // 10 s
+  const auto events = test::random_events(200'000, lossy_sensor, 50);  // 10 s
   EXPECT_TRUE(after_recipe("burst-loss:100", events).empty());
   const auto kept = after_recipe("burst-loss:40:burst_ms=5", events);
   EXPECT_NEAR(static_cast<double>(kept.size()) / 200'000, 0.6, 0.06);
@@ -35,7 +35,7 @@ TEST(BurstLoss, LosesItsShareInBurstsOfItsLength) {
 }
 
 TEST(PacketLoss, LosesWholePacketsOfItsLengthFromTheFirstEvent) {
-  const auto events = test::random_events(20'000, sensor, 100, 12'345);  // 2 s: 200 packets of 100 events
+  const auto events = test::random_events(20'000, lossy_sensor, 100, 12'345);  // 2 s: 200 packets of 100 events
   const auto kept = after_recipe("packet-loss:40", events);
   std::map<std::int64_t, int> counts;
   for (const Event& e : kept) ++counts[(us_of(e.t) - 12'345) / 10'000];
@@ -54,7 +54,7 @@ TEST(ReadoutLimit, KeepsWhatItsQueueTakesAndLosesTheLastOfABurst) {
 }
 
 TEST(ReadoutLimit, LosesNothingBelowItsRateAndPassesItsRateAbove) {
-  const auto events = test::random_events(20'000, sensor, 10);  // 0.1 Mev/s
+  const auto events = test::random_events(20'000, lossy_sensor, 10);  // 0.1 Mev/s
   EXPECT_EQ(after_recipe("readout-limit:9999", events), events);
   EXPECT_NEAR(static_cast<double>(after_recipe("readout-limit:20000", events).size()), 10'000, 60);
 }

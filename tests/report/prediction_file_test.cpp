@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "report/plot_rows.hpp"
+#include "report/prediction_text.hpp"
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -14,16 +15,9 @@ using test::contains;
 using test::error_of;
 using test::TemporaryFolder;
 
-const std::string prediction =
-    "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n"
-    "1000,0.9,0.05,0.05,none,none,none,80,\n"
-    "3000,0.1,0.8,0.1,press,press,unlabelled,400,press\n"
-    "5000,0.1,0.8,0.1,press,press,press,400,\n"
-    "7000,0.9,0.05,0.05,none,none,none,80,none\n";
-
 TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
   const TemporaryFolder folder;
-  write_whole(folder / "run.csv", prediction);
+  write_whole(folder / "run.csv", test::prediction_text);
   const pictures::PredictionPicture picture = read_prediction(folder / "run.csv", 40);
   ASSERT_EQ(picture.ticks.size(), 4U);
   EXPECT_EQ(picture.ticks[1].verdict, Touch::press);
@@ -41,10 +35,10 @@ TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
            {"", "line 1: has no column 't_us'"},
            {"t_us,p_none,p_press,p_slip,verdict,label,truth,events\n", "has no tick"},
            {"a,b\n", "line 1: has no column 't_us'"},
-           {prediction + "9000,x,y,z,none,none,none,80,\n", "line 6: has a field that is not a number"},
-           {prediction + "9000,0.9,0.1,0,twist,none,none,80,\n", "line 6: has an unknown class"},
-           {prediction + "7000,0.9,0.1,0,none,none,none,80,\n", "line 6: is not later than the line before"},
-           {prediction + "9000,0.9\n", "line 6: has too few columns"}}) {
+           {test::prediction_text + "9000,x,y,z,none,none,none,80,\n", "line 6: has a field that is not a number"},
+           {test::prediction_text + "9000,0.9,0.1,0,twist,none,none,80,\n", "line 6: has an unknown class"},
+           {test::prediction_text + "7000,0.9,0.1,0,none,none,none,80,\n", "line 6: is not later than the line before"},
+           {test::prediction_text + "9000,0.9\n", "line 6: has too few columns"}}) {
     write_whole(folder / "run.csv", text);
     EXPECT_TRUE(contains(error_of([&] { read_prediction(folder / "run.csv", 40); }), words)) << words;
   }

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "report/plot_rows.hpp"
+#include "report/prediction_text.hpp"
 #include "support/error_of.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::contains;
 using test::error_of;
 using test::run_tactile;
 using test::TemporaryFolder;
@@ -98,13 +101,6 @@ json evaluation() {
         {"bins", {{{"from", 0.9}, {"to", 1.0}, {"samples", 50}, {"confidence", 0.97}, {"accuracy", figure(0.95)}}}}}}};
 }
 
-const std::string prediction =
-    "t_us,p_none,p_press,p_slip,verdict,label,truth,events,sample\n"
-    "1000,0.9,0.05,0.05,none,none,none,80,\n"
-    "3000,0.1,0.8,0.1,press,press,unlabelled,400,press\n"
-    "5000,0.1,0.8,0.1,press,press,press,400,\n"
-    "7000,0.9,0.05,0.05,none,none,none,80,none\n";
-
 json claim(const std::string& words, const std::string& outcome) {
   return {{"id", "x"},
           {"in_words", "Above 95 % for 1 of 2 objects."},
@@ -125,7 +121,7 @@ json claim(const std::string& words, const std::string& outcome) {
 /// A study with all parts, in `folder`; `mark` goes into its names.
 json write_study(const fs::path& folder, const std::string& mark = "") {
   write_json(folder / "evaluations/reported.json", evaluation());
-  write_whole(folder / "runs/fan-02.csv", prediction);
+  write_whole(folder / "runs/fan-02.csv", test::prediction_text);
   write_whole(folder / "m/history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n2,0.125,0.95\n");
   write_whole(folder / "u/history.csv", "epoch,loss,accuracy\n1,0.5,0.8\n2,0.0625,0.9\n");
   write_json(folder / "m/model.json", {{"training", {{"batch", 32}, {"learning_rate", 0.001}, {"optimizer", "adam"}}},
@@ -184,8 +180,6 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
   write_json(folder / "study.json", study);
   return study;
 }
-
-bool contains(const std::string& page, const std::string& words) { return page.find(words) != std::string::npos; }
 
 bool any_tells(const std::vector<std::string>& texts, const std::string& words) {
   return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return contains(text, words); });

@@ -8,6 +8,7 @@
 #include <random>
 #include <regex>
 
+#include "report/plot_rows.hpp"
 #include "report/read_plot.hpp"
 #include "support/drawn_plot.hpp"
 #include "support/temporary_folder.hpp"
@@ -17,14 +18,14 @@
 namespace tactile::report {
 namespace {
 
+using test::contains;
 using test::drawn;
+using test::has_row;
 using test::TemporaryFolder;
 using test::Words;
 using test::words_in;
 using test::x_axes;
 using test::XAxis;
-
-bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 
 using Row = std::vector<double>;
 
@@ -38,13 +39,6 @@ std::vector<Row> rows_of(const pictures::PlotTable& table) {
 
 bool is_row(const Row& a, const Row& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return std::abs(x - y) < 1e-9; });
-}
-
-bool has_row(const pictures::Plot& plot, const Row& row) {
-  return std::any_of(plot.tables.begin(), plot.tables.end(), [&row](const pictures::PlotTable& table) {
-    const std::vector<Row> rows = rows_of(table);
-    return std::any_of(rows.begin(), rows.end(), [&row](const Row& other) { return is_row(other, row); });
-  });
 }
 
 /// Labels lie within the axis, and no two of them in each other.

@@ -20,8 +20,8 @@ VideoPhysics clean() {
   return physics;
 }
 
-struct Film {
-  explicit Film(const VideoPhysics& physics, std::uint64_t seed = 1, RunPlan drawn = planned_run())
+struct SimulatedFilm {
+  explicit SimulatedFilm(const VideoPhysics& physics, std::uint64_t seed = 1, RunPlan drawn = planned_run())
       : plan(std::move(drawn)), video(object, plan, clocks, physics, Random(seed)) {}
 
   double seconds(std::size_t i) const { return seconds_of(video.times()[i], clocks.video, clocks); }
@@ -55,7 +55,7 @@ TEST(SimulatedVideo, TakesItsFramesUnevenlyBeyondBothEndsOfTheCamera) {
   std::int64_t frames = 0, lost = 0;
   double squares = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const Film film(clean(), seed);
+    const SimulatedFilm film(clean(), seed);
     const std::vector<VideoTime>& times = film.video.times();
     EXPECT_EQ(us_of(times.front()), 0);
     EXPECT_NEAR(film.seconds(0), -0.5, 1e-9);
@@ -77,12 +77,12 @@ TEST(SimulatedVideo, TakesItsFramesUnevenlyBeyondBothEndsOfTheCamera) {
 TEST(SimulatedVideo, HasTimesThatAscendHoweverTheyJitter) {
   VideoPhysics physics = clean();
   physics.jitter_ms = 100;
-  const Film film(physics);
+  const SimulatedFilm film(physics);
   for (std::size_t i = 1; i < film.video.times().size(); ++i) ASSERT_LT(film.video.times()[i - 1], film.video.times()[i]);
 }
 
 TEST(SimulatedVideo, ShowsMotionInTheFramesThatAreTakenDuringIt) {
-  Film film(clean());
+  SimulatedFilm film(clean());
   const cv::Mat still = film.video.draw(0);
   ASSERT_EQ(still.rows, 240);
   ASSERT_EQ(still.cols, 320);
@@ -100,7 +100,7 @@ TEST(SimulatedVideo, ShowsMotionInTheFramesThatAreTakenDuringIt) {
 }
 
 TEST(SimulatedVideo, MovesTheGripperWithTheArm) {
-  Film film(clean());
+  SimulatedFilm film(clean());
   const double before = row_of_bar(film.video.draw(0));
   double lowest = 0;
   for (std::size_t i = 0; i < film.video.times().size(); ++i) {
@@ -112,7 +112,7 @@ TEST(SimulatedVideo, MovesTheGripperWithTheArm) {
 }
 
 TEST(SimulatedVideo, ClosesTheStageOnTheObjectAndOpensIt) {
-  Film film(clean());
+  SimulatedFilm film(clean());
   // The wall is seen in the gap between the dark sensor and the bright object.
   const auto gap_px = [&](double t_s) {
     const cv::Mat frame = film.at(t_s);
@@ -133,14 +133,14 @@ TEST(SimulatedVideo, ShowsAStageThatIsShutFromTheBeginning) {
   plan.presses.erase(plan.presses.begin());
   plan.presses.front().stage_start_s = -3;
   plan.presses.front().contact_s = -2.7;
-  Film film(clean(), 1, plan);
+  SimulatedFilm film(clean(), 1, plan);
   EXPECT_EQ(film.at(0).at<std::uint8_t>(180, 132), 25) << "the sensor";
   EXPECT_EQ(film.at(0).at<std::uint8_t>(180, 136), 170) << "the object";
   EXPECT_TRUE(same(film.at(0), film.at(3)));
 }
 
 TEST(SimulatedVideo, ShowsBrightObjectsBright) {
-  Film film(clean());
+  SimulatedFilm film(clean());
   film.object.reflectivity = 0.2;
   SimulatedVideo dark(film.object, film.plan, film.clocks, clean(), Random(1));
   EXPECT_EQ(dark.draw(0).at<std::uint8_t>(180, 160), 70);
@@ -150,7 +150,7 @@ TEST(SimulatedVideo, ShowsBrightObjectsBright) {
 TEST(SimulatedVideo, ChangesAllGreyLevelsAtOnceWithTheExposure) {
   VideoPhysics physics = clean();
   physics.exposure_steps_per_s = 3;
-  Film film(physics);
+  SimulatedFilm film(physics);
   const std::vector<double>& exposures = film.video.exposures();
   ASSERT_EQ(exposures.size(), film.video.times().size());
   std::size_t steps = 0;
@@ -172,7 +172,7 @@ TEST(SimulatedVideo, ChangesAllGreyLevelsAtOnceWithTheExposure) {
 TEST(SimulatedVideo, HasTheStatedNoiseInEveryFrame) {
   VideoPhysics physics = clean();
   physics.noise_grey = 4;
-  Film film(physics), quiet(clean());
+  SimulatedFilm film(physics), quiet(clean());
   const auto noise_between = [](const cv::Mat& a, const cv::Mat& b) {
     double sum = 0, squares = 0;
     for (int y = 0; y < a.rows; ++y) {
@@ -193,7 +193,7 @@ TEST(SimulatedVideo, HasTheStatedNoiseInEveryFrame) {
 }
 
 TEST(SimulatedVideo, IsTheSameForTheSameSeed) {
-  Film film({}, 3), again({}, 3), other({}, 4);
+  SimulatedFilm film({}, 3), again({}, 3), other({}, 4);
   EXPECT_EQ(film.video.times(), again.video.times());
   EXPECT_EQ(film.video.exposures(), again.video.exposures());
   EXPECT_TRUE(same(film.video.draw(7), again.video.draw(7)));

@@ -17,7 +17,7 @@ namespace {
 /// Frame i is at i * 33 ms + 1 ms for every third, with a square whose column is i.
 constexpr std::int64_t time_of(int i) { return 33'000 * i + (i % 3 == 0 ? 0 : 1'000); }
 
-void write_film(const std::filesystem::path& file, int frames) {
+void write_short_film(const std::filesystem::path& file, int frames) {
   VideoWriter writer(file, {.width = 128, .height = 64, .frames_per_fragment = 10});
   for (int i = 0; i < frames; ++i) {
     cv::Mat frame(64, 128, CV_8UC1, cv::Scalar(40));
@@ -40,7 +40,7 @@ std::vector<cv::Mat> pictures_of(const std::filesystem::path& film) {
 
 class FilmPartTest : public testing::Test {
  protected:
-  FilmPartTest() { write_film(film, 45); }
+  FilmPartTest() { write_short_film(film, 45); }
 
   test::TemporaryFolder folder;
   std::filesystem::path film = folder / "film.mp4", part = folder / "part.mp4";

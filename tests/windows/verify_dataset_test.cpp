@@ -11,15 +11,14 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
+#include "windows/written_dataset.hpp"
 
 namespace tactile::windows {
 namespace {
 
-namespace fs = std::filesystem;
+using test::mentions;
 
-bool mentions(const std::vector<std::string>& texts, const std::string& part) {
-  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text.find(part) != std::string::npos; });
-}
+namespace fs = std::filesystem;
 
 class VerifyDataset : public testing::Test {
  protected:

@@ -15,14 +15,16 @@ namespace {
 constexpr microseconds tick{2000};
 
 /// 100 s: none for 80 s, ten presses of 0.2 s, ten slips of 1.8 s.
-Transitions usual() {
+Transitions usual_transitions() {
   Transitions transitions;
   transitions.counts = {{{0, 10, 10}, {10, 0, 0}, {10, 0, 0}}};
   transitions.seconds = {80, 2, 18};
   return transitions;
 }
 
-FilterSettings settings(double alarm_cost = default_alarm_cost) { return {.transitions = usual(), .alarm_cost = alarm_cost}; }
+FilterSettings settings(double alarm_cost = default_alarm_cost) {
+  return {.transitions = usual_transitions(), .alarm_cost = alarm_cost};
+}
 
 std::vector<Touch> filtered(const std::vector<Probabilities>& probabilities, const FilterSettings& of = settings()) {
   const std::vector<Touch> unused(probabilities.size());
@@ -60,7 +62,7 @@ TEST(Transitions, CountChangesAndTheTimeInEachClass) {
 }
 
 TEST(Transitions, RefuseOtherShapesAndTimes) {
-  const nlohmann::json good = usual();
+  const nlohmann::json good = usual_transitions();
   for (const auto& [member, value] : {std::pair{"counts", nlohmann::json{{0, 1, 2}}},
                                       {"seconds", nlohmann::json{1, 2}},
                                       {"seconds", nlohmann::json{1, -2, 3}}}) {
@@ -185,7 +187,7 @@ TEST(DecisionFilter, SkipsTicksAsIfNothingWereObserved) {
   for (std::size_t k = 0; k < touch_count; ++k) EXPECT_NEAR(once.state()[k], each.state()[k], 1e-12);
   // After ages only the rates count: the shares of time in each class.
   once.skip(1'000'000'000'000);
-  const double press = usual().rate(Touch::none, Touch::press) / usual().rate(Touch::press, Touch::none);
+  const double press = usual_transitions().rate(Touch::none, Touch::press) / usual_transitions().rate(Touch::press, Touch::none);
   EXPECT_NEAR(once.state()[1] / once.state()[0], press, 0.25 * press);
   EXPECT_NEAR(once.state()[0] + once.state()[1] + once.state()[2], 1, 1e-9);
 }

@@ -14,7 +14,7 @@
 namespace tactile::model {
 namespace {
 
-constexpr events::SensorSize sensor{64, 48};
+constexpr events::SensorSize tree_sensor{64, 48};
 const heatmaps::HeatmapOptions rendering{.history = 8ms, .tick = 2ms};
 
 /// A round of depth 1: the classes compare the number of events in the last quarter, its mean x and its mean y.
@@ -26,7 +26,7 @@ std::shared_ptr<const BoostedTrees> trees() {
 }
 
 TEST(TreeClassifier, ReadsTheFeaturesOfTheHistory) {
-  TreeClassifier classifier(sensor, rendering, trees());
+  TreeClassifier classifier(tree_sensor, rendering, trees());
   classifier.move_to(CameraTime{8ms});
   classifier.prepare();
   EXPECT_EQ(classifier.classify(), (Logits{1, -2, -3})) << "without events the means are in the middle, which goes right";
@@ -55,14 +55,14 @@ TEST(TreeClassifier, ReadsTheFeaturesOfTheHistory) {
 }
 
 TEST(TreeClassifier, DependsOnTheHistoryAloneNotOnTheTicksBefore) {
-  const std::vector<events::Event> events = test::steady_events(4'000, 0, 20, sensor);
-  TreeClassifier every(sensor, rendering, trees());
+  const std::vector<events::Event> events = test::steady_events(4'000, 0, 20, tree_sensor);
+  TreeClassifier every(tree_sensor, rendering, trees());
   every.add(events);
   for (std::int64_t ms = 8; ms <= 80; ms += 2) {
     every.move_to(CameraTime{microseconds{1000 * ms}});
     every.prepare();
     if (ms % 6 != 0) continue;
-    TreeClassifier one(sensor, rendering, trees());
+    TreeClassifier one(tree_sensor, rendering, trees());
     one.add(events);
     one.move_to(CameraTime{microseconds{1000 * ms}});
     one.prepare();
@@ -72,11 +72,11 @@ TEST(TreeClassifier, DependsOnTheHistoryAloneNotOnTheTicksBefore) {
 }
 
 TEST(TreeClassifier, CountsEventsAsTheRendererDoes) {
-  std::vector<events::Event> events = test::steady_events(2'000, 0, 20, sensor);
+  std::vector<events::Event> events = test::steady_events(2'000, 0, 20, tree_sensor);
   heatmaps::HeatmapOptions masked = rendering;
   masked.mask = {{events[3].x, events[3].y}};
-  HeatmapClassifier heatmap(sensor, masked, [](std::span<const std::uint8_t>) { return Logits{}; });
-  TreeClassifier tree(sensor, masked, trees());
+  HeatmapClassifier heatmap(tree_sensor, masked, [](std::span<const std::uint8_t>) { return Logits{}; });
+  TreeClassifier tree(tree_sensor, masked, trees());
   heatmap.add(events), tree.add(events);
   for (std::int64_t ms = 2; ms <= 44; ms += 2) {
     heatmap.move_to(CameraTime{microseconds{1000 * ms}}), tree.move_to(CameraTime{microseconds{1000 * ms}});
@@ -85,7 +85,7 @@ TEST(TreeClassifier, CountsEventsAsTheRendererDoes) {
 }
 
 TEST(TreeClassifier, IsFiniteForEveryEventAtOnePixelAndForSaturation) {
-  TreeClassifier classifier(sensor, rendering, trees());
+  TreeClassifier classifier(tree_sensor, rendering, trees());
   for (const bool everywhere : {false, true}) {
     classifier.restart();
     std::vector<events::Event> events;
@@ -105,7 +105,7 @@ TEST(TreeClassifier, IsFiniteForEveryEventAtOnePixelAndForSaturation) {
 }
 
 TEST(TreeClassifier, RefusesEventsThatGoBackOrLieOutside) {
-  TreeClassifier classifier(sensor, rendering, trees());
+  TreeClassifier classifier(tree_sensor, rendering, trees());
   const std::vector<events::Event> outside{{CameraTime{1ms}, 64, 0, 1}}, good{{CameraTime{1ms}, 63, 0, 1}};
   EXPECT_THROW(classifier.add(outside), Error);
   classifier.add(good);
@@ -114,8 +114,9 @@ TEST(TreeClassifier, RefusesEventsThatGoBackOrLieOutside) {
   EXPECT_EQ(classifier.events(), 1U);
   const auto other =
       std::make_shared<const BoostedTrees>(2, 1, std::vector<BoostedTrees::Node>{{0, 0}, {0, 0}, {0, 0}}, std::vector<float>(6));
-  EXPECT_NE(test::error_of([&] { TreeClassifier(sensor, rendering, other); }).find("trees that read 2 features; expected 84"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { TreeClassifier(tree_sensor, rendering, other); }).find("trees that read 2 features; expected 84"),
+      std::string::npos);
 }
 
 TEST(BoostedTrees, ReadWhatTheyWrite) {

@@ -10,6 +10,7 @@
 #include "tactile/model/torch/fused_layers.hpp"
 #include "tactile/model/torch/lenet_module.hpp"
 #include "tactile/model/torch/torch_part.hpp"
+#include "tactile/model/torch/torch_training.hpp"
 #include "tactile/model/training/blas_threads.hpp"
 #include "tactile/model/training/optimizer_steps.hpp"
 
@@ -43,26 +44,13 @@ torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, events::SensorSiz
   return input;
 }
 
-std::vector<float> values_of(const torch::Tensor& tensor) {
-  const torch::Tensor values = tensor.detach().to(torch::kFloat32).contiguous();
-  const float* first = values.data_ptr<float>();
-  return {first, first + values.numel()};
-}
+constexpr double set_with_each_step = 1e-3;  ///< the learning rate until the first step
 
 void copy_into(torch::Tensor& tensor, const std::vector<float>& values) {
   const torch::NoGradGuard no_gradients;
   const torch::Tensor source = torch::empty(tensor.sizes());
   std::copy(values.begin(), values.end(), source.data_ptr<float>());
   tensor.copy_(source);
-}
-
-std::unique_ptr<torch::optim::Optimizer> make_optimizer(OptimizerKind kind, const std::vector<torch::Tensor>& parameters) {
-  constexpr double set_with_each_step = 1e-3;
-  if (kind == OptimizerKind::adamw)
-    return std::make_unique<torch::optim::AdamW>(parameters, torch::optim::AdamWOptions(set_with_each_step).weight_decay(0.01));
-  if (kind == OptimizerKind::sgd)
-    return std::make_unique<torch::optim::SGD>(parameters, torch::optim::SGDOptions(set_with_each_step).momentum(0.9));
-  return std::make_unique<torch::optim::Adam>(parameters, torch::optim::AdamOptions(set_with_each_step));
 }
 
 /// The key of a parameter's state in an optimizer: its address, as a text in libtorch before 2.0.
@@ -160,7 +148,7 @@ class TrainerWithModule : public TrainerOnTorch {
     if (fast_)
       forget();
     else
-      optimizer_ = make_optimizer(kind_, parameters_);
+      optimizer_ = make_optimizer(kind_, parameters_, set_with_each_step);
     torch::Tensor tensor = torch::empty({static_cast<std::int64_t>(touch_count)}, parameters_[0].options().requires_grad(false));
     for (std::size_t i = 0; i < touch_count; ++i) tensor[static_cast<std::int64_t>(i)] = weights_[i];
     const bool all_alike = std::all_of(weights_.begin(), weights_.end(), [](double weight) { return weight == 1.0; });

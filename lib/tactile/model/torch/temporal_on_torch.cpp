@@ -1,6 +1,4 @@
-#include <ATen/core/ivalue.h>  // clang 14 needs it before torch.h, which uses a vector of an incomplete type
 #include <fmt/core.h>
-#include <torch/torch.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +12,8 @@
 #include "tactile/features/step_features.hpp"
 #include "tactile/model/inference/temporal_network.hpp"
 #include "tactile/model/torch/torch_part.hpp"
+#include "tactile/model/torch/torch_training.hpp"
 #include "tactile/model/training/blas_threads.hpp"
-#include "tactile/model/training/training.hpp"
 
 namespace tactile::model {
 namespace {
@@ -73,20 +71,6 @@ std::array<std::vector<float>, 2> standard_of(std::span<const float> features) {
     standard[1][k] = deviation > 1e-6 * (1 + std::abs(mean)) ? static_cast<float>(1 / deviation) : 1.0F;
   }
   return standard;
-}
-
-std::vector<float> values_of(const torch::Tensor& tensor) {
-  const torch::Tensor values = tensor.detach().contiguous();
-  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
-}
-
-std::unique_ptr<torch::optim::Optimizer> optimizer_of(OptimizerKind kind, const std::vector<torch::Tensor>& parameters,
-                                                      double learning_rate) {
-  if (kind == OptimizerKind::adam)
-    return std::make_unique<torch::optim::Adam>(parameters, torch::optim::AdamOptions(learning_rate));
-  if (kind == OptimizerKind::adamw)
-    return std::make_unique<torch::optim::AdamW>(parameters, torch::optim::AdamWOptions(learning_rate).weight_decay(0.01));
-  return std::make_unique<torch::optim::SGD>(parameters, torch::optim::SGDOptions(learning_rate).momentum(0.9));
 }
 
 void set_rate(torch::optim::Optimizer& optimizer, OptimizerKind kind, double rate) {
@@ -188,7 +172,7 @@ FittedTemporal fit_temporal_on_torch(std::span<const float> features, std::span<
                     targets,
                     class_weights,
                     training,
-                    optimizer_of(training.optimizer, network.parameters(), training.learning_rate),
+                    make_optimizer(training.optimizer, network.parameters(), training.learning_rate),
                     static_cast<std::int64_t>(truth.size())};
   FittedTemporal fitted;
   for (unsigned epoch = 1; epoch <= training.epochs; ++epoch) {
