@@ -48,6 +48,11 @@ nlohmann::json disk_json(const std::filesystem::path& data, const capture::RunSt
   return json;
 }
 
+nlohmann::json json_of(const std::optional<ClockOffset>& clock) {
+  if (!clock) return nullptr;
+  return {{"offset_us", clock->offset.count()}, {"change_ms", in_ms(clock->change)}, {"seconds", in_s(clock->span)}};
+}
+
 nlohmann::json robot_json(const capture::RunRecorder& recorder, std::vector<std::string>& warnings) {
   if (recorder.robot() == nullptr) {
     if (!has_imu(recorder)) warnings.emplace_back("no robot and no IMU: a slip is known only by the order of the touches");
@@ -56,8 +61,8 @@ nlohmann::json robot_json(const capture::RunRecorder& recorder, std::vector<std:
   const robot::RobotMonitorState robot = recorder.robot()->state();
   if (!robot.connected) warnings.emplace_back("the robot is not connected: its motion is not in the log");
   if (!robot.error.empty()) warnings.push_back(robot.error);
-  return {{"connected", robot.connected}, {"rate_hz", robot.rate_hz}, {"rows", robot.rows},
-          {"gaps", robot.gaps},           {"missing", robot.missing}, {"reconnects", robot.reconnects}};
+  return {{"connected", robot.connected}, {"rate_hz", robot.rate_hz},       {"rows", robot.rows},           {"gaps", robot.gaps},
+          {"missing", robot.missing},     {"reconnects", robot.reconnects}, {"clock", json_of(robot.clock)}};
 }
 
 nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, std::vector<std::string>& warnings) {
@@ -71,11 +76,9 @@ nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, 
 }
 
 nlohmann::json clock_json(const capture::RunState& run) {
-  if (!run.clock) return nullptr;
-  return {{"offset_us", run.clock->offset.count()},
-          {"change_ms", in_ms(run.clock->change)},
-          {"seconds", in_s(run.clock->span)},
-          {"lateness_ms", in_ms(run.lateness)}};
+  nlohmann::json json = json_of(run.clock);
+  if (run.clock) json["lateness_ms"] = in_ms(run.lateness);
+  return json;
 }
 
 nlohmann::json run_json(const capture::RunState& run, std::vector<std::string>& warnings) {

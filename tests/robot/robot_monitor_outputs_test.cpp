@@ -177,6 +177,29 @@ TEST(RobotMonitor, CountsAGapWhereALogBeginsOrEndsWithoutTheRobot) {
   EXPECT_TRUE(file.restarts() == 0 && log.gaps.empty());
 }
 
+TEST(RobotMonitor, ReportsHowTheControllersClockGoesAgainstTheHosts) {
+  FakeController controller({.first_timestamp = 5'000, .skew_ppm = 50'000});
+  const test::TemporaryFolder folder;
+  RobotMonitor monitor(options_for(controller));
+  monitor.start_log(folder / "first.csv");
+  ASSERT_TRUE(comes_true([&] { return monitor.state().clock.value_or(ClockOffset{}).span > 1500ms; }));
+  const ClockOffset clock = *monitor.state().clock;
+  const double expected = -0.05 * static_cast<double>(clock.span.count());
+  EXPECT_NEAR(static_cast<double>(clock.change.count()), expected, 0.2 * std::abs(expected)) << "a fast clock";
+  monitor.stop_log();
+  const double first_s = numbers_in_column(folder / "first.csv", "timestamp").front();
+  const double first_host_us = numbers_in_column(folder / "first.csv", "host_time_us").front();
+  const double at_first = static_cast<double>((clock.offset - clock.change).count()) - (first_host_us - 1e6 * first_s);
+  EXPECT_TRUE(at_first > -110'000 && at_first < 5'000) << at_first << " us: the smallest of the first two seconds";
+
+  monitor.start_log(folder / "second.csv");
+  EXPECT_LT(monitor.state().clock.value_or(ClockOffset{}).span, clock.span) << "each log begins again";
+  ASSERT_TRUE(comes_true([&] { return monitor.state().clock.value_or(ClockOffset{}).span > 1000ms; }));
+  controller.restart_clock();
+  ASSERT_TRUE(comes_true([&] { return monitor.state().clock_starts == 2; }));
+  EXPECT_LT(monitor.state().clock.value_or(ClockOffset{}).span, 1000ms) << "and so does each clock";
+}
+
 TEST(RobotMonitor, CountsStartsOfTheClockBetweenLogsToo) {
   auto controller = std::make_unique<FakeController>(FakeControllerOptions{.first_timestamp = 5'000});
   const std::uint16_t port = controller->port();

@@ -76,7 +76,7 @@ function lossesText({ by_reason }) {
   return lost.map(([why, n]) => `${elements(n.events + n.others)}, ${counted(n.packets, "packet")} (${words[why] ?? why})`).join("; ");
 }
 
-/// How far the camera's clock has moved against the host's since the run began: "0.12 ms slow in 40 s (3 ppm)".
+/// How far a device's clock has moved against the host's since the run began: "0.12 ms slow in 40 s (3 ppm)".
 function clockWords({ change_ms, seconds }) {
   const LONG_ENOUGH_S = 10;
   if (seconds < LONG_ENOUGH_S) return `known in ${Math.ceil(LONG_ENOUGH_S - seconds)} s`;
@@ -103,9 +103,10 @@ function recordFacts(state) {
     facts.push([source.name, words[source.state] ?? source.state, source.state === "silent" || source.state === "lost"]);
   }
   if (state.robot) {
-    const { connected, rate_hz, gaps, missing } = state.robot;
+    const { connected, rate_hz, gaps, missing, clock } = state.robot;
     const missed = missing > 0 ? `, ${missing} packages missing in ${counted(gaps, "gap")}` : "";
     facts.push(["Robot", (connected ? `connected, ${rate_hz.toFixed(0)} Hz` : "not connected") + missed, !connected || missing > 0]);
+    if (clock) facts.push(["Robot clock", clockWords(clock)]);
   }
   if (state.video) {
     const { running, frames_per_s, dropped } = state.video;

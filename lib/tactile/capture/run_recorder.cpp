@@ -420,7 +420,7 @@ RunInfo RunRecorder::State::final_info(const RunSummary& summary, HostTime ended
   extra["files"] = files;
   extra["ended"] = summary.ended;
   nlohmann::json& pairs = extra["host_from_camera"] = nlohmann::json::array();
-  for (const ClockPair& pair : open->writer.pairs().pairs()) pairs.push_back({us_of(pair.camera), us_of(pair.host)});
+  for (const ClockPair<CameraClock>& pair : open->writer.pairs().pairs()) pairs.push_back({us_of(pair.device), us_of(pair.host)});
   return info;
 }
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "tactile/capture/camera_source.hpp"
-#include "tactile/capture/clock_pairs.hpp"
 #include "tactile/capture/run_drops.hpp"
+#include "tactile/core/clock_pairs.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/stream.hpp"
 #include "tactile/robot/robot_monitor.hpp"

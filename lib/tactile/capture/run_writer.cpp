@@ -208,10 +208,10 @@ void RunWriter::write_packet(QueuedPacket& queued) {
   so_far_.reached_duration = so_far_.reached_duration || reached_duration;
 }
 
-void RunWriter::note_arrival(const ClockPair& pair) {
-  pairs_.add(pair.camera, pair.host);
+void RunWriter::note_arrival(const ClockPair<CameraClock>& pair) {
+  pairs_.add(pair);
   const std::optional<ClockOffset> clock = pairs_.offset();
-  const microseconds difference{saturating_subtract(us_of(pair.host), us_of(pair.camera))};
+  const microseconds difference{saturating_subtract(us_of(pair.host), us_of(pair.device))};
   const std::scoped_lock lock(guard_);
   lateness_.add(pair.host, microseconds{saturating_subtract(difference.count(), clock->offset.count())});
   so_far_.clock = clock;

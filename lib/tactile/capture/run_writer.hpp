@@ -10,10 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include "tactile/capture/clock_pairs.hpp"
 #include "tactile/capture/packet_queue.hpp"
+#include "tactile/capture/recent_lateness.hpp"
 #include "tactile/capture/recorded_stream.hpp"
 #include "tactile/capture/run_drops.hpp"
+#include "tactile/core/clock_pairs.hpp"
 #include "tactile/events/recording_writer.hpp"
 
 namespace tactile::capture {
@@ -53,14 +54,14 @@ class RunWriter {
   void stop();  ///< closes the queue, and returns once its packets are written
 
   // After `stop`.
-  void close() { file_.close(); }                                ///< @throws Error as RecordingWriter does
-  const events::RecordingWriter& file() const { return file_; }  ///< for its contents
-  const ClockPairs& pairs() const { return pairs_; }             ///< of the first stream's camera
+  void close() { file_.close(); }                                  ///< @throws Error as RecordingWriter does
+  const events::RecordingWriter& file() const { return file_; }    ///< for its contents
+  const ClockPairs<CameraClock>& pairs() const { return pairs_; }  ///< of the first stream's camera
 
  private:
   void write_all();
   void write_packet(QueuedPacket& queued);
-  void note_arrival(const ClockPair& pair);
+  void note_arrival(const ClockPair<CameraClock>& pair);
   void leave_out_misfits(const events::Stream& stream, CameraPacket& packet, RunDrops& drops) const;
   bool cut_to_duration(CameraPacket& packet, const std::optional<CameraTime>& first) const;
   void sync_all();
@@ -72,7 +73,7 @@ class RunWriter {
   PacketQueue& queue_;
   events::RecordingWriter file_;                   ///< used by the writing thread until it has ended, as are the next two
   std::vector<std::optional<CameraTime>> newest_;  ///< the last time written, of each stream
-  ClockPairs pairs_;
+  ClockPairs<CameraClock> pairs_;
 
   mutable std::mutex guard_;  ///< of all that follows
   Written so_far_;            ///< changed by the writing thread only, except `error`

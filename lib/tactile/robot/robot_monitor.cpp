@@ -98,7 +98,8 @@ struct RobotMonitor::State {
   std::unique_ptr<GrowingLog> log;
   std::optional<double> last_timestamp;  ///< in any log or in none
   HostTime last_arrival{};
-  bool was_lost = false;  ///< the connection, since then
+  ClockPairs<RobotClock> clock;  ///< since the log began or the controller's clock restarted
+  bool was_lost = false;         ///< the connection, since then
   HostTime log_begun{};
   bool log_has_rows = false;
   bool gap_is_counted = false;  ///< the present one; an empty line marks it, but not before the first row
@@ -289,7 +290,11 @@ void RobotMonitor::State::take_package(const RtdePackage& package, HostTime arri
     const double step = timestamp - *last_timestamp;
     restarted = step < 0 || (was_lost && std::abs(step - in_s(arrival - last_arrival)) > longest_clock_disagreement_s);
   }
-  if (restarted) ++shown.clock_starts;
+  if (restarted) {
+    ++shown.clock_starts;
+    clock = ClockPairs<RobotClock>();
+  }
+  clock.add({RobotTime{microseconds{std::llround(timestamp * 1e6)}}, arrival});
   if (log) log_numbers(newest, arrival, restarted);
   last_timestamp = timestamp;
   last_arrival = arrival;
@@ -357,6 +362,7 @@ void RobotMonitor::start_log(const std::filesystem::path& file) {
   state_->log = std::move(log);
   state_->log_begun = host_now();
   state_->log_has_rows = false;
+  state_->clock = ClockPairs<RobotClock>();
   state_->gap_is_counted = !state_->shown.connected;
   state_->shown.rows = state_->shown.missing = 0;
   state_->shown.gaps = state_->gap_is_counted ? 1 : 0;
@@ -391,6 +397,7 @@ RobotMonitorState RobotMonitor::state() const {
   const HostTime second_ago = host_now() - 1s;
   shown.rate_hz = static_cast<double>(
       std::count_if(state_->arrivals.begin(), state_->arrivals.end(), [&](HostTime arrival) { return arrival > second_ago; }));
+  shown.clock = state_->clock.offset();
   if (state_->log) {
     shown.rows = state_->log->rows();
     shown.error = state_->log->error();

@@ -97,6 +97,13 @@ test("the camera's clock is known after ten seconds, and only of a live camera",
   assert.deepEqual(fact(fast, "Camera clock").slice(1), ["2.00 ms fast in 100 s (20 ppm)"]);
 });
 
+test("the robot's clock is known like the camera's", () => {
+  const clock = { offset_us: 5, change_ms: -0.4, seconds: 40 };
+  const robot = { connected: true, rate_hz: 500, gaps: 0, missing: 0 };
+  assert.deepEqual(fact(recording({ robot: { ...robot, clock } }), "Robot clock").slice(1), ["0.40 ms fast in 40 s (10 ppm)"]);
+  assert.equal(fact(recording({ robot: { ...robot, clock: null } }), "Robot clock"), undefined, "before its first package");
+});
+
 test("the headline says what the program does", () => {
   assert.deepEqual(headline({ state: null, live: LIVE }), { words: "The program begins.", mark: "" });
   assert.deepEqual(headline(recording()), { words: "Recording fan/03", detail: "1:23", mark: "bad" });

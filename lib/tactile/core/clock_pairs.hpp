@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "tactile/core/time.hpp"
+
+namespace tactile {
+
+/// What a device's clock and the host's showed when something of the device arrived.
+template <class Clock>
+struct ClockPair {
+  std::chrono::time_point<Clock, microseconds> device;
+  HostTime host;
+
+  friend bool operator==(const ClockPair&, const ClockPair&) = default;
+};
+
+/// How a device's clock goes against the host's so far.
+struct ClockOffset {
+  microseconds offset{0};  ///< host - device: the smallest of the last second or two
+  microseconds change{0};  ///< since that of the first second or two
+  microseconds span{0};    ///< host time between the two
+};
+
+/// Arrival times of elements, from which the relation of a device's clock to the host's can be computed later. An element can
+/// arrive late, but never early. Therefore, of each second in host time, the pair with the smallest difference host - device is
+/// kept. Beyond `limit` pairs, neighbours are merged by the same rule: the second becomes two seconds, then four, and so on.
+///
+/// @tparam Clock  CameraClock or RobotClock
+template <class Clock>
+class ClockPairs {
+ public:
+  explicit ClockPairs(std::size_t limit = 4096) : limit_(limit) {}  ///< >= 2
+
+  void add(const ClockPair<Clock>& pair);
+  const std::vector<ClockPair<Clock>>& pairs() const { return pairs_; }  ///< in the order of host time
+  std::optional<ClockOffset> offset() const;                             ///< nothing without a pair
+
+ private:
+  void take(const ClockPair<Clock>& pair);
+
+  std::size_t limit_;
+  microseconds period_{1'000'000};
+  std::vector<ClockPair<Clock>> pairs_;
+};
+
+extern template class ClockPairs<CameraClock>;
+extern template class ClockPairs<RobotClock>;
+
+}  // namespace tactile
