@@ -1,12 +1,13 @@
 // Two models: their figures, and what both say on one run, on the same time axis.
 
 import * as api from "./api.js";
+import { AxisGestures, axisButtons } from "./axis_gestures.js";
 import { MODEL_SIGNALS, SignalStrips } from "./signal_strips.js";
-import { button, el, figuresTable, refill } from "./dom.js";
+import { el, figuresTable, refill } from "./dom.js";
 import { figureText } from "./format.js";
 import { MODEL_FIGURES, comparison, figureOf } from "./figures.js";
 import { compareAddress, runAddress } from "./router.js";
-import { pixelOf, timeAt, wholeOf, zoomed, panned } from "./time_view.js";
+import { pixelOf, wholeOf } from "./time_view.js";
 
 export class ComparePage {
   constructor({ first, second, run }) {
@@ -85,26 +86,12 @@ export class ComparePage {
       ...this.names.map((model) => strips(MODEL_SIGNALS, model)),
     ];
     this.bands = el("div", { class: "bands" });
-    this.surface = el("div", { class: "surface", onpointerdown: (e) => this.#down(e), onpointermove: (e) => this.#move(e) }, this.bands);
-    this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    this.surface = el("div", { class: "surface" }, this.bands);
+    this.gestures = new AxisGestures(this.surface, this);
     const titled = this.strips.map((part, i) => [i > 0 ? el("h3", {}, this.names[i - 1]) : null, part.element]);
-    const zoom = (factor) =>
-      this.#show(
-        factor === Infinity
-          ? wholeOf(this.length_us)
-          : zoomed(this.view, (this.view.from_us + this.view.to_us) / 2, factor, this.length_us),
-      );
     refill(
       this.plots,
-      el(
-        "p",
-        { class: "tools" },
-        button("−", () => zoom(2), { "aria-label": "Zoom out" }),
-        button("+", () => zoom(0.5), { "aria-label": "Zoom in" }),
-        button("‹", () => this.#pan(-0.5), { "aria-label": "Earlier" }),
-        button("›", () => this.#pan(0.5), { "aria-label": "Later" }),
-        button("Whole run", () => zoom(Infinity)),
-      ),
+      el("p", { class: "tools" }, axisButtons(this, "Whole run")),
       this.problem,
       el("div", { class: "stack" }, titled, this.surface),
     );
@@ -137,31 +124,11 @@ export class ComparePage {
     );
   }
 
-  #show(view) {
+  /// Shows a part of the run.
+  show(view) {
     this.view = view;
     for (const part of this.strips) part.show(view);
     this.#bands();
-  }
-
-  #pan(share) {
-    this.#show(panned(this.view, share * (this.view.to_us - this.view.from_us), this.length_us));
-  }
-
-  #down(event) {
-    this.surface.setPointerCapture(event.pointerId);
-    this.held = event.clientX;
-  }
-
-  #move(event) {
-    if (!event.buttons) return;
-    this.#pan((this.held - event.clientX) / this.width);
-    this.held = event.clientX;
-  }
-
-  #wheel(event) {
-    event.preventDefault();
-    const x = event.clientX - this.surface.getBoundingClientRect().left;
-    this.#show(zoomed(this.view, timeAt(x, this.view, this.width), Math.exp(event.deltaY / 300), this.length_us));
   }
 
   stop() {

@@ -1,69 +1,72 @@
-// Cuts as lines over the event rate of a whole recording: dragged, moved by keys, added and removed.
+// Cuts as lines over the event rate of a long recording: dragged, moved by keys, added and removed. The axis zooms as that of a run.
 
-import { chart, onScheme } from "./chart.js";
-import { colour, el } from "./dom.js";
+import { AxisGestures } from "./axis_gestures.js";
+import { el } from "./dom.js";
 import { secondsText } from "./format.js";
+import { Overview } from "./overview.js";
+import { SignalStrips } from "./signal_strips.js";
 import { movedCut, withCut, withoutCut } from "./split_cuts.js";
+import { around, fitted, pixelOf, wholeOf } from "./time_view.js";
 
-const STEP_US = 10_000;
-const FAR_US = 100_000;
+const STEP_US = 10_000; // of a key
+const FURTHER = 10; // with Shift
+const OUTSIDE_PX = 20; // where lines wait that the axis does not show
 
 export class CutLines {
+  /// @param rate  the signal of the event rate, as the server lists it
+  /// @param load  async ({from_us, to_us, points, names}, {signal}) => answer of /signals
   /// @param changed  (cuts) => …, after each change
-  constructor({ rate, length_us, touches, changed }) {
-    Object.assign(this, { rate, length_us, touches, changed });
+  constructor({ rate, load, length_us, touches, changed, failed }) {
+    Object.assign(this, { length_us, touches, changed });
     this.cuts = [];
-    this.place = el("div", { class: "cut-chart" });
-    this.over = el("div", { class: "cut-lines" });
-    this.element = el("div", { class: "cut-area", role: "group", "aria-label": "Event rate with cuts" }, this.place, this.over);
+    this.view = wholeOf(length_us);
+    this.labels = { intervals: touches.map(({ kind, begin_us, end_us }) => ({ touch: kind, start_us: begin_us, end_us })) };
+    this.strips = new SignalStrips({ signals: [rate], load, length_us, failed });
+    this.overview = new Overview(this);
+    this.over = el("div", { class: "surface cut-lines" });
+    this.element = el(
+      "div",
+      { class: "timeline cut-area", role: "group", "aria-label": "Event rate with cuts" },
+      this.overview.element,
+      el("div", { class: "stack" }, this.strips.element, this.over),
+    );
+    const isFree = (target) => !target.closest(".cut");
+    this.gestures = new AxisGestures(this.over, this, { isFree });
     this.over.addEventListener("dblclick", (event) => {
-      if (event.target !== this.over) return;
-      const cuts = withCut(this.cuts, this.#time(event.clientX), this.length_us);
+      const cuts = isFree(event.target) ? withCut(this.cuts, this.gestures.timeOf(event), this.length_us) : null;
       if (cuts) this.set(cuts);
     });
-    this.resized = () => this.#lay();
-    addEventListener("resize", this.resized);
   }
 
   /// Draws for the first time; the element must be in the document.
   start(cuts) {
     this.cuts = cuts;
-    this.#chart();
-    this.endTheme = onScheme(() => {
-      this.graph.destroy();
-      this.#chart();
-    });
+    this.strips.start(this.view);
     this.#lines();
+    this.sizes = new ResizeObserver(() => this.#resize());
+    this.sizes.observe(this.element);
+    this.#resize();
   }
 
-  #chart() {
-    this.graph = chart(this.place, {
-      labels: ["s", "events/ms"],
-      rows: this.rate.t_us.map((t, i) => [t / 1e6, this.rate.max[i]]),
-      colours: [colour("series-1")],
-      includeZero: true,
-      dateWindow: [0, this.length_us / 1e6],
-      drawCallback: () => this.#lay(),
-    });
+  #resize() {
+    this.strips.resize();
+    const { left, width } = this.strips.area();
+    this.width = width;
+    for (const { style } of [this.over, this.overview.element]) Object.assign(style, { marginLeft: `${left}px`, width: `${width}px` });
+    this.#lay();
+  }
+
+  /// Shows a part of the recording.
+  show(view) {
+    this.view = fitted(view, this.length_us);
+    this.strips.show(this.view);
+    this.#lay();
   }
 
   set(cuts) {
     this.cuts = cuts;
     this.#lines();
     this.changed(cuts);
-  }
-
-  #area() {
-    const { x, w } = this.graph.getArea();
-    return { left: x, width: Math.max(1, w) };
-  }
-  #x(us) {
-    const { left, width } = this.#area();
-    return left + (width * us) / this.length_us;
-  }
-  #time(clientX) {
-    const { left, width } = this.#area();
-    return ((clientX - this.over.getBoundingClientRect().left - left) / width) * this.length_us;
   }
 
   #lines() {
@@ -82,6 +85,7 @@ export class CutLines {
       "aria-label": `Cut ${index + 1}`,
       "aria-valuemin": 0,
       "aria-valuemax": this.length_us / 1e6,
+      onfocus: () => this.#follow(this.cuts[index]),
       onkeydown: (event) => this.#key(event, index),
       onpointerdown: (event) => this.#drag(event, index, line),
     });
@@ -95,8 +99,16 @@ export class CutLines {
     line.title = secondsText(cut, 1e7);
   }
 
+  #shows(at_us) {
+    return at_us >= this.view.from_us && at_us <= this.view.to_us;
+  }
+
+  #follow(at_us) {
+    if (!this.#shows(at_us)) this.show(around(at_us, this.view.to_us - this.view.from_us, this.length_us));
+  }
+
   #key(event, index) {
-    const step = event.shiftKey ? FAR_US : STEP_US;
+    const step = Math.min(STEP_US, (this.view.to_us - this.view.from_us) / 100) * (event.shiftKey ? FURTHER : 1);
     const by = { ArrowLeft: -step, ArrowRight: step }[event.key];
     if (by !== undefined) this.set(movedCut(this.cuts, index, this.cuts[index] + by, this.length_us));
     else if (event.key === "Delete" || event.key === "Backspace") this.set(withoutCut(this.cuts, index));
@@ -108,10 +120,10 @@ export class CutLines {
     down.preventDefault();
     line.focus({ preventScroll: true });
     line.setPointerCapture(down.pointerId);
-    const move = ({ clientX }) => {
-      this.cuts = movedCut(this.cuts, index, this.#time(clientX), this.length_us);
+    const move = (event) => {
+      this.cuts = movedCut(this.cuts, index, this.gestures.timeOf(event), this.length_us);
       this.#name(line, this.cuts[index]);
-      line.style.left = `${this.#x(this.cuts[index])}px`;
+      this.#lay();
     };
     const end = () => {
       line.removeEventListener("pointermove", move);
@@ -125,18 +137,22 @@ export class CutLines {
   }
 
   #lay() {
-    if (!this.graph) return;
+    if (!this.width) return;
+    Object.assign(this.element.dataset, this.view); // the view, for whoever looks at the document
+    const x = (us) => Math.min(Math.max(pixelOf(us, this.view, this.width), -OUTSIDE_PX), this.width + OUTSIDE_PX);
     for (const [i, band] of [...this.over.querySelectorAll(".cut-touch")].entries()) {
       const { begin_us, end_us } = this.touches[i];
-      Object.assign(band.style, { left: `${this.#x(begin_us)}px`, width: `${Math.max(2, this.#x(end_us) - this.#x(begin_us))}px` });
+      Object.assign(band.style, { left: `${x(begin_us)}px`, width: `${Math.max(2, x(end_us) - x(begin_us))}px` });
     }
-    for (const [i, line] of [...this.over.querySelectorAll(".cut")].entries()) line.style.left = `${this.#x(this.cuts[i])}px`;
+    for (const [i, line] of [...this.over.querySelectorAll(".cut")].entries()) {
+      line.style.left = `${x(this.cuts[i])}px`;
+      line.classList.toggle("outside", !this.#shows(this.cuts[i]));
+    }
+    this.overview.draw();
   }
 
   stop() {
-    removeEventListener("resize", this.resized);
-    this.endTheme?.();
-    this.graph?.destroy();
-    this.graph = null;
+    this.sizes?.disconnect();
+    this.strips.stop();
   }
 }

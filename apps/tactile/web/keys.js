@@ -1,5 +1,6 @@
-// The keys of the run's page. One table, for the handler and for the help.
+// The keys of the pages. One table of each, for the handler and for the help.
 
+import { zoomedMiddle } from "./axis_gestures.js";
 import { ask, dialogIsOpen, el } from "./dom.js";
 import { keptChoice } from "./kept.js";
 
@@ -46,7 +47,19 @@ export function runKeys({ actions, player, timeline, page }) {
           location.hash = "#/";
         },
       ],
-      [["?"], "this help", () => showHelp(page.keys)],
+      [["?"], "this help", () => showRunHelp(page.keys)],
+    ],
+  };
+}
+
+/// The keys of the page that cuts a recording. Its lines are an axis, as `AxisGestures` takes it.
+export function splitKeys({ lines, page }) {
+  return {
+    See: [
+      [["+"], "zoom in", () => lines.show(zoomedMiddle(lines, 0.5))],
+      [["-"], "zoom out", () => lines.show(zoomedMiddle(lines, 2))],
+      [["0"], "the whole recording", () => lines.show(zoomedMiddle(lines, Infinity))],
+      [["?"], "this help", () => showSplitHelp(page.keys)],
     ],
   };
 }
@@ -60,13 +73,32 @@ const HANDLE_KEYS = [
   [["Escape"], "put it back"],
 ];
 
-const MOUSE = [
-  ["Drag a start or end", "move it; Alt: without snapping"],
-  ["Click", "put the cursor there"],
+/// Keys of a cut that has the focus; cut_lines.js acts on them.
+const CUT_KEYS = [
+  [["ArrowLeft", "ArrowRight"], "move it by 10 ms, or a hundredth of the axis if that is less"],
+  [["Shift+ArrowLeft", "Shift+ArrowRight"], "move it ten times as far"],
+  [["Delete"], "remove it"],
+];
+
+const LIST_KEYS = [
+  [["/"], "search"],
+  [["j", "k"], "the next run, the one before"],
+  [["Enter"], "open it"],
+  [["f"], "the first run that is flagged or not confirmed"],
+  [["?"], "this help"],
+];
+
+const AXIS_MOUSE = [
   ["Wheel, pinch", "zoom"],
   ["Drag, Shift + wheel", "move the axis"],
+];
+const RUN_MOUSE = [
+  ["Drag a start or end", "move it; Alt: without snapping"],
+  ["Click", "put the cursor there"],
+  ...AXIS_MOUSE,
   ["Shift + drag, double click", "zoom to it"],
 ];
+const SPLIT_MOUSE = [["Drag a cut", "move it"], ["Double click", "add a cut"], ...AXIS_MOUSE, ["Shift + drag", "zoom to it"]];
 
 const NAMES = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc" };
 
@@ -100,34 +132,23 @@ export function press(event, keys) {
   return false;
 }
 
-const table = (title, rows) => el("table", { class: "keys" }, el("caption", {}, title), el("tbody", {}, rows));
+const row = ([what, words]) => el("tr", {}, el("th", { scope: "row" }, Array.isArray(what) ? what.map(keyName) : what), el("td", {}, words));
+const table = ([title, rows]) => el("table", { class: "keys" }, el("caption", {}, title), el("tbody", {}, rows.map(row)));
 
-export async function showHelp(keys) {
-  const groups = keys ? Object.entries(keys) : [];
-  const row = ([names, words]) => el("tr", {}, el("th", { scope: "row" }, names.map(keyName)), el("td", {}, words));
+/// @param tables  [[title, [[keys, or words of a gesture; what they do], …]], …]
+async function showHelp(tables) {
   const box = el("input", { type: "checkbox", id: "single", checked: single.load(), onchange: () => single.save(box.checked) });
   const content = el(
     "div",
     { class: "help" },
-    groups.map(([title, rows]) => table(title, rows.map(row))),
-    keys
-      ? [
-          table("A start or end that has the focus (Tab goes there)", HANDLE_KEYS.map(row)),
-          table(
-            "Mouse and fingers",
-            MOUSE.map(([what, words]) => el("tr", {}, el("th", { scope: "row" }, what), el("td", {}, words))),
-          ),
-        ]
-      : table("List of runs", LIST_KEYS.map(row)),
+    tables.map(table),
     el("p", {}, box, el("label", { for: "single" }, " Letters and signs are keys. Switch this off if you dictate.")),
   );
   await ask("Keys", content, [{ words: "Close", value: null, kind: "primary" }]);
 }
 
-const LIST_KEYS = [
-  [["/"], "search"],
-  [["j", "k"], "the next run, the one before"],
-  [["Enter"], "open it"],
-  [["f"], "the first run that is flagged or not confirmed"],
-  [["?"], "this help"],
-];
+export const showRunHelp = (keys) =>
+  showHelp([...Object.entries(keys), ["A start or end that has the focus (Tab goes there)", HANDLE_KEYS], ["Mouse and fingers", RUN_MOUSE]]);
+export const showSplitHelp = (keys) =>
+  showHelp([...Object.entries(keys), ["A cut that has the focus (Tab goes there)", CUT_KEYS], ["Mouse and fingers", SPLIT_MOUSE]]);
+export const showListHelp = () => showHelp([["List of runs", LIST_KEYS]]);

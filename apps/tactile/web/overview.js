@@ -1,11 +1,12 @@
-// The whole run as one thin line: where its labels are, and which part of it the axis shows.
+// The whole run as one thin line: where its touches are, and which part of it the axis shows.
 
 import { el } from "./dom.js";
-import { fitted } from "./time_view.js";
+import { around } from "./time_view.js";
 
 export class Overview {
-  constructor(state) {
-    this.state = state;
+  /// @param axis  {view, length_us, labels, at_us, show(view)}; without at_us there is no cursor
+  constructor(axis) {
+    this.axis = axis;
     this.window = el("div", { class: "window" });
     this.cursor = el("div", { class: "cursor" });
     this.marks = el("div", { class: "marks" });
@@ -14,16 +15,16 @@ export class Overview {
       { class: "overview", "aria-hidden": "true", onpointerdown: (e) => this.#go(e), onpointermove: (e) => e.buttons && this.#go(e) },
       this.marks,
       this.window,
-      this.cursor,
+      axis.at_us === undefined ? null : this.cursor,
     );
   }
 
   #share(us) {
-    return `${(100 * us) / this.state.length_us}%`;
+    return `${(100 * us) / this.axis.length_us}%`;
   }
 
   draw() {
-    const { labels, view } = this.state;
+    const { labels, view } = this.axis;
     this.marks.replaceChildren(
       ...labels.intervals.map((i) =>
         el("div", { class: i.touch, style: { left: this.#share(i.start_us), width: this.#share(i.end_us - i.start_us) } }),
@@ -35,13 +36,13 @@ export class Overview {
   }
 
   drawCursor() {
-    this.cursor.style.left = this.#share(this.state.at_us);
+    this.cursor.style.left = this.#share(this.axis.at_us);
   }
 
   #go(event) {
     const box = this.element.getBoundingClientRect();
-    const at = ((event.clientX - box.left) / box.width) * this.state.length_us;
-    const span = this.state.view.to_us - this.state.view.from_us;
-    this.state.setView(fitted({ from_us: at - span / 2, to_us: at + span / 2 }, this.state.length_us));
+    const { view, length_us } = this.axis;
+    const at = ((event.clientX - box.left) / box.width) * length_us;
+    this.axis.show(around(at, view.to_us - view.from_us, length_us));
   }
 }

@@ -196,8 +196,8 @@ export class RunActions {
       here >= 0
         ? ends[here + direction]
         : direction > 0
-          ? ends.find((end) => end.at_us > at_us)
-          : ends.findLast((end) => end.at_us < at_us);
+          ? ends.find((end) => end.at_us >= at_us)
+          : ends.findLast((end) => end.at_us <= at_us);
     next ??= direction > 0 ? ends[0] : ends.at(-1);
     this.player.pause();
     this.state.select({ id: next.id, end: next.end });

@@ -4,7 +4,7 @@ import { button, el, refill } from "./dom.js";
 import { counted, secondsText } from "./format.js";
 import { SPEEDS } from "./player.js";
 import { splitAddress } from "./router.js";
-import { showHelp } from "./keys.js";
+import { showRunHelp } from "./keys.js";
 import { keptPlace } from "./kept.js";
 
 const SNAPS = { automatic: "event, else tick", events: "event", ticks: "tick", nothing: "nothing" };
@@ -69,7 +69,7 @@ export class RunBar {
       this.who ? el("span", { class: "who" }, `as ${this.who}`) : null,
       this.confirm,
       button("Next to review ›", () => page.goToNext(1), { title: "F" }),
-      button("?", () => showHelp(page.keys), { "aria-label": "Keys", title: "Keys (?)" }),
+      button("?", () => showRunHelp(page.keys), { "aria-label": "Keys", title: "Keys (?)" }),
     );
   }
 

@@ -6,7 +6,7 @@ import { countText, counted, lengthText, secondsText, shortNumber } from "./form
 import { keptChoice } from "./kept.js";
 import { filtered, nextToReview, sorted, stateOf, stillComputing } from "./run_order.js";
 import { runAddress } from "./router.js";
-import { showHelp } from "./keys.js";
+import { showListHelp } from "./keys.js";
 import { Thumbnails } from "./thumbnails.js";
 
 const COMPUTING_EVERY_MS = 2000;
@@ -85,7 +85,7 @@ export class RunTable {
         el("span", {}, el("label", { for: "search" }, "Search "), this.search),
         el("span", {}, el("label", { for: "state" }, "Show "), this.state),
         button("Next to review ›", () => this.#goToNext(), { class: "primary", title: "F" }),
-        button("?", () => showHelp(null), { "aria-label": "Keys", title: "Keys (?)" }),
+        button("?", () => showListHelp(), { "aria-label": "Keys", title: "Keys (?)" }),
       ),
       this.count,
       this.leftOut,
@@ -226,7 +226,7 @@ export class RunTable {
     const here = links.indexOf(document.activeElement);
     const action = {
       "/": () => this.search.focus(),
-      "?": () => showHelp(null),
+      "?": () => showListHelp(),
       f: () => this.#goToNext(),
       j: () => links[Math.min(here + 1, links.length - 1)]?.focus(),
       k: () => links[Math.max(here - 1, 0)]?.focus(),

@@ -1,9 +1,11 @@
 // A long recording is cut into runs: the proposal over the event rate, to be moved, added to and taken from, then written.
 
+import { axisButtons } from "./axis_gestures.js";
 import { getSignals, getRun, getSplit, sendSplit } from "./api.js";
 import { CutLines } from "./cut_lines.js";
 import { announce, button, el, refill } from "./dom.js";
 import { counted, secondsFrom, secondsText } from "./format.js";
+import { press, showSplitHelp, splitKeys } from "./keys.js";
 import { runAddress } from "./router.js";
 import { incompleteRuns, objectsFrom, runsBetween, withCut, withoutCut } from "./split_cuts.js";
 
@@ -25,7 +27,8 @@ export class SplitPage {
 
   async start() {
     refill(this.element, el("h1", {}, this.title), el("p", { class: "reading" }, "Reading the recording …"));
-    await getRun(this.name, { signal: this.abort.signal });
+    const { signals } = await getRun(this.name, { signal: this.abort.signal });
+    this.rate = signals.find(({ name }) => name === "event_rate");
     await this.#propose();
   }
 
@@ -48,18 +51,15 @@ export class SplitPage {
     if (!desk.length_us) throw new Error(desk.error ?? "there is no proposal");
     this.desk = desk;
     this.cuts = desk.cuts_us;
-    const signals = await getSignals(
-      this.name,
-      { from_us: 0, to_us: Math.max(1, desk.length_us), points: 1500, names: ["event_rate"] },
-      { signal: this.abort.signal },
-    );
-    this.#draw(signals.series.event_rate);
+    this.#draw();
     this.#showResult(desk);
   }
 
-  #draw(rate) {
+  #draw() {
     this.lines = new CutLines({
-      rate,
+      rate: this.rate,
+      load: (request, options) => getSignals(this.name, request, options),
+      failed: (error) => announce(`The event rate cannot be shown: ${error.message}`, "error"),
       length_us: this.desk.length_us,
       touches: this.desk.touches,
       changed: (cuts) => {
@@ -76,7 +76,8 @@ export class SplitPage {
     refill(
       this.element,
       el("h1", {}, this.title, " into runs"),
-      el("p", {}, el("a", { href: runAddress(this.name) }, "The recording"), ". Each line is a cut. Drag it, or move it by ← and →, with Shift by 0.1 s. Delete removes it, a double click adds one."),
+      el("p", {}, el("a", { href: runAddress(this.name) }, "The recording"), ". Each line is a cut. Drag it, or move it by ← and →, with Shift by 0.1 s. Delete removes it, a double click adds one. The wheel zooms."),
+      el("div", { class: "tools" }, el("span", { class: "group" }, axisButtons(this.lines, "All"), button("?", () => showSplitHelp(this.keys), { "aria-label": "Keys", title: "Keys (?)" }))),
       this.lines.element,
       el(
         "div",
@@ -98,6 +99,7 @@ export class SplitPage {
       el("div", { class: "tools" }, el("span", { class: "group" }, el("label", { for: "objects" }, "Object of all runs, or of each one"), this.objects), this.write),
       this.result,
     );
+    this.keys = splitKeys({ lines: this.lines, page: this });
     this.lines.start(this.cuts);
     this.#fill();
   }
@@ -188,6 +190,7 @@ export class SplitPage {
 
   key(event) {
     if (event.key === "Escape") document.activeElement?.blur();
+    else if (this.keys) press(event, this.keys);
   }
 
   stop() {

@@ -1,15 +1,15 @@
 // The time axis of a run: overview, labels and signals; zoom, pan, cursor and drags by mouse, pen, finger and key.
 
+import { AxisGestures } from "./axis_gestures.js";
 import { BandLayer } from "./band_layer.js";
 import { SignalStrips } from "./signal_strips.js";
 import { Overview } from "./overview.js";
 import { el } from "./dom.js";
 import { MOST_EVENT_TIMES_US, neededEventTimes } from "./detail.js";
 import { Latest } from "./latest.js";
-import { panned, timeAt, zoomed } from "./time_view.js";
+import { timeAt, zoomed } from "./time_view.js";
 
 const LEAST_TIMES_US = 200; // of single events; with more than 20 000 in it, a tick is as good
-const CLICK_PX = 4; // a pointer that moved less has clicked
 
 export class Timeline {
   /// @param load  {signals(request, options), eventTimes(window, options)} of this run
@@ -18,7 +18,6 @@ export class Timeline {
     this.state = state;
     this.load = load;
     this.drag = drag;
-    this.pointers = new Map();
     this.most_us = MOST_EVENT_TIMES_US;
     this.strips = new SignalStrips({ signals, load: load.signals, length_us: state.length_us, failed });
     this.bands = new BandLayer(state, {
@@ -26,21 +25,15 @@ export class Timeline {
       keydown: (event, id, end) => drag.key(event, id, end),
       focus: (id, end) => drag.focused(id, end),
     });
-    this.overview = new Overview(state);
+    this.overview = new Overview(this);
+    const isFree = (target) => !target.closest(".handle");
     this.surface = el(
       "div",
-      {
-        class: "surface",
-        onpointerdown: (e) => this.#down(e),
-        onpointermove: (e) => this.#move(e),
-        onpointerup: (e) => this.#up(e),
-        onpointercancel: (e) => this.#up(e),
-        ondblclick: (e) => this.#zoomAt(e, 0.25),
-      },
+      { class: "surface", ondblclick: (e) => isFree(e.target) && this.gestures.zoomAt(e, 0.25) },
       this.bands.element,
       this.bands.cursor,
     );
-    this.surface.addEventListener("wheel", (e) => this.#wheel(e), { passive: false });
+    this.gestures = new AxisGestures(this.surface, this, { isFree, clicked: (e) => this.#clicked(e) });
     this.element = el(
       "section",
       { class: "timeline", "aria-label": "Time axis: labels and signals" },
@@ -95,8 +88,23 @@ export class Timeline {
     this.#redraw();
   }
 
+  get view() {
+    return this.state.view;
+  }
+  get length_us() {
+    return this.state.length_us;
+  }
+  get at_us() {
+    return this.state.at_us;
+  }
+  get labels() {
+    return this.state.labels;
+  }
+  show(view) {
+    this.state.setView(view);
+  }
   get usPerPixel() {
-    return (this.state.view.to_us - this.state.view.from_us) / Math.max(this.width, 1);
+    return (this.view.to_us - this.view.from_us) / Math.max(this.width, 1);
   }
 
   #redraw() {
@@ -134,22 +142,14 @@ export class Timeline {
 
   // Pointers
 
-  #pixel(event) {
-    return event.clientX - this.surface.getBoundingClientRect().left;
-  }
-
-  #timeOf(event) {
-    return timeAt(this.#pixel(event), this.state.view, this.width);
-  }
-
   #startDrag(event, id, end) {
     if (event.button !== 0) return;
     event.stopPropagation();
     const handle = event.currentTarget;
     handle.focus({ preventScroll: true });
     handle.setPointerCapture(event.pointerId);
-    const grip = this.#pixel(event) - (this.drag.timeOf(id, end) - this.state.view.from_us) / this.usPerPixel;
-    const moved = (e) => this.drag.to(timeAt(this.#pixel(e) - grip, this.state.view, this.width), e.altKey, this.usPerPixel);
+    const grip = this.gestures.pixelOf(event) - (this.drag.timeOf(id, end) - this.state.view.from_us) / this.usPerPixel;
+    const moved = (e) => this.drag.to(timeAt(this.gestures.pixelOf(e) - grip, this.state.view, this.width), e.altKey, this.usPerPixel);
     const done = (e) => {
       handle.removeEventListener("pointermove", moved);
       this.drag.drop(e.type === "pointercancel");
@@ -160,61 +160,10 @@ export class Timeline {
     handle.addEventListener("pointercancel", done, { once: true });
   }
 
-  #down(event) {
-    if (event.button > 1 || event.target.closest(".handle")) return;
-    this.surface.setPointerCapture(event.pointerId);
-    this.pointers.set(event.pointerId, { x: this.#pixel(event), from: this.#pixel(event), shift: event.shiftKey });
-    this.dragged = false;
-  }
-
-  #move(event) {
-    const pointer = this.pointers.get(event.pointerId);
-    if (!pointer) return;
-    const x = this.#pixel(event);
-    if (Math.abs(x - pointer.from) > CLICK_PX) this.dragged = true;
-    if (this.pointers.size === 2) this.#pinch(event.pointerId, x);
-    else if (this.dragged && !pointer.shift)
-      this.state.setView(panned(this.state.view, (pointer.x - x) * this.usPerPixel, this.state.length_us));
-    else if (pointer.shift) this.#selection(pointer.from, x);
-    pointer.x = x;
-  }
-
-  #pinch(id, x) {
-    const [other] = [...this.pointers].filter(([key]) => key !== id).map(([, pointer]) => pointer);
-    const before = Math.abs(this.pointers.get(id).x - other.x);
-    const now = Math.abs(x - other.x);
-    if (before < 8 || now < 8) return;
-    this.state.setView(zoomed(this.state.view, timeAt(other.x, this.state.view, this.width), before / now, this.state.length_us));
-  }
-
-  #selection(from, to) {
-    this.chosen ??= this.surface.appendChild(el("div", { class: "chosen" }));
-    this.chosen.style.left = `${Math.min(from, to)}px`;
-    this.chosen.style.width = `${Math.abs(to - from)}px`;
-  }
-
-  #up(event) {
-    const pointer = this.pointers.get(event.pointerId);
-    if (!pointer) return;
-    this.pointers.delete(event.pointerId);
-    if (this.chosen) {
-      this.chosen.remove();
-      this.chosen = null;
-      const ends = [pointer.from, this.#pixel(event)].map((x) => timeAt(x, this.state.view, this.width)).sort((a, b) => a - b);
-      if (ends[1] > ends[0]) this.state.setView({ from_us: ends[0], to_us: ends[1] });
-    } else if (!this.dragged && event.type === "pointerup") {
-      this.state.setAt(this.#timeOf(event), true);
-      const band = this.state.labels.intervals.find((i) => i.start_us <= this.state.at_us && this.state.at_us < i.end_us);
-      if (band && this.state.selected?.id !== band.id) this.state.select({ id: band.id, end: "start" });
-    }
-  }
-
-  #wheel(event) {
-    event.preventDefault();
-    const sideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
-    const size = (event.deltaMode === 1 ? 30 : 1) * (sideways && event.deltaX ? event.deltaX : event.deltaY);
-    if (sideways) this.state.setView(panned(this.state.view, size * this.usPerPixel, this.state.length_us));
-    else this.state.setView(zoomed(this.state.view, this.#timeOf(event), Math.exp(size / 300), this.state.length_us));
+  #clicked(event) {
+    this.state.setAt(this.gestures.timeOf(event), true);
+    const band = this.state.labels.intervals.find((i) => i.start_us <= this.state.at_us && this.state.at_us < i.end_us);
+    if (band && this.state.selected?.id !== band.id) this.state.select({ id: band.id, end: "start" });
   }
 
   /// Around the cursor if it is on the screen, else around the middle. Infinity shows the whole run.
@@ -223,9 +172,5 @@ export class Timeline {
     if (factor === Infinity) return this.state.setView({ from_us: 0, to_us: length_us });
     const middle = at_us >= view.from_us && at_us <= view.to_us ? at_us : (view.from_us + view.to_us) / 2;
     return this.state.setView(zoomed(view, middle, factor, length_us));
-  }
-
-  #zoomAt(event, factor) {
-    if (!event.target.closest(".handle")) this.state.setView(zoomed(this.state.view, this.#timeOf(event), factor, this.state.length_us));
   }
 }

@@ -180,7 +180,7 @@ PAGES = [
     ),
     ("compare", "#/models/first/vs/second", "document.querySelector('.compare .band') && !document.querySelector('.strip.pending')"),
     ("studies", "#/studies", "document.querySelector('table.figures')"),
-    ("split", f"#/split/{RUN}", "document.querySelector('.cut-chart canvas') && document.querySelector('.split-runs tbody tr')"),
+    ("split", f"#/split/{RUN}", "document.querySelector('.cut-area canvas') && document.querySelector('.split-runs tbody tr')"),
 ]
 
 
@@ -192,9 +192,9 @@ def cuts_a_recording(world):
     tab = Tab(world.browser)
     open_run(world, tab)
     tab.click(".run-head a")
-    tab.wait("document.querySelector('.cut-chart canvas') && document.querySelectorAll('.split-runs tbody tr').length === 1", "one run is proposed")
+    tab.wait("document.querySelector('.cut-area canvas') && document.querySelectorAll('.split-runs tbody tr').length === 1", "one run is proposed")
     check(tab.text(".split-runs tbody td[data-label=Press]") == "1", "with its press")
-    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; document.querySelector('.tools button').click(); })()")
+    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; [...document.querySelectorAll('button')].find(b => b.textContent === 'Add').click(); })()")
     tab.wait("document.querySelectorAll('.split-runs tbody tr').length === 2", "a cut makes two runs")
     check(cut_us(tab) == [1_250_000], f"the cut is at {cut_us(tab)}")
     left, top, width, height = tab.box(".cut")
@@ -225,6 +225,42 @@ def cuts_a_recording(world):
     tab.close()
 
 
+def zooms_on_cuts(world):
+    tab = Tab(world.browser)
+    tab.go(world.server.url + f"#/split/{RUN}")
+    tab.wait("document.querySelector('.cut-area canvas') && document.querySelector('.cut-area').dataset.to_us", "the cuts are shown")
+    seen = lambda: tab.js("(({from_us, to_us}) => [Number(from_us), Number(to_us)])(document.querySelector('.cut-area').dataset)")  # noqa: E731
+    whole = seen()
+    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; [...document.querySelectorAll('button')].find(b => b.textContent === 'Add').click(); })()")
+    left, top, width, height = tab.box(".cut-lines")
+    for _ in range(30):
+        tab.wheel(left + width * 0.4, top + 60, -300)
+    check(seen()[1] - seen()[0] == 1000, f"the wheel zooms to a millisecond; it shows {seen()}")
+    under = 0.4 * whole[1]
+    check(abs(sum(seen()) / 2 - under) < 0.02 * whole[1], "the time under the pointer stays")
+    check(tab.js("document.querySelector('.cut').classList.contains('outside')"), "the cut is outside")
+    tab.js("document.querySelector('.cut').focus()")
+    check(seen()[0] <= 1_250_000 <= seen()[1], f"a cut that gets the focus is shown; it shows {seen()}")
+    tab.key("ArrowRight")
+    check(cut_us(tab)[0] == 1_250_010, f"a key moves it by a hundredth of the axis, to {cut_us(tab)}")
+    before = seen()
+    tab.drag(left + width * 0.8, top + 60, left + width * 0.3)
+    check(abs(seen()[0] - before[0] - 500) <= 2, f"a drag moves the axis: {before} became {seen()}")
+    tab.wait("[...document.querySelectorAll('.cut-area canvas')].length > 0", "the rate is drawn")
+    tab.js("document.activeElement.blur()")
+    tab.key("-")
+    check(seen()[1] - seen()[0] == 2000, "a key shows twice as much")
+    tab.key("?")
+    tab.wait("/A cut that has the focus/.test(document.querySelector('dialog')?.textContent)", "? shows the keys of cuts")
+    tab.key("Escape")
+    tab.key("0")
+    check(seen() == whole, "0 shows all")
+    tab.drag(left + width * 0.25, top + 60, left + width * 0.5, SHIFT)
+    check(abs((seen()[1] - seen()[0]) / whole[1] - 0.25) < 0.01, "Shift and drag zooms to a stretch")
+    world.quiet("zooming on cuts")
+    tab.close()
+
+
 def is_sound_on_every_screen(world, axe):
     for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
         for name, address, ready in PAGES:
@@ -232,7 +268,7 @@ def is_sound_on_every_screen(world, axe):
             tab.go(world.server.url + address)
             tab.wait(ready, f"{name} is shown")
             tab.wait(
-                "[...document.querySelectorAll('.strip .value')].every(e => e.textContent || e.closest('.compare'))", "signals are there"
+                "[...document.querySelectorAll('.strip .value')].every(e => e.textContent || e.closest('.compare, .cut-area'))", "signals are there"
             )
             look = f"{name}, {width} px, {'dark' if dark else 'light'}"
             problems = problems_of(tab, width, dark, axe)

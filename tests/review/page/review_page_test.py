@@ -48,6 +48,7 @@ def main():
             looking.compares_models_and_studies,
             looking.shows_what_has_no_labels,
             looking.cuts_a_recording,
+            looking.zooms_on_cuts,
             live.watches_a_recording,
             live.records_a_session_on_the_page,
             live.watches_a_detection,
