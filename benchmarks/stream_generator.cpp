@@ -22,6 +22,7 @@
 #include <thread>
 #include <vector>
 
+#include "repeated_events.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/file_descriptor.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -66,25 +67,12 @@ events::FileDescriptor first_client() {
   return client;
 }
 
-/// At least `wanted` events with the pixels and polarities of the recording. Their times are set when they are sent.
-std::vector<events::Event> events_of(const std::string& file, std::size_t wanted) {
-  std::vector<events::Event> all;
-  while (all.size() < wanted) {
-    const std::size_t before = all.size();
-    events::RecordingReader recording(file);
-    events::for_all_events(recording, events::event_stream(recording).id,
-                           [&](std::span<const events::Event> events) { all.insert(all.end(), events.begin(), events.end()); });
-    if (all.size() == before) throw Error(file + ": no events; expected some");
-  }
-  return all;
-}
-
 void serve(const std::string& file, double million_per_s, int seconds, int packet_ms) {
   events::RecordingReader recording(file);
   events::Stream stream = events::event_stream_declaration(
       events::event_stream(recording).size.value_or(events::SensorSize{640, 480}), "DVXplorer_BENCH000");
   const auto in_packet = static_cast<std::size_t>(1000 * packet_ms * million_per_s);
-  const std::vector<events::Event> events = events_of(file, std::max(in_packet, std::size_t{1} << 21));
+  RepeatedEvents repeated(file, in_packet, packet_ms, camera_time(1'700'000'000'000'000));
   const std::size_t packet_header = 8, head = packet_header + events::event_packet_head;
   std::vector<std::byte> packet(head + in_packet * sizeof(events::Event));
   const auto payload = static_cast<std::int32_t>(packet.size() - packet_header);
@@ -95,21 +83,12 @@ void serve(const std::string& file, double million_per_s, int seconds, int packe
   const std::string header = events::header_image(events::Compression::none, std::span(&stream, 1)).bytes;
   bool there = send_all(client.number(), std::as_bytes(std::span(header)));
 
-  const std::int64_t begin_us = 1'700'000'000'000'000;
   const auto begin = Clock::now();
   Clock::duration latest{};
   std::uint64_t sent = 0;
-  std::size_t next = 0;
   for (int i = 0; i < 1000 * seconds / packet_ms && there; ++i) {
-    if (next + in_packet > events.size()) next = 0;
-    auto* place = packet.data() + head;
-    for (std::size_t k = 0; k < in_packet; ++k) {  // five read-outs per ms
-      events::Event event = events[next + k];
-      event.t = camera_time(begin_us + 1000 * std::int64_t{i} * packet_ms +
-                            200 * static_cast<std::int64_t>(5 * static_cast<std::size_t>(packet_ms) * k / in_packet));
-      std::memcpy(place + k * sizeof event, &event, sizeof event);
-    }
-    next += in_packet;
+    const std::span<const events::Event> events = repeated.next();
+    std::memcpy(packet.data() + head, events.data(), events.size_bytes());
     const auto due = begin + milliseconds(i * packet_ms);
     std::this_thread::sleep_until(due);
     there = send_all(client.number(), packet);
