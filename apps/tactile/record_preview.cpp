@@ -97,15 +97,13 @@ class FilmOnPage {
   explicit FilmOnPage(std::shared_ptr<const video::VideoCapture> film) : film_(std::move(film)) {}
 
   std::string jpeg() {
-    constexpr int widest = 640, quality = 80;
     const std::scoped_lock lock(guard_);
     const cv::Mat newest = film_->newest_picture();
     if (newest.empty() || newest.data == encoded_.data) return jpeg_;
     encoded_ = newest;
-    const int width = std::min(newest.cols, widest);
+    const int width = std::min(newest.cols, video::widest_page_picture);
     const cv::Mat small = video::film_picture(newest, {width, std::max(1, newest.rows * width / newest.cols)});
-    const std::vector<unsigned char> bytes =
-        small.empty() ? std::vector<unsigned char>() : video::jpeg_of(small, quality, "film");
+    const std::vector<unsigned char> bytes = small.empty() ? std::vector<unsigned char>() : video::jpeg_of(small, "film");
     jpeg_.assign(bytes.begin(), bytes.end());
     return jpeg_;
   }

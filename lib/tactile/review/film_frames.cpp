@@ -13,12 +13,6 @@
 #include "tactile/video/video_times.hpp"
 
 namespace tactile::review {
-namespace {
-
-constexpr int widest_picture = 640;  // [px]
-constexpr int jpeg_quality = 80;     // of 100
-
-}  // namespace
 
 FilmFrames::FilmFrames(const RunFolder& run, const std::function<void()>& advance) : pictures_(std::tmpfile(), std::fclose) {
   if (!pictures_)
@@ -30,8 +24,8 @@ FilmFrames::FilmFrames(const RunFolder& run, const std::function<void()>& advanc
   while (const std::optional<video::FilmReader::Frame> frame = film.next()) {
     if (advance) advance();
     cv::Mat grey;
-    if (!film.grey(widest_picture, grey)) continue;
-    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, jpeg_quality, run.video().string());
+    if (!film.grey(video::widest_page_picture, grey)) continue;
+    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, run.video().string());
     if (std::fwrite(jpeg.data(), 1, jpeg.size(), pictures_.get()) != jpeg.size())
       throw Error(run.name() + ": the film's pictures do not fit into the folder of temporary files; expected room there");
     by_container.push_back(frame->us);

@@ -15,12 +15,13 @@ namespace tactile::video {
 /// @throws Error   if it cannot be encoded, or the part cannot be loaded
 std::vector<unsigned char> png_of(const cv::Mat& picture, const std::string& name);
 
-/// A picture as the bytes of a JPEG file.
+inline constexpr int widest_page_picture = 640;  ///< [px] of a film, on a page
+
+/// A picture for a page as the bytes of a JPEG file, of quality 80.
 /// @param picture  8-bit grey or BGR
-/// @param quality  1 to 100
 /// @param name     of the picture, for the error
 /// @throws Error   if it cannot be encoded, or the part cannot be loaded
-std::vector<unsigned char> jpeg_of(const cv::Mat& picture, int quality, const std::string& name);
+std::vector<unsigned char> jpeg_of(const cv::Mat& picture, const std::string& name);
 
 /// Loads the part now. @throws Error  if it cannot be loaded
 void load_picture_codec();
