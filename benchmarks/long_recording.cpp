@@ -6,7 +6,8 @@
 
 #include <fmt/core.h>
 
-#include <span>
+#include <cstddef>
+#include <exception>
 #include <string>
 
 #include "repeated_events.hpp"

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/time.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile::bench {

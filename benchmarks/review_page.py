@@ -4,9 +4,11 @@ tables.
 
     review_page.py PROGRAMS RECORDING FOLDER MILLION_EVENTS_PER_S SECONDS
 
-The long run repeats the events of RECORDING. Then ten onsets of simulated runs are moved by 15 to 25 ms in their labels.json and corrected on
-the page: key f goes to the next run, key n to its first onset, the onset is dragged to its place, Shift+C confirms the run. The page's part is
-measured. The person's part is computed by the keystroke-level model (Card, Moran and Newell, 1980): no person was timed.
+Ten onsets of simulated runs are moved by 15 to 25 ms in their labels.json and corrected on the page: key f goes to the next run, key n to its
+first onset, the onset is dragged to its place, Shift+C confirms the run. The page's part is measured. The person's part is computed by the
+keystroke-level model (Card, Moran and Newell, 1980): no person was timed.
+
+Then the long run is looked at: the events of RECORDING, again and again.
 """
 
 import json
@@ -35,10 +37,10 @@ PERSON_S = (
 REQUESTS = ("signals", "event_times", "events", "heatmap")
 
 
-def memory_of(pid, name):
-    """A value of /proc/PID/status [MB]: VmRSS, VmHWM."""
+def peak_mb(pid):
+    """The largest memory of a process so far."""
     for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith(name + ":"):
+        if line.startswith("VmHWM:"):
             return int(line.split()[1]) / 1e3
     return 0.0
 
@@ -50,10 +52,10 @@ def renderer_mb(home):
         try:
             command = (folder / "cmdline").read_bytes().decode(errors="replace")
             if "--type=renderer" in command and str(home) in command:
-                peaks.append(memory_of(folder.name, "VmHWM"))
+                peaks.append(peak_mb(folder.name))
         except OSError:
             pass  # it has ended
-    return max(peaks)
+    return max(peaks, default=0.0)
 
 
 def quantile(values, share):
@@ -115,7 +117,7 @@ def look_at_long_run(programs, recording, folder, rate, seconds):
             tab.drag(left + width * 0.8, top + 60, left + width * 0.3)
             note()
         print(f"{rate} million events/s for {seconds} s: {rate * seconds:.0f} million events, {size_gb:.1f} GB. "
-              f"Shown {opened_s:.0f} s after its address was entered. Most memory: server {memory_of(server.process.pid, 'VmHWM'):.0f} MB, "
+              f"Shown {opened_s:.0f} s after its address was entered. Most memory: server {peak_mb(server.process.pid):.0f} MB, "
               f"page {renderer_mb(folder):.0f} MB.\n")
         print("| requests of the page | number | p50 [ms] | p95 | p99 | max |\n| --- | ---: | ---: | ---: | ---: | ---: |")
         for name in REQUESTS:
@@ -160,7 +162,7 @@ def correct_onsets(programs, folder):
         tab.go(server.url)
         tab.wait("document.querySelectorAll('tbody tr').length === 10", "the runs are listed")
         tab.wait("[...document.querySelectorAll('.thumb img')].every(i => i.naturalWidth > 0)", "their pictures are there")
-        for number in range(10):
+        for _ in range(10):
             waited = 0.0
 
             def until(expression, words):
@@ -188,7 +190,6 @@ def correct_onsets(programs, folder):
             errors_ms.append(abs(press["start_us"] - labels["provenance"]["first_event_us"] - right[name]) / 1e3)
             assert press["source"] == "person" and all(interval["confirmed"] for interval in labels["intervals"]), f"{name} is not confirmed"
             page_s.append(waited)
-            before = name
         print("\n| ten wrong onsets, each found, dragged, confirmed | median | most |\n| --- | ---: | ---: |")
         print(f"| waiting for the page, measured [s] | {statistics.median(page_s):.2f} | {max(page_s):.2f} |")
         print(f"| the person, by the keystroke-level model [s] | {PERSON_S:.2f} | {PERSON_S:.2f} |")

@@ -72,6 +72,8 @@ nlohmann::json DetectPage::lateness_json() const {
 }
 
 nlohmann::json DetectPage::state_json(const char* state) {
+  std::vector<std::string> warnings;
+  nlohmann::json disk = labels_.recorded.empty() ? nlohmann::json() : disk_json(labels_.recorded, std::nullopt, warnings);
   nlohmann::json json = {{"kind", "detect"},
                          {"state", state},
                          {"source", labels_.source},
@@ -79,7 +81,8 @@ nlohmann::json DetectPage::state_json(const char* state) {
                          {"tick", nullptr},
                          {"ticks", {{"reported", ticks_}, {"skipped", skipped_}, {"late", late_}, {"incomplete", incomplete_}}},
                          {"lateness", lateness_json()},
-                         {"warnings", nlohmann::json::array()}};
+                         {"disk", std::move(disk)},
+                         {"warnings", warnings}};
   if (newest_) {
     const detect::TickVerdict& verdict = newest_->verdict;
     const model::Probabilities& p = verdict.probabilities;
@@ -90,6 +93,7 @@ nlohmann::json DetectPage::state_json(const char* state) {
                     {"events", verdict.events},
                     {"gated", verdict.gated},
                     {"beginning", newest_->beginning}};
+    json["events"] = {{"late", newest_->late_events}, {"dropped", newest_->lost_events}};
   }
   const std::scoped_lock lock(guard_);
   json["messages"] = messages_;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@ namespace tactile::cli {
 /// What the page of `detect` shows besides the ticks.
 struct DetectPageLabels {
   std::string source, model;
+  std::filesystem::path recorded{};  ///< folder of the runs; empty: nothing is recorded
 };
 
 /// The page of `detect --page`. Ticks come from the thread that reports them, never from the one that detects.

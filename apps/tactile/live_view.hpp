@@ -3,8 +3,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +14,11 @@
 #include "tactile/live/live_server.hpp"
 
 namespace tactile::cli {
+
+/// Room on the disk of `folder`, with a warning if it is little; null if it is not known. `minutes`: for how long it lasts at the
+/// pace of what is recorded.
+nlohmann::json disk_json(const std::filesystem::path& folder, std::optional<double> bytes_per_s,
+                         std::vector<std::string>& warnings);
 
 /// The live page of a command whose sensor is known only once its source is open. Until then it takes events and states, and
 /// shows nothing.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,8 +24,6 @@ namespace {
 using Steady = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds silent_after{2};
-constexpr double least_minutes = 10;
-constexpr std::uintmax_t least_bytes = 1'000'000'000;
 
 bool has_imu(const capture::RunRecorder& recorder) {
   const auto& streams = recorder.streams();
@@ -31,24 +31,20 @@ bool has_imu(const capture::RunRecorder& recorder) {
                      [](const events::Stream& stream) { return stream.type == events::StreamType::imu; });
 }
 
-/// Room on the disk of the runs, and for how long it lasts at the run's pace.
-nlohmann::json disk_json(const std::filesystem::path& data, const capture::RunState* run, std::vector<std::string>& warnings) {
-  const std::optional<std::uint64_t> free = free_bytes_at(data);
-  if (!free) return nullptr;
-  nlohmann::json json = {{"free_bytes", *free}, {"minutes", nullptr}};
-  double minutes = least_minutes;
-  if (run != nullptr && run->bytes > 0 && in_s(run->elapsed) > 1) {
-    minutes = static_cast<double>(*free) * in_s(run->elapsed) / static_cast<double>(run->bytes) / 60;
-    json["minutes"] = minutes;
-  }
-  if (minutes < least_minutes)
-    warnings.push_back(fmt::format("the disk is full in {:.1f} min at this rate", minutes));
-  else if (*free < least_bytes)
-    warnings.push_back("the disk has only " + bytes_text(*free) + " left");
-  return json;
+std::optional<double> bytes_per_s(const capture::RunState* run) {
+  if (run == nullptr || run->bytes == 0 || in_s(run->elapsed) <= 1) return std::nullopt;
+  return static_cast<double>(run->bytes) / in_s(run->elapsed);
 }
 
-nlohmann::json json_of(const std::optional<ClockOffset>& clock) {
+/// [mm/s, mm]: how fast the robot's tool moves, and its height; NaN while that is not known.
+std::array<double, 2> tool_motion(const robot::RobotMonitor& robot) {
+  const auto mm = [&](const char* column) {
+    return 1e3 * robot.newest(column).value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+  return {std::hypot(mm("actual_TCP_speed_0"), mm("actual_TCP_speed_1"), mm("actual_TCP_speed_2")), mm("actual_TCP_pose_2")};
+}
+
+nlohmann::json offset_json(const std::optional<ClockOffset>& clock) {
   if (!clock) return nullptr;
   return {{"offset_us", clock->offset.count()}, {"change_ms", in_ms(clock->change)}, {"seconds", in_s(clock->span)}};
 }
@@ -58,11 +54,17 @@ nlohmann::json robot_json(const capture::RunRecorder& recorder, std::vector<std:
     if (!has_imu(recorder)) warnings.emplace_back("no robot and no IMU: a slip is known only by the order of the touches");
     return nullptr;
   }
+  if (!has_imu(recorder)) warnings.emplace_back("no IMU: the robot's clock is known less exactly");
   const robot::RobotMonitorState robot = recorder.robot()->state();
   if (!robot.connected) warnings.emplace_back("the robot is not connected: its motion is not in the log");
   if (!robot.error.empty()) warnings.push_back(robot.error);
-  return {{"connected", robot.connected}, {"rate_hz", robot.rate_hz},       {"rows", robot.rows},           {"gaps", robot.gaps},
-          {"missing", robot.missing},     {"reconnects", robot.reconnects}, {"clock", json_of(robot.clock)}};
+  return {{"connected", robot.connected},
+          {"rate_hz", robot.rate_hz},
+          {"rows", robot.rows},
+          {"gaps", robot.gaps},
+          {"missing", robot.missing},
+          {"reconnects", robot.reconnects},
+          {"clock", offset_json(robot.clock)}};
 }
 
 nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, std::vector<std::string>& warnings) {
@@ -76,7 +78,7 @@ nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, 
 }
 
 nlohmann::json clock_json(const capture::RunState& run) {
-  nlohmann::json json = json_of(run.clock);
+  nlohmann::json json = offset_json(run.clock);
   if (run.clock) json["lateness_ms"] = in_ms(run.lateness);
   return json;
 }
@@ -103,7 +105,7 @@ class FilmOnPage {
     encoded_ = newest;
     const int width = std::min(newest.cols, video::widest_page_picture);
     const cv::Mat small = video::film_picture(newest, {width, std::max(1, newest.rows * width / newest.cols)});
-    const std::vector<unsigned char> bytes = small.empty() ? std::vector<unsigned char>() : video::jpeg_of(small, "film");
+    const std::vector<unsigned char> bytes = small.empty() ? std::vector<unsigned char>() : video::page_jpeg_of(small, "film");
     jpeg_.assign(bytes.begin(), bytes.end());
     return jpeg_;
   }
@@ -122,6 +124,7 @@ std::string RecordPreview::open(const capture::RunRecorder& recorder) {
       .sensor = recorder.streams().front().size.value(),
       .values = {"lateness_ms"},
       .choose = [this](std::uint64_t question, const std::string& choice) { return choices_.choose(question, choice); }};
+  if (recorder.robot() != nullptr) options.values.insert(options.values.end(), {"robot_mm_per_s", "robot_height_mm"});
   if (recorder.video() != nullptr)
     options.film = [film = std::make_shared<FilmOnPage>(recorder.video())] { return film->jpeg(); };
   return view_.open(std::move(options));
@@ -158,7 +161,13 @@ nlohmann::json RecordPreview::sources_json(const capture::RunRecorder& recorder,
 }
 
 void RecordPreview::show(const RecordMoment& moment) {
-  if (moment.now != nullptr && moment.now->clock) view_.note(std::array{in_ms(moment.now->lateness)});
+  const bool has_lateness = moment.now != nullptr && moment.now->clock;
+  std::vector<double> values{has_lateness ? in_ms(moment.now->lateness) : std::numeric_limits<double>::quiet_NaN()};
+  if (const robot::RobotMonitor* robot = moment.recorder->robot()) {
+    const std::array<double, 2> motion = tool_motion(*robot);
+    values.insert(values.end(), motion.begin(), motion.end());
+  }
+  view_.note(values);
   if (!view_.is_due()) return;
   std::vector<std::string> warnings;
   nlohmann::json state = {{"kind", "record"},
@@ -176,7 +185,7 @@ void RecordPreview::show(const RecordMoment& moment) {
   const auto film = moment.recorder->video();
   state["has_film"] = film != nullptr && film->state().running;
   state["video"] = moment.now != nullptr ? video_json(moment.now->video, warnings) : nlohmann::json();
-  state["disk"] = disk_json(data_, moment.now, warnings);
+  state["disk"] = disk_json(data_, bytes_per_s(moment.now), warnings);
   state["warnings"] = warnings;
   view_.publish(std::move(state));
 }
@@ -193,7 +202,7 @@ void RecordPreview::end(const capture::RunRecorder& recorder, const RecordedRuns
              {"sources", sources_json(recorder, none)},
              {"robot", nullptr},
              {"video", nullptr},
-             {"disk", disk_json(data_, nullptr, none)},
+             {"disk", disk_json(data_, std::nullopt, none)},
              {"runs", runs},
              {"warnings", nlohmann::json::array()}});
 }

@@ -131,7 +131,7 @@ void add_review_command(CLI::App& app) {
   command.add_option("--pieces", args->pieces, "Folder of runs for recordings that are cut on the page")
       .type_name("DATA")
       .show_default();
-  command.add_option("--th", args->history_ms, "History t_h that is shown at first [ms]")
+  command.add_option("--th", args->history_ms, "History t_h of events and heatmap [ms]")
       .check(in_range(0.001, 1e3))
       .show_default();
   command.add_flag("--no-pictures", args->no_pictures, "Do not draw labels.png after an edit");

@@ -76,7 +76,7 @@ SeenMotion seen_of(const std::vector<FilmedMotion>& motions, double from_s = -0.
   return seen;
 }
 
-const FilmedMotion filmed_lift{.start_s = 2.1, .end_s = 2.83, .speed = 10};
+const FilmedMotion arm_lift{.start_s = 2.1, .end_s = 2.83, .speed = 10};
 const FilmedMotion closing{.start_s = 0.9, .end_s = 1.6, .speed = 0.6, .ramp_s = 0.02};
 
 double error_ms(const FittedClock& clock, const MadeFilm& made, VideoTime at) {
@@ -89,9 +89,8 @@ TEST(VideoClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
   int covered = 0;
   constexpr int films = 40;
   for (int i = 0; i < films; ++i) {
-    const MadeFilm made{
-        .motions = {closing, filmed_lift}, .begins_s = -1.4 + 0.0317 * i, .seed = static_cast<std::uint64_t>(i + 1)};
-    const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({filmed_lift}));
+    const MadeFilm made{.motions = {closing, arm_lift}, .begins_s = -1.4 + 0.0317 * i, .seed = static_cast<std::uint64_t>(i + 1)};
+    const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({arm_lift}));
     ASSERT_TRUE(fit.clock) << fit.refused;
     EXPECT_GT(fit.likeness, 0.98);
     const double error = error_ms(*fit.clock, made, VideoTime{2s});
@@ -105,17 +104,17 @@ TEST(VideoClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
 }
 
 TEST(VideoClock, IsNoMoreCertainThanTheMotionItIsFoundFrom) {
-  SeenMotion seen = seen_of({filmed_lift});
+  SeenMotion seen = seen_of({arm_lift});
   seen.sigma_us = 8'000;
-  const VideoClockFit fit = fit_video_clock(film_of({.motions = {filmed_lift}}), seen);
+  const VideoClockFit fit = fit_video_clock(film_of({.motions = {arm_lift}}), seen);
   ASSERT_TRUE(fit.clock) << fit.refused;
   EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 2 * 1.95 * 8'000);
 }
 
 TEST(VideoClock, IsFoundFromHalfAFilm) {
   // It ends in the midst of the lift: only the start is seen.
-  const MadeFilm made{.motions = {closing, filmed_lift}, .ends_s = 2.55};
-  const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({filmed_lift}));
+  const MadeFilm made{.motions = {closing, arm_lift}, .ends_s = 2.55};
+  const VideoClockFit fit = fit_video_clock(film_of(made), seen_of({arm_lift}));
   ASSERT_TRUE(fit.clock) << fit.refused;
   EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 6);
   EXPECT_LE(fit.clock->offset_low_us, made.offset_us());
@@ -124,7 +123,7 @@ TEST(VideoClock, IsFoundFromHalfAFilm) {
 
 TEST(VideoClock, IsRefusedWhereTheLiftIsNotInTheFilm) {
   const VideoClockFit fit = fit_video_clock(
-      film_of({.motions = {{.start_s = 0.9, .end_s = 1.35, .speed = 0.6}, filmed_lift}, .ends_s = 2.0}), seen_of({filmed_lift}));
+      film_of({.motions = {{.start_s = 0.9, .end_s = 1.35, .speed = 0.6}, arm_lift}, .ends_s = 2.0}), seen_of({arm_lift}));
   EXPECT_FALSE(fit.clock);
   EXPECT_FALSE(fit.refused.empty());
 }
@@ -151,28 +150,28 @@ TEST(VideoClock, IsRefusedWhereTheFilmMatchesAtTwoOffsets) {
 }
 
 TEST(VideoClock, IsRefusedWhereOtherThingsMove) {
-  FilmedMotion longer = filmed_lift;
+  FilmedMotion longer = arm_lift;
   longer.end_s += 0.25;
-  const VideoClockFit other = fit_video_clock(film_of({.motions = {filmed_lift}}), seen_of({longer}));
+  const VideoClockFit other = fit_video_clock(film_of({.motions = {arm_lift}}), seen_of({longer}));
   EXPECT_FALSE(other.clock) << "a quarter of a second longer";
   EXPECT_EQ(other.contradiction.words, other.refused);
   EXPECT_NE(other.refused.find("of another recording"), std::string::npos) << other.refused;
   std::vector<FilmedMotion> fidgeting;
   for (int i = 0; i < 8; ++i) fidgeting.push_back({.start_s = 0.3 + 0.5 * i, .end_s = 0.42 + 0.5 * i, .speed = 8});
-  const VideoClockFit fit = fit_video_clock(film_of({.motions = fidgeting}), seen_of({filmed_lift}));
+  const VideoClockFit fit = fit_video_clock(film_of({.motions = fidgeting}), seen_of({arm_lift}));
   EXPECT_FALSE(fit.clock);
   EXPECT_FALSE(fit.refused.empty());
   EXPECT_TRUE(fit.contradiction.empty()) << "the film may not show the arm";
 }
 
 TEST(VideoClock, IsRefusedWhereNothingMoves) {
-  EXPECT_EQ(fit_video_clock(film_of({.motions = {filmed_lift}}), seen_of({})).refused, "nothing moves that the film should show");
-  EXPECT_EQ(fit_video_clock(film_of({.motions = {filmed_lift}}), SeenMotion{}).refused,
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {arm_lift}}), seen_of({})).refused, "nothing moves that the film should show");
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {arm_lift}}), SeenMotion{}).refused,
             "nothing is known of the motion that the film should show");
   MotionEnergy still = film_of({.motions = {}});
   for (MotionStep& step : still.steps) step.energy = 0;
-  EXPECT_EQ(fit_video_clock(still, seen_of({filmed_lift})).refused, "nothing moves in the film");
-  EXPECT_EQ(fit_video_clock(MotionEnergy{}, seen_of({filmed_lift})).refused,
+  EXPECT_EQ(fit_video_clock(still, seen_of({arm_lift})).refused, "nothing moves in the film");
+  EXPECT_EQ(fit_video_clock(MotionEnergy{}, seen_of({arm_lift})).refused,
             "the film has 0 steps from frame to frame; expected at least 8");
 }
 
@@ -192,10 +191,10 @@ TEST(VideoClock, HasADriftOnlyWhereMotionsOverAMinuteAllowIt) {
 }
 
 TEST(VideoClock, IsFoundAtTheEndsOfTime) {
-  const MadeFilm made{.motions = {filmed_lift}};
+  const MadeFilm made{.motions = {arm_lift}};
   for (const std::int64_t begin_us :
        {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max() - 7'000'000}) {
-    SeenMotion seen = seen_of({filmed_lift});
+    SeenMotion seen = seen_of({arm_lift});
     const std::int64_t moved = saturating_subtract(begin_us, us_of(seen.begin));
     seen.begin = camera_time(begin_us);
     const VideoClockFit fit = fit_video_clock(film_of(made), seen);
@@ -211,7 +210,7 @@ TEST(VideoClock, IsFoundAtTheEndsOfTime) {
     step.begin += microseconds{std::numeric_limits<std::int64_t>::max() / 2};
     step.end += microseconds{std::numeric_limits<std::int64_t>::max() / 2};
   }
-  SeenMotion seen = seen_of({filmed_lift});
+  SeenMotion seen = seen_of({arm_lift});
   seen.begin = camera_time(std::numeric_limits<std::int64_t>::min() + 5);
   EXPECT_EQ(fit_video_clock(film, seen).refused, "the two clocks lie further apart than 64 bits of microseconds");
 }
@@ -221,7 +220,7 @@ SeenBurst burst(double start_s, double end_s) {
 }
 
 TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
-  const MadeFilm made{.motions = {closing, filmed_lift}};
+  const MadeFilm made{.motions = {closing, arm_lift}};
   // A press in the closing's last part, a slip that starts late, and something that nobody sees.
   const std::vector<SeenBurst> bursts{burst(1.4, 1.61), burst(2.115, 2.85), burst(3.6, 3.66)};
   const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
@@ -232,14 +231,14 @@ TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
   EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 30'000);
 
   const std::vector<SeenBurst> alike{burst(0.5, 1.23), burst(2.1, 2.83)};
-  EXPECT_NE(fit_video_clock(film_of({.motions = {filmed_lift}}), alike).refused.find("at two offsets"), std::string::npos);
-  EXPECT_EQ(fit_video_clock(film_of({.motions = {filmed_lift}}), std::span<const SeenBurst>{}).refused,
+  EXPECT_NE(fit_video_clock(film_of({.motions = {arm_lift}}), alike).refused.find("at two offsets"), std::string::npos);
+  EXPECT_EQ(fit_video_clock(film_of({.motions = {arm_lift}}), std::span<const SeenBurst>{}).refused,
             "the events show nothing that moves");
   EXPECT_EQ(fit_video_clock(MotionEnergy{}, bursts).refused, "nothing moves in the film");
 }
 
 TEST(VideoClock, IsRefusedIfOnlyTheEndOfOneBurstGivesIt) {
-  const MadeFilm made{.motions = {filmed_lift}};
+  const MadeFilm made{.motions = {arm_lift}};
   const std::vector<SeenBurst> ends{burst(2.6, 2.85)}, starts_too{burst(2.115, 2.85)};
   // It may as well start with the motion.
   EXPECT_NE(fit_video_clock(film_of(made), ends).refused.find("at two offsets"), std::string::npos);
@@ -248,7 +247,7 @@ TEST(VideoClock, IsRefusedIfOnlyTheEndOfOneBurstGivesIt) {
 
 TEST(VideoClock, IsNotGivenByTwoEndsThatAreAsFarApartByChance) {
   // The object is gone from the film when the stage stops, and from the skin before the arm does: 0.11 s later both fit.
-  const MadeFilm made{.motions = {closing, filmed_lift}};
+  const MadeFilm made{.motions = {closing, arm_lift}};
   const std::vector<SeenBurst> bursts{burst(1.4, 1.72), burst(2.115, 2.96)};
   const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
   if (fit.clock) {
@@ -278,15 +277,15 @@ TEST(VideoMotions, StartAndEndWithinTheirIntervals) {
   constexpr int films = 30;
   for (int i = 0; i < films; ++i) {
     const MadeFilm made{
-        .motions = {closing, filmed_lift}, .begins_s = -1.2 + 0.0131 * i, .seed = static_cast<std::uint64_t>(100 + i)};
+        .motions = {closing, arm_lift}, .begins_s = -1.2 + 0.0131 * i, .seed = static_cast<std::uint64_t>(100 + i)};
     const std::vector<VideoMotion> motions = video_motions(film_of(made), clock_of(made));
     ASSERT_EQ(motions.size(), 2U);
     EXPECT_FALSE(motions[0].start_cut || motions[0].end_cut || motions[1].start_cut || motions[1].end_cut);
-    const std::optional<UncertainTime> lift_start = video_start_near(motions, certain(filmed_lift.start_s + 0.02), 100ms);
+    const std::optional<UncertainTime> lift_start = video_start_near(motions, certain(arm_lift.start_s + 0.02), 100ms);
     const std::optional<UncertainTime> closed = video_end_near(motions, certain(closing.end_s - 0.03), 100ms);
     ASSERT_TRUE(lift_start && closed);
     EXPECT_LT(between(lift_start->low, lift_start->high), 70ms);
-    starts += holds(*lift_start, filmed_lift.start_s) ? 1 : 0;
+    starts += holds(*lift_start, arm_lift.start_s) ? 1 : 0;
     ends += holds(*closed, closing.end_s) ? 1 : 0;
     EXPECT_FALSE(video_start_near(motions, certain(4.0), 100ms));
   }
@@ -295,17 +294,17 @@ TEST(VideoMotions, StartAndEndWithinTheirIntervals) {
 }
 
 TEST(VideoMotions, GiveNoStartThatTheFilmDoesNotShow) {
-  const MadeFilm made{.motions = {filmed_lift}, .begins_s = 2.4};
+  const MadeFilm made{.motions = {arm_lift}, .begins_s = 2.4};
   const std::vector<VideoMotion> motions = video_motions(film_of(made), clock_of(made));
   ASSERT_EQ(motions.size(), 1U);
   EXPECT_TRUE(motions[0].start_cut);
   EXPECT_FALSE(motions[0].end_cut);
   EXPECT_FALSE(video_start_near(motions, certain(2.4), 1s));
-  EXPECT_TRUE(video_end_near(motions, certain(filmed_lift.end_s), 100ms));
+  EXPECT_TRUE(video_end_near(motions, certain(arm_lift.end_s), 100ms));
 }
 
 TEST(VideoMotions, IgnoreChangesOfTheWholePicture) {
-  MotionEnergy film = film_of({.motions = {filmed_lift}});
+  MotionEnergy film = film_of({.motions = {arm_lift}});
   MotionStep& step = film.steps[20];
   step.energy = 200 * film.noise / (1e-6 * static_cast<double>((step.end - step.begin).count()));
   EXPECT_EQ(video_motions(film, clock_of({})).size(), 2U);
@@ -314,16 +313,16 @@ TEST(VideoMotions, IgnoreChangesOfTheWholePicture) {
 }
 
 TEST(VideoMotions, ThatAreFaintGiveNoOnset) {
-  MotionEnergy film = film_of({.motions = {filmed_lift}});
+  MotionEnergy film = film_of({.motions = {arm_lift}});
   for (MotionStep& step : film.steps) step.strongest = film.threshold;
   const std::vector<VideoMotion> motions = video_motions(film, clock_of({}));
   ASSERT_EQ(motions.size(), 1U);
   EXPECT_TRUE(motions[0].faint);
-  EXPECT_FALSE(video_start_near(motions, certain(filmed_lift.start_s), 200ms));
+  EXPECT_FALSE(video_start_near(motions, certain(arm_lift.start_s), 200ms));
 }
 
 TEST(VideoSawMotion, IsUnknownWhereTheFilmDoesNotShowIt) {
-  const MadeFilm made{.motions = {closing, filmed_lift}};
+  const MadeFilm made{.motions = {closing, arm_lift}};
   MotionEnergy film = film_of(made);
   const FittedClock clock = clock_of(made);
   const auto saw = [&](double from_s, double to_s) {
@@ -342,14 +341,14 @@ TEST(VideoSawMotion, IsUnknownWhereTheFilmDoesNotShowIt) {
 }
 
 TEST(VideoRisesNear, KnowsAMotionThatBeginsWhileAnotherFades) {
-  const MadeFilm made{.motions = {closing, filmed_lift}};
+  const MadeFilm made{.motions = {closing, arm_lift}};
   MotionEnergy film = film_of(made);
   const FittedClock clock = clock_of(made);
   for (MotionStep& step : film.steps)
     step.energy += 5.0 * film.noise * 1e6 / static_cast<double>((step.end - step.begin).count());
-  EXPECT_TRUE(video_rises_near(film, clock, certain(filmed_lift.start_s).at, 100ms));
+  EXPECT_TRUE(video_rises_near(film, clock, certain(arm_lift.start_s).at, 100ms));
   EXPECT_FALSE(video_rises_near(film, clock, certain(0.5).at, 100ms));
-  EXPECT_FALSE(video_rises_near(film, clock, certain(filmed_lift.end_s).at, 100ms));
+  EXPECT_FALSE(video_rises_near(film, clock, certain(arm_lift.end_s).at, 100ms));
 }
 
 TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {

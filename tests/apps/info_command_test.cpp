@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::run_tactile;
-const std::string vendor_files = std::string(test::data_folder) + "/aedat4/";
+const std::string vendor_folder = std::string(test::data_folder) + "/aedat4/";
 
 std::size_t line_count(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
 
@@ -38,9 +38,9 @@ const nlohmann::json& stream_of_type(const nlohmann::json& recording, const std:
 }
 
 TEST(InfoCommand, ShowsWhatTheVendorsFilesContain) {
-  const nlohmann::json truth = read_json(vendor_files + "truth.json");
+  const nlohmann::json truth = read_json(vendor_folder + "truth.json");
   for (const auto& [name, expected] : truth.items()) {
-    const nlohmann::json recording = info_of(vendor_files + name + ".aedat4").at(0);
+    const nlohmann::json recording = info_of(vendor_folder + name + ".aedat4").at(0);
     EXPECT_EQ(recording.at("camera"), expected.at("source").get<std::string>());
     EXPECT_EQ(recording.at("width"), expected.at("width"));
     EXPECT_EQ(recording.at("height"), expected.at("height"));
@@ -129,10 +129,10 @@ TEST(InfoCommand, KnowsASimulatedRunByItsCameraToo) {
 }
 
 TEST(InfoCommand, PrintsAReportForPeople) {
-  const test::CommandResult result = run_tactile("info --verbose " + vendor_files + "dv-lz4.aedat4");
+  const test::CommandResult result = run_tactile("info --verbose " + vendor_folder + "dv-lz4.aedat4");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(result.err.empty()) << result.err;
-  const std::string brief = run_tactile("info " + vendor_files + "dv-lz4.aedat4").out;
+  const std::string brief = run_tactile("info " + vendor_folder + "dv-lz4.aedat4").out;
   EXPECT_LE(std::count(brief.begin(), brief.end(), '\n'), 15) << brief;
   EXPECT_NE(brief.find("\n  healthy\n"), std::string::npos) << brief;
   for (const char* words : {"DVXplorer_DXM00042, 160 x 120 pixels", "2023-11-14 22:13:31.000033 UTC",
@@ -145,7 +145,7 @@ TEST(InfoCommand, TakesAFolderOfLooseRecordings) {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "loose");
   fs::create_directories(folder / "empty");
-  for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4"}) fs::copy_file(vendor_files + name, folder / "loose" / name);
+  for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4"}) fs::copy_file(vendor_folder + name, folder / "loose" / name);
   std::ofstream(folder / "loose/notes.txt") << "of a day\n";
   const test::CommandResult result = run_tactile("info --check loose", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -156,7 +156,7 @@ TEST(InfoCommand, TakesAFolderOfLooseRecordings) {
 }
 
 TEST(InfoCommand, CountsTimeFromTheFirstEventUnlessAskedForCameraTime) {
-  const std::string command = "info " + vendor_files + "dv-lz4.aedat4";
+  const std::string command = "info " + vendor_folder + "dv-lz4.aedat4";
   const std::string since_first = run_tactile(command).out, camera = run_tactile(command + " --camera-time").out;
   EXPECT_NE(since_first.find(" 0.000000 s"), std::string::npos) << since_first;
   EXPECT_NE(camera.find(" 1700000011.000033 s"), std::string::npos) << camera;
@@ -164,20 +164,20 @@ TEST(InfoCommand, CountsTimeFromTheFirstEventUnlessAskedForCameraTime) {
 
 TEST(InfoCommand, EndsWithTwoWhereACheckFailsAndNamesTheReasons) {
   const test::TemporaryFolder folder;
-  fs::copy_file(vendor_files + "dv-lz4.aedat4", folder / "cut.aedat4");
+  fs::copy_file(vendor_folder + "dv-lz4.aedat4", folder / "cut.aedat4");
   fs::resize_file(folder / "cut.aedat4", 40'000);
   EXPECT_EQ(run_tactile("info cut.aedat4", folder.path()).exit_code, 0);
-  const test::CommandResult result = run_tactile("info --check cut.aedat4 " + vendor_files + "dv-none.aedat4", folder.path());
+  const test::CommandResult result = run_tactile("info --check cut.aedat4 " + vendor_folder + "dv-none.aedat4", folder.path());
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("cut.aedat4: truncated"), std::string::npos) << result.err;
   EXPECT_EQ(result.err.find("dv-none"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("SICK"), std::string::npos) << result.out;
-  EXPECT_EQ(run_tactile("info --check " + vendor_files + "dv-none.aedat4").exit_code, 0);
+  EXPECT_EQ(run_tactile("info --check " + vendor_folder + "dv-none.aedat4").exit_code, 0);
 }
 
 TEST(InfoCommand, TakesARecordingThatWasNeverClosedForHealthy) {
   const test::TemporaryFolder folder;
-  fs::copy_file(vendor_files + "dv-lz4.aedat4", folder / "open.aedat4");
+  fs::copy_file(vendor_folder + "dv-lz4.aedat4", folder / "open.aedat4");
   test::cut_off_table(folder / "open.aedat4");
   const test::CommandResult result = run_tactile("info --check open.aedat4", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -189,13 +189,13 @@ TEST(InfoCommand, ReportsTheRestIfAFileCannotBeRead) {
   const test::TemporaryFolder folder;
   write_whole(folder / "text.aedat4", "no recording at all");
   const test::CommandResult result =
-      run_tactile("info none.aedat4 " + vendor_files + "dv-lz4.aedat4 text.aedat4 --check", folder.path());
+      run_tactile("info none.aedat4 " + vendor_folder + "dv-lz4.aedat4 text.aedat4 --check", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(line_count(result.err), 2U) << result.err;
   EXPECT_NE(result.err.find("none.aedat4"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("text.aedat4"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("dv-lz4.aedat4"), std::string::npos) << result.out;
-  const test::CommandResult json = run_tactile("info --json none.aedat4 " + vendor_files + "dv-lz4.aedat4", folder.path());
+  const test::CommandResult json = run_tactile("info --json none.aedat4 " + vendor_folder + "dv-lz4.aedat4", folder.path());
   EXPECT_EQ(json.exit_code, 1);
   EXPECT_EQ(nlohmann::json::parse(json.out).at("recordings").size(), 1U);
   EXPECT_EQ(nlohmann::json::parse(json.out).at("failed").at(0).at("file"), "none.aedat4");
@@ -220,7 +220,7 @@ class InfoOfARun : public testing::Test {
  protected:
   InfoOfARun() {
     fs::create_directories(run.folder);
-    fs::copy_file(vendor_files + "dv-lz4.aedat4", run.events());
+    fs::copy_file(vendor_folder + "dv-lz4.aedat4", run.events());
   }
   void describe(bool complete, int width, int height) {
     RunInfo info{.object = "fan",
@@ -392,7 +392,7 @@ TEST_F(InfoOfARun, NeedsARecording) {
 }
 
 TEST(InfoCommand, RefusesAGapOutOfRange) {
-  const test::CommandResult result = run_tactile("info --gap-ms 0 " + vendor_files + "dv-lz4.aedat4");
+  const test::CommandResult result = run_tactile("info --gap-ms 0 " + vendor_folder + "dv-lz4.aedat4");
   EXPECT_NE(result.exit_code, 0);
   EXPECT_NE(result.err.find("3600000"), std::string::npos) << result.err;
 }

@@ -11,6 +11,7 @@
 #include "support/comes_true.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -202,7 +203,7 @@ TEST(FileSource, EndsInWordsWhereAClockOf31BitsBeganAgain) {
 
 TEST(FileSource, PlaysRealRecordingsOfTheVendors) {
   for (const char* name : {"dv-lz4.aedat4", "dv-zstd.aedat4", "dv-none.aedat4"}) {
-    const fs::path file = fs::path(test::data_folder) / "aedat4" / name;
+    const fs::path file = test::vendor_files / name;
     const auto source = open_file_source(name, file, {.speed = 0});
     const test::Received all = test::receive_all(*source);
     test::RecordingContents stored = test::contents_of(file);

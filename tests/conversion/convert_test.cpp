@@ -16,13 +16,10 @@
 namespace tactile::conversion {
 namespace {
 
+using test::files_in;
 using test::vendor_files;
 
 namespace fs = std::filesystem;
-
-std::size_t files_in(const fs::path& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
-}
 
 TEST(RecordingFormatOf, GoesByTheExtension) {
   EXPECT_EQ(recording_format_of("a/b.aedat4"), RecordingFormat::aedat4);

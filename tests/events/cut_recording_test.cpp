@@ -8,6 +8,7 @@
 #include "support/paths.hpp"
 #include "support/real_recordings.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 
 namespace tactile::events {
 namespace {
@@ -81,7 +82,7 @@ TEST_F(CutRecording, CopiesThePacketsThatLieInOnePieceBitForBit) {
 
 TEST_F(CutRecording, KeepsAllStreamsOfTheVendorsFilesWhateverTheirCompression) {
   for (const char* name : {"dv-none.aedat4", "dv-lz4.aedat4", "dv-lz4-high.aedat4", "dv-zstd.aedat4", "dv-zstd-high.aedat4"}) {
-    in = fs::path(test::data_folder) / "aedat4" / name;
+    in = test::vendor_files / name;
     const test::RecordingContents whole = test::contents_of(in);
     ASSERT_FALSE(whole.imu.empty());
     ASSERT_FALSE(whole.frames.empty());

@@ -10,14 +10,13 @@
 #include "events/recording_contents.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/vendor_files.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile::test {
 
-inline std::string vendor_bytes(const std::string& name) {
-  return bytes_of(std::filesystem::path(data_folder) / "aedat4" / (name + ".aedat4"));
-}
+inline std::string vendor_bytes(const std::string& name) { return bytes_of(vendor_files / (name + ".aedat4")); }
 
 /// A recording from bytes, in a folder of its own.
 class DamagedRecording : public ::testing::Test {

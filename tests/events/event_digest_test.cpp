@@ -11,7 +11,7 @@
 namespace tactile::events {
 namespace {
 
-constexpr SensorSize digest_size{64, 48};
+constexpr SensorSize sensor_of_digest{64, 48};
 
 std::string digest_of(const std::vector<Event>& events) {
   EventDigest digest;
@@ -21,13 +21,13 @@ std::string digest_of(const std::vector<Event>& events) {
 
 TEST(EventDigest, IsThatOfTheEventsInWhateverFile) {
   const test::TemporaryFolder folder;
-  const std::vector<Event> events = test::steady_events(5'000, 5'000'000, 100, digest_size);
+  const std::vector<Event> events = test::steady_events(5'000, 5'000'000, 100, sensor_of_digest);
   const std::string digest = digest_of(events);
   EXPECT_EQ(digest.size(), 16U);
   for (const auto& [compression, packet_events] :
        {std::pair(Compression::none, 500), std::pair(Compression::lz4, 1'000), std::pair(Compression::zstd, 70)}) {
     const auto file = folder / (std::to_string(packet_events) + ".aedat4");
-    RecordingWriter writer(file, {event_stream_declaration(digest_size, "DVXplorer_DXM00001")},
+    RecordingWriter writer(file, {event_stream_declaration(sensor_of_digest, "DVXplorer_DXM00001")},
                            {.compression = compression, .packet_events = static_cast<std::size_t>(packet_events)});
     writer.write_events(0, events);
     writer.close();
@@ -36,7 +36,7 @@ TEST(EventDigest, IsThatOfTheEventsInWhateverFile) {
 }
 
 TEST(EventDigest, IsAnotherIfAnyPartOfAnEventIs) {
-  const std::vector<Event> events = test::steady_events(100, 5'000'000, 100, digest_size);
+  const std::vector<Event> events = test::steady_events(100, 5'000'000, 100, sensor_of_digest);
   const std::string digest = digest_of(events);
   const auto changed = [&](std::size_t i, auto change) {
     std::vector<Event> others = events;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr SensorSize checked_size{64, 48};
+constexpr SensorSize sensor_of_file{64, 48};
 constexpr std::uint64_t first_line = 16, record = 24;  // [B] of the file of checksums
 constexpr std::size_t packets = 30;
 
@@ -25,9 +25,9 @@ class PacketChecksumsOf : public testing::Test {
 
   void write(Compression compression) {
     fs::remove(file);
-    RecordingWriter writer(file, {event_stream_declaration(checked_size, "DVXplorer_DXM00001")},
+    RecordingWriter writer(file, {event_stream_declaration(sensor_of_file, "DVXplorer_DXM00001")},
                            {.compression = compression, .checksums = true});
-    writer.write_events(0, test::steady_events(100 * packets, 5'000'000, 100, checked_size));
+    writer.write_events(0, test::steady_events(100 * packets, 5'000'000, 100, sensor_of_file));
     writer.flush();
     fs::copy_file(file, killed, fs::copy_options::overwrite_existing);
     fs::copy_file(checksums_beside(file), checksums_beside(killed), fs::copy_options::overwrite_existing);
@@ -166,8 +166,8 @@ TEST_F(PacketChecksumsOf, LetARepairKeepAPacketWhoseSizeAloneIsDamaged) {
 TEST_F(PacketChecksumsOf, AreGivenUpWhereTheyCannotBeWritten) {
   const fs::path other = folder / "other.aedat4";
   fs::create_directory(checksums_beside(other));
-  RecordingWriter writer(other, {event_stream_declaration(checked_size, "DVXplorer_DXM00001")}, {.checksums = true});
-  writer.write_events(0, test::steady_events(1000, 0, 100, checked_size));
+  RecordingWriter writer(other, {event_stream_declaration(sensor_of_file, "DVXplorer_DXM00001")}, {.checksums = true});
+  writer.write_events(0, test::steady_events(1000, 0, 100, sensor_of_file));
   writer.close();
   EXPECT_TRUE(examine_recording(other, {.checksums = true}).healthy());
 }

@@ -15,14 +15,11 @@
 namespace tactile::events {
 namespace {
 
+using test::files_in;
 using test::stored_bytes;
 using test::vendor_files;
 
 namespace fs = std::filesystem;
-
-std::size_t files_in(const fs::path& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
-}
 
 /// A copy of a file of the vendor's, cut or damaged as the test likes.
 class Repair : public testing::Test {

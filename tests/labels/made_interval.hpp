@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "tactile/labels/labels.hpp"
 
 namespace tactile::test {

@@ -5,6 +5,7 @@
 #include <future>
 
 #include "alignment/made_run.hpp"
+#include "labels/press_and_slip.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -18,8 +19,7 @@ const EditNote ada{.who = "ada", .why = ""};
 class SavedLabels : public testing::Test {
  protected:
   void SetUp() override {
-    run = test::write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}},
-                               test::made_lift(1'500'000, 500'000, 0.06, -123'456'789));
+    run = test::write_made_run(data.path(), test::press_and_slip, test::lift_after_press);
     const std::vector<RunOutcome> labelled = label_runs({run});
     ASSERT_EQ(labelled.at(0).error, "");
     ASSERT_EQ(labelled.at(0).labels.intervals.size(), 2U);

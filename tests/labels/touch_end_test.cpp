@@ -10,7 +10,7 @@
 namespace tactile::labels {
 namespace {
 
-constexpr double begin_us = 1'000'000, touched_us = 200'000, still_us = 450'000;
+constexpr double begin_us = 1'000'000, touch_onset_us = 200'000, still_us = 450'000;
 
 CameraTime time_of(double us) { return camera_time(std::llround(begin_us + us)); }
 
@@ -18,9 +18,9 @@ alignment::UncertainTime exactly(double us) { return {time_of(us), time_of(us), 
 
 /// A press that slows down as (1 - t)^power, with creeping after it.
 double press_rate(double t_us, double power, double peak, double creeping) {
-  if (t_us < touched_us) return 0.2;
+  if (t_us < touch_onset_us) return 0.2;
   if (t_us >= still_us) return 0.2 + creeping;
-  return 0.2 + peak * std::pow((still_us - t_us) / (still_us - touched_us), power);
+  return 0.2 + peak * std::pow((still_us - t_us) / (still_us - touch_onset_us), power);
 }
 
 struct Ends {
@@ -29,12 +29,12 @@ struct Ends {
 };
 
 Ends press_ends(double power, double peak, double creeping, std::uint64_t seeds) {
-  const double end_us = still_us - (still_us - touched_us) * std::pow(0.01, 1.0 / power);
+  const double end_us = still_us - (still_us - touch_onset_us) * std::pow(0.01, 1.0 / power);
   Ends ends;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     const LitRate lit = test::lit_rate_of(
         5'000, [&](double t_us) { return press_rate(t_us, power, peak, creeping); }, seed, 1'000, 2'260, 0.2);
-    const FoundTime found = press_end(lit, exactly(touched_us));
+    const FoundTime found = press_end(lit, exactly(touch_onset_us));
     EXPECT_LE(found.time.low, found.time.at);
     EXPECT_LE(found.time.at, found.time.high);
     ends.errors_ms.push_back(1e-3 * std::abs(static_cast<double>(between(time_of(end_us), found.time.at).count())));
@@ -67,7 +67,7 @@ TEST(PressEnd, HasAWiderIntervalWhereFewEventsShowIt) {
 TEST(TouchEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return press_rate(t_us, 1.0, 40.0, 0.1); }, 1, 1'000, 2'260, 0.2);
-  for (const double late_us : {touched_us, still_us, still_us + 60'000, 998'000.0, 999'600.0}) {  // the recording lasts 1 s
+  for (const double late_us : {touch_onset_us, still_us, still_us + 60'000, 998'000.0, 999'600.0}) {  // the recording lasts 1 s
     for (const FoundTime& end : {press_end(lit, exactly(late_us)), slip_end(lit, exactly(late_us))}) {
       EXPECT_GE(end.time.at, after(time_of(late_us), lit.rate.bin)) << late_us;
       EXPECT_GE(end.time.high, end.time.at) << late_us;
@@ -78,7 +78,7 @@ TEST(TouchEnd, IsAfterTheOnsetHoweverLateThatIsFound) {
 TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
   const LitRate lit = test::lit_rate_of(
       5'000, [](double t_us) { return press_rate(t_us, 1.0, 100.0, 1.5); }, 1, 1'000, 2'600, 0.2);
-  EXPECT_FALSE(press_end(lit, exactly(touched_us)).doubt.empty());
+  EXPECT_FALSE(press_end(lit, exactly(touch_onset_us)).doubt.empty());
 }
 
 TEST(PressEnd, IsThatOfTheMotionBeforeTheStillHold) {
@@ -89,8 +89,8 @@ TEST(PressEnd, IsThatOfTheMotionBeforeTheStillHold) {
         return press_rate(t_us, 1.0, 20.0, 0.1) + (t_us > still_us + 60'000 && t_us < still_us + 75'000 ? 60.0 : 0.0);
       },
       2, 1'000, 2'640, 0.2);
-  EXPECT_NEAR(1e-3 * static_cast<double>(between(time_of(still_us), press_end(lit, exactly(touched_us)).time.at).count()), -2.5,
-              4.0);
+  EXPECT_NEAR(1e-3 * static_cast<double>(between(time_of(still_us), press_end(lit, exactly(touch_onset_us)).time.at).count()),
+              -2.5, 4.0);
 }
 
 /// A slip whose last tips let go at `still_us` and ring, e-fold `decay_us`.
@@ -98,7 +98,7 @@ LitRate slip_rate(double decay_us, double ringing, std::uint64_t seed) {
   return test::lit_rate_of(
       6'000,
       [=](double t_us) {
-        if (t_us < touched_us) return 0.2;
+        if (t_us < touch_onset_us) return 0.2;
         if (t_us < still_us) return 40.0;
         return 0.2 + 100.0 * std::exp(-(t_us - still_us) / decay_us) + ringing * std::exp(-(t_us - still_us) / 80'000.0);
       },
@@ -110,7 +110,7 @@ TEST(SlipEnd, HoldsTheTimeInWhichTheRingingFadesToAPercent) {
     const double end_us = still_us + decay_us * std::log(100.0);
     int covered = 0;
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
-      const alignment::UncertainTime end = slip_end(slip_rate(decay_us, 0.0, seed), exactly(touched_us)).time;
+      const alignment::UncertainTime end = slip_end(slip_rate(decay_us, 0.0, seed), exactly(touch_onset_us)).time;
       EXPECT_LE(end.low, end.at);
       EXPECT_LE(end.at, end.high);
       covered += end.low <= time_of(end_us) && time_of(end_us) <= end.high ? 1 : 0;
@@ -120,8 +120,8 @@ TEST(SlipEnd, HoldsTheTimeInWhichTheRingingFadesToAPercent) {
 }
 
 TEST(SlipEnd, LeavesOpenWhetherALongFaintTailBelongsToIt) {
-  const alignment::UncertainTime brief = slip_end(slip_rate(4'000.0, 0.0, 1), exactly(touched_us)).time;
-  const alignment::UncertainTime tailed = slip_end(slip_rate(4'000.0, 6.0, 1), exactly(touched_us)).time;
+  const alignment::UncertainTime brief = slip_end(slip_rate(4'000.0, 0.0, 1), exactly(touch_onset_us)).time;
+  const alignment::UncertainTime tailed = slip_end(slip_rate(4'000.0, 6.0, 1), exactly(touch_onset_us)).time;
   EXPECT_GT(between(tailed.low, tailed.high), between(brief.low, brief.high));
   EXPECT_LE(tailed.low, time_of(still_us + 30'000));
 }
@@ -131,20 +131,20 @@ TEST(SlipEnd, IsNotBeforeTheArmsStopNorLongAfterIt) {
   const auto stop = [](double t_us) {
     return alignment::UncertainTime{time_of(t_us), time_of(t_us - 1'000), time_of(t_us + 1'000)};
   };
-  const alignment::UncertainTime unseen = slip_end(brief, exactly(touched_us), {}, stop(still_us + 60'000)).time;
+  const alignment::UncertainTime unseen = slip_end(brief, exactly(touch_onset_us), {}, stop(still_us + 60'000)).time;
   EXPECT_GE(unseen.at, time_of(still_us + 60'000));
   EXPECT_LT(unseen.low, time_of(still_us + 60'000));
   EXPECT_GT(unseen.high, time_of(still_us + 60'000));
-  EXPECT_GT(slip_end(rings, exactly(touched_us)).time.at, time_of(still_us + 100'000)) << "else this asks nothing";
-  const alignment::UncertainTime ringing = slip_end(rings, exactly(touched_us), {}, stop(still_us)).time;
+  EXPECT_GT(slip_end(rings, exactly(touch_onset_us)).time.at, time_of(still_us + 100'000)) << "else this asks nothing";
+  const alignment::UncertainTime ringing = slip_end(rings, exactly(touch_onset_us), {}, stop(still_us)).time;
   EXPECT_LE(ringing.at, time_of(still_us + 51'000));
   EXPECT_LE(ringing.low, time_of(still_us - 1'000));
 }
 
 TEST(SlipEnd, IsDoubtedWhereTheRecordingEndsBeforeIt) {
   const LitRate lit = test::lit_rate_of(
-      2'000, [](double t_us) { return t_us < touched_us ? 0.2 : 40.0; }, 1, 1'000, 2'000, 0.2);
-  EXPECT_FALSE(slip_end(lit, exactly(touched_us)).doubt.empty());
+      2'000, [](double t_us) { return t_us < touch_onset_us ? 0.2 : 40.0; }, 1, 1'000, 2'000, 0.2);
+  EXPECT_FALSE(slip_end(lit, exactly(touch_onset_us)).doubt.empty());
 }
 
 TEST(TouchEnd, OfAnOnsetAtTheVeryEndIsDoubted) {

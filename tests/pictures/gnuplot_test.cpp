@@ -18,6 +18,7 @@ namespace tactile::pictures {
 namespace {
 
 using test::error_of;
+using test::files_in;
 using test::TemporaryFolder;
 
 Plot line_plot() {
@@ -25,12 +26,6 @@ Plot line_plot() {
           .tables = {{.name = "line", .columns = 2, .values = {0, 1, 1, 9, 2, std::numeric_limits<double>::quiet_NaN(), 3, 5}}},
           .width_px = 300,
           .height_px = 200};
-}
-
-std::size_t files_in(const std::filesystem::path& folder) {
-  std::size_t count = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++count;
-  return count;
 }
 
 /// A variable of the environment, put back when it goes.

@@ -14,23 +14,23 @@ namespace {
 
 constexpr std::int64_t labels_begin_us = 1'700'000'000'000'000;
 
-CameraTime label_time(double ms) { return camera_time(labels_begin_us + static_cast<std::int64_t>(1000 * ms)); }
+CameraTime label_at_ms(double ms) { return camera_time(labels_begin_us + static_cast<std::int64_t>(1000 * ms)); }
 
 labels::LabelledInterval touch(Touch kind, const std::string& id, double start_ms, double end_ms) {
   labels::LabelledInterval interval;
   interval.id = id;
   interval.touch = kind;
-  interval.start = {label_time(start_ms), label_time(start_ms - 0.8), label_time(start_ms + 0.4)};
-  interval.end = {label_time(end_ms), label_time(end_ms - 10), label_time(end_ms + 20)};
+  interval.start = {label_at_ms(start_ms), label_at_ms(start_ms - 0.8), label_at_ms(start_ms + 0.4)};
+  interval.end = {label_at_ms(end_ms), label_at_ms(end_ms - 10), label_at_ms(end_ms + 20)};
   interval.source = "events";
-  interval.evidence.events = label_time(start_ms);
+  interval.evidence.events = label_at_ms(start_ms);
   return interval;
 }
 
 Trace trace_of(TraceKind kind, const std::string& name, double step_ms, double (*value)(double ms)) {
   Trace trace{.kind = kind, .name = name};
   for (double ms = -20; ms < 4'020; ms += step_ms) {
-    trace.t.push_back(label_time(ms));
+    trace.t.push_back(label_at_ms(ms));
     trace.values.push_back(value(ms));
   }
   return trace;
@@ -42,9 +42,9 @@ double lifted(double ms) { return ms < 2'000 ? 0.0 : ms < 2'500 ? (ms - 2'000) /
 LabelPicture whole_picture() {
   LabelPicture picture;
   picture.title = "fan/01 (made up)";
-  picture.begin = label_time(0);
-  picture.end = label_time(4'000);
-  picture.rate.begin = label_time(0);
+  picture.begin = label_at_ms(0);
+  picture.end = label_at_ms(4'000);
+  picture.rate.begin = label_at_ms(0);
   picture.rate.bin = microseconds(200);
   for (int i = 0; i < 20'000; ++i) {
     const double ms = 0.2 * i;
@@ -53,11 +53,11 @@ LabelPicture whole_picture() {
   }
   picture.labels.intervals = {touch(Touch::press, "press-1", 1'000, 1'200), touch(Touch::slip, "slip-1", 2'000, 2'500)};
   labels::Evidence& slip = picture.labels.intervals[1].evidence;
-  slip.robot = label_time(1'996);
-  slip.video = label_time(2'021);
-  slip.imu = label_time(1'999);
-  picture.labels.intervals[0].evidence.robot = label_time(700);
-  picture.labels.intervals[0].evidence.video = label_time(1'012);
+  slip.robot = label_at_ms(1'996);
+  slip.video = label_at_ms(2'021);
+  slip.imu = label_at_ms(1'999);
+  picture.labels.intervals[0].evidence.robot = label_at_ms(700);
+  picture.labels.intervals[0].evidence.video = label_at_ms(1'012);
   alignment::FittedClock clock;
   clock.relation = {.offset_us = 1'000, .drift_ppm = 0, .reference_us = 0};
   clock.offset_low_us = -4'000;
@@ -183,7 +183,7 @@ TEST(LabelPicture, EndsAnOutputWhereItsLogEnds) {
   LabelPicture picture = whole_picture();
   picture.traces = {{.kind = TraceKind::stage_output,
                      .name = "digital output 0",
-                     .t = {label_time(0), label_time(700), label_time(2'500)},
+                     .t = {label_at_ms(0), label_at_ms(700), label_at_ms(2'500)},
                      .values = {0, 1, 1}}};
   const auto rows = table_drawn_in(label_plot(picture), "set ytics ('output 0'");
   ASSERT_EQ(rows.size(), 3U);
@@ -194,10 +194,10 @@ TEST(LabelPicture, HasOneRowForAnOutputWhoseLogIsInPieces) {
   LabelPicture picture = whole_picture();
   picture.traces.clear();
   const int height = label_plot(picture).height_px;
-  picture.traces = {{.kind = TraceKind::stage_output, .name = "out", .t = {label_time(0), label_time(700)}, .values = {0, 1}}};
+  picture.traces = {{.kind = TraceKind::stage_output, .name = "out", .t = {label_at_ms(0), label_at_ms(700)}, .values = {0, 1}}};
   const int with_one = label_plot(picture).height_px;
   picture.traces.push_back(
-      {.kind = TraceKind::stage_output, .name = "out", .t = {label_time(2'000), label_time(2'700)}, .values = {1, 0}});
+      {.kind = TraceKind::stage_output, .name = "out", .t = {label_at_ms(2'000), label_at_ms(2'700)}, .values = {1, 0}});
   EXPECT_EQ(label_plot(picture).height_px, with_one);
   EXPECT_EQ(count_of(label_plot(picture).script, "with steps"), 2U);
   EXPECT_TRUE(says(picture, "set yrange [0:1]\nset ytics ('out' 0.5)"));
@@ -212,9 +212,9 @@ TEST(LabelPicture, WritesWordsWhereNoLineCrossesThem) {
   EXPECT_NE(script.find("set style textbox opaque"), std::string::npos);
   EXPECT_EQ(count_of(script, "front boxed textcolor"), 5U) << "what sources say of two onsets";
   // A word 33 ms wide and more that stands 30 ms before the onset does not reach over the left edge.
-  picture.labels.intervals[1].evidence.robot = label_time(1'970);
+  picture.labels.intervals[1].evidence.robot = label_at_ms(1'970);
   EXPECT_TRUE(says(picture, "set label 'lift start −30.0 ms' at first -28.8,")) << "to the right of its line";
-  picture.labels.intervals[1].evidence.robot = label_time(1'990);
+  picture.labels.intervals[1].evidence.robot = label_at_ms(1'990);
   EXPECT_TRUE(says(picture, "set label 'lift start −10.0 ms' at first -11.2,")) << "to the left of its line";
 }
 
@@ -250,7 +250,7 @@ TEST(LabelPicture, IsDrawnOfRunsThatLackAlmostEverything) {
   picture = whole_picture();
   picture.traces = {trace_of(TraceKind::tcp_speed, "", 8, nothing), trace_of(TraceKind::stage_output, "x", 8, nothing),
                     trace_of(TraceKind::acceleration, "", 8, nothing), trace_of(TraceKind::video_energy, "", 8, nothing)};
-  picture.traces.push_back({.kind = TraceKind::tcp_height, .name = "", .t = {label_time(9'000)}, .values = {none}});
+  picture.traces.push_back({.kind = TraceKind::tcp_height, .name = "", .t = {label_at_ms(9'000)}, .values = {none}});
   draw_label_picture(picture, folder / "gaps.png");
   EXPECT_TRUE(says(whole_picture(), "set multiplot"));
   EXPECT_EQ(cv::imread((folder / "gaps.png").string()).cols, 1600);

@@ -42,7 +42,7 @@ std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour, int bot
   return found;
 }
 
-const cv::Vec3b blue(0xC8, 0x5A, 0x00), orange(0x00, 0x5A, 0xE6), grey_pixel(0xB8, 0xB8, 0xB8);
+const cv::Vec3b blue(0xC8, 0x5A, 0x00), orange(0x00, 0x5A, 0xE6), grey_line(0xB8, 0xB8, 0xB8);
 
 TEST(PredictionPicture, DrawsPredictionsAtTheirTicks) {
   const test::TemporaryFolder folder;
@@ -54,7 +54,7 @@ TEST(PredictionPicture, DrawsPredictionsAtTheirTicks) {
   EXPECT_NEAR(first, 110 + 960 * 0.200 / 0.998, 3);
   EXPECT_NEAR(last, 110 + 960 * 0.400 / 0.998, 3);
   EXPECT_EQ(columns_of(picture, orange).second, -1);
-  EXPECT_EQ(columns_of(picture, grey_pixel).second, -1);
+  EXPECT_EQ(columns_of(picture, grey_line).second, -1);
 }
 
 TEST(PredictionPicture, CountsFromTheFirstEventIfThatIsKnown) {
@@ -79,7 +79,7 @@ TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   draw_prediction(with, folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
   EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 960 * 0.600 / 0.998, 3);
-  EXPECT_NEAR(columns_of(picture, grey_pixel, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, grey_line, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
 }
 
 TEST(PredictionPicture, ASingleTickOfAClassIsSeen) {

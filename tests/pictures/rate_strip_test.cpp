@@ -12,14 +12,14 @@
 namespace tactile::pictures {
 namespace {
 
-CameraTime strip_time(std::int64_t ms) { return camera_time(1000 * ms); }
+CameraTime strip_at_ms(std::int64_t ms) { return camera_time(1000 * ms); }
 
 /// So many events at 100, 101, ... ms, up to 200 ms.
 EventCurve burst(std::size_t events_per_ms) {
-  EventCurve curve(strip_time(0), 1ms);
+  EventCurve curve(strip_at_ms(0), 1ms);
   for (int ms = 100; ms < 200; ++ms) {
     std::vector<events::Event> events(events_per_ms);
-    for (events::Event& event : events) event.t = strip_time(ms);
+    for (events::Event& event : events) event.t = strip_at_ms(ms);
     curve.add(events);
   }
   return curve;
@@ -32,11 +32,11 @@ class RateStripTest : public testing::Test {
 };
 
 TEST_F(RateStripTest, DrawsTheRateWhereItIs) {
-  const RateStrip strip(strip_time(0), strip_time(400), strip_time(0), place);
+  const RateStrip strip(strip_at_ms(0), strip_at_ms(400), strip_at_ms(0), place);
   strip.draw(sheet, burst(50), {});
   const auto grey_in = [&](std::int64_t ms) {
     cv::Mat found;
-    cv::inRange(sheet.col(strip.column_of(strip_time(ms))), cv::Scalar(160, 160, 160), cv::Scalar(160, 160, 160), found);
+    cv::inRange(sheet.col(strip.column_of(strip_at_ms(ms))), cv::Scalar(160, 160, 160), cv::Scalar(160, 160, 160), found);
     return cv::countNonZero(found);
   };
   EXPECT_LT(grey_in(50), 3);
@@ -45,10 +45,10 @@ TEST_F(RateStripTest, DrawsTheRateWhereItIs) {
 }
 
 TEST_F(RateStripTest, MarksLabelsAboveAndHeldWithinWhatIsShown) {
-  const RateStrip strip(strip_time(100), strip_time(200), strip_time(0), place);
-  const std::vector<TouchInterval> intervals{{Touch::press, strip_time(0), strip_time(120)},
-                                             {Touch::slip, strip_time(180), strip_time(900)},
-                                             {Touch::slip, strip_time(1000), strip_time(1100)}};
+  const RateStrip strip(strip_at_ms(100), strip_at_ms(200), strip_at_ms(0), place);
+  const std::vector<TouchInterval> intervals{{Touch::press, strip_at_ms(0), strip_at_ms(120)},
+                                             {Touch::slip, strip_at_ms(180), strip_at_ms(900)},
+                                             {Touch::slip, strip_at_ms(1000), strip_at_ms(1100)}};
   strip.draw(sheet, burst(50), intervals);
   const auto row_of_bar = [&](const cv::Scalar& colour, int column) {
     for (int y = 0; y < sheet.rows; ++y) {
@@ -56,9 +56,9 @@ TEST_F(RateStripTest, MarksLabelsAboveAndHeldWithinWhatIsShown) {
     }
     return -1;
   };
-  EXPECT_GT(row_of_bar(touch_colour(Touch::press), strip.column_of(strip_time(119))), 0);
-  EXPECT_EQ(row_of_bar(touch_colour(Touch::press), strip.column_of(strip_time(125))), -1);
-  EXPECT_GT(row_of_bar(touch_colour(Touch::slip), strip.column_of(strip_time(199))), 0);
+  EXPECT_GT(row_of_bar(touch_colour(Touch::press), strip.column_of(strip_at_ms(119))), 0);
+  EXPECT_EQ(row_of_bar(touch_colour(Touch::press), strip.column_of(strip_at_ms(125))), -1);
+  EXPECT_GT(row_of_bar(touch_colour(Touch::slip), strip.column_of(strip_at_ms(199))), 0);
   sheet(place).setTo(paper);
   EXPECT_EQ(cv::norm(sheet, cv::Mat(sheet.size(), CV_8UC3, paper)), 0) << "nothing is drawn beside its place";
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "alignment/made_run.hpp"
+#include "labels/press_and_slip.hpp"
 #include "review/page_client.hpp"
 #include "support/comes_true.hpp"
 #include "support/running_command.hpp"
@@ -26,9 +27,8 @@ using test::run_tactile;
 class ReviewCommand : public testing::Test {
  protected:
   void SetUp() override {
-    run =
-        test::write_made_run(folder / "data", {.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}, .length_us = 2'500'000},
-                             test::made_lift(1'500'000, 500'000, 0.06, -123'456'789));
+    run = test::write_made_run(folder / "data", {.bursts = test::press_and_slip.bursts, .length_us = 2'500'000},
+                               test::lift_after_press);
     ASSERT_EQ(labels::label_runs({run}).at(0).error, "");
   }
 

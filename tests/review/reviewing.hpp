@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "alignment/made_run.hpp"
+#include "labels/press_and_slip.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
 #include "support/temporary_folder.hpp"
@@ -72,8 +73,7 @@ class Reviewing : public ::testing::Test {
 class ReviewingARun : public Reviewing {
  protected:
   void SetUp() override {
-    run = write_made_run(data.path(), {.bursts = {{800'000, 1'000'000}, {1'503'000, 2'097'000}}},
-                         made_lift(1'500'000, 500'000, 0.06, -123'456'789));
+    run = write_made_run(data.path(), press_and_slip, lift_after_press);
     ASSERT_EQ(labels::label_runs({run}).at(0).error, "");
     events = events_in_file(run.events());
   }

@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "support/host_time.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/video/film_part.hpp"
@@ -15,7 +16,7 @@ namespace tactile::splitting {
 namespace {
 namespace fs = std::filesystem;
 
-HostTime host_time(std::int64_t us) { return HostTime{microseconds{us}}; }
+using test::host_time;
 
 /// Robot time is 100 s ahead of camera time.
 DeviceClock by_stamp() {

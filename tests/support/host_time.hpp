@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "tactile/core/time.hpp"
 
 namespace tactile::test {

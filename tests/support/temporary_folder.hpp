@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
 #include <string>
 
 namespace tactile::test {
@@ -30,5 +32,10 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// How many files and folders a folder has.
+inline std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
 
 }  // namespace tactile::test

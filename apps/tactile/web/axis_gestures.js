@@ -1,19 +1,14 @@
 // Zoom and pan of a time axis by wheel, drag, fingers and buttons.
 
 import { button, el } from "./dom.js";
-import { panned, timeAt, wholeOf, zoomed } from "./time_view.js";
+import { fitted, panned, timeAt, zoomed, zoomedAround } from "./time_view.js";
 
 const CLICK_PX = 4; // a pointer that moved less has clicked
-
-/// Shows `factor` times as much, around the middle. Infinity shows all.
-export function zoomedMiddle({ view, length_us }, factor) {
-  return factor === Infinity ? wholeOf(length_us) : zoomed(view, (view.from_us + view.to_us) / 2, factor, length_us);
-}
 
 /// @param axis  as of AxisGestures
 /// @param all  the words of the button that shows all
 export function axisButtons(axis, all) {
-  const zoom = (factor) => axis.show(zoomedMiddle(axis, factor));
+  const zoom = (factor) => axis.show(zoomedAround(axis.view, null, factor, axis.length_us));
   const pan = (share) => axis.show(panned(axis.view, share * (axis.view.to_us - axis.view.from_us), axis.length_us));
   return [
     button("−", () => zoom(2), { "aria-label": "Zoom out" }),
@@ -100,7 +95,7 @@ export class AxisGestures {
       this.chosen.remove();
       this.chosen = null;
       const [from_us, to_us] = [pointer.from, this.pixelOf(event)].map((x) => this.#timeAt(x)).sort((a, b) => a - b);
-      if (to_us > from_us) this.axis.show({ from_us, to_us });
+      if (to_us > from_us) this.axis.show(fitted({ from_us, to_us }, this.axis.length_us));
     } else if (!this.dragged && event.type === "pointerup") {
       this.clicked(event);
     }

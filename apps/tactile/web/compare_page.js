@@ -5,6 +5,7 @@ import { AxisGestures, axisButtons } from "./axis_gestures.js";
 import { MODEL_SIGNALS, SignalStrips } from "./signal_strips.js";
 import { el, figuresTable, refill } from "./dom.js";
 import { figureText } from "./format.js";
+import { Refused } from "./edit_queue.js";
 import { MODEL_FIGURES, comparison, figureOf } from "./figures.js";
 import { compareAddress, runAddress } from "./router.js";
 import { pixelOf, wholeOf } from "./time_view.js";
@@ -67,7 +68,7 @@ export class ComparePage {
 
   async #plot(name, options) {
     refill(this.plots, el("p", { class: "reading" }, "Reading the run …"));
-    const [run, labels] = await Promise.all([api.getRun(name, options), api.getLabels(name, options)]);
+    const [run, labels] = await Promise.all([api.getRun(name, options), this.#labels(name, options)]);
     if (this.abort.signal.aborted) return;
     this.length_us = Math.round(run.length_s * 1e6);
     this.view = wholeOf(this.length_us);
@@ -98,6 +99,16 @@ export class ComparePage {
     for (const part of this.strips) part.start(this.view);
     this.sizes = new ResizeObserver(() => this.#resize());
     this.sizes.observe(this.plots);
+  }
+
+  /// A run without labels has no bands.
+  async #labels(name, options) {
+    try {
+      return await api.getLabels(name, options);
+    } catch (error) {
+      if (!(error instanceof Refused)) throw error;
+      return { intervals: [] };
+    }
   }
 
   #resize() {

@@ -1,4 +1,4 @@
-// Cuts as lines over the event rate of a long recording: dragged, moved by keys, added and removed. The axis zooms as that of a run.
+// Cuts as lines over the event rate of a long recording: dragged, moved by keys, added and removed. The axis zooms like that of a run.
 
 import { AxisGestures } from "./axis_gestures.js";
 import { el } from "./dom.js";
@@ -9,8 +9,8 @@ import { movedCut, withCut, withoutCut } from "./split_cuts.js";
 import { around, fitted, pixelOf, wholeOf } from "./time_view.js";
 
 const STEP_US = 10_000; // of a key
-const FURTHER = 10; // with Shift
-const OUTSIDE_PX = 20; // where lines wait that the axis does not show
+const SHIFT_FACTOR = 10;
+const OUTSIDE_PX = 20; // a line outside the view is drawn so far beyond the edge
 
 export class CutLines {
   /// @param rate  the signal of the event rate, as the server lists it
@@ -63,6 +63,11 @@ export class CutLines {
     this.#lay();
   }
 
+  /// Asks again for what did not come.
+  again() {
+    this.strips.again();
+  }
+
   set(cuts) {
     this.cuts = cuts;
     this.#lines();
@@ -85,7 +90,7 @@ export class CutLines {
       "aria-label": `Cut ${index + 1}`,
       "aria-valuemin": 0,
       "aria-valuemax": this.length_us / 1e6,
-      onfocus: () => this.#follow(this.cuts[index]),
+      onfocus: () => line.matches(":focus-visible") && this.#follow(this.cuts[index]),
       onkeydown: (event) => this.#key(event, index),
       onpointerdown: (event) => this.#drag(event, index, line),
     });
@@ -108,10 +113,12 @@ export class CutLines {
   }
 
   #key(event, index) {
-    const step = Math.min(STEP_US, (this.view.to_us - this.view.from_us) / 100) * (event.shiftKey ? FURTHER : 1);
+    const step = Math.min(STEP_US, (this.view.to_us - this.view.from_us) / 100) * (event.shiftKey ? SHIFT_FACTOR : 1);
     const by = { ArrowLeft: -step, ArrowRight: step }[event.key];
-    if (by !== undefined) this.set(movedCut(this.cuts, index, this.cuts[index] + by, this.length_us));
-    else if (event.key === "Delete" || event.key === "Backspace") this.set(withoutCut(this.cuts, index));
+    if (by !== undefined) {
+      this.set(movedCut(this.cuts, index, this.cuts[index] + by, this.length_us));
+      this.#follow(this.cuts[index]);
+    } else if (event.key === "Delete" || event.key === "Backspace") this.set(withoutCut(this.cuts, index));
     else return;
     event.preventDefault();
   }
@@ -123,7 +130,7 @@ export class CutLines {
     const move = (event) => {
       this.cuts = movedCut(this.cuts, index, this.gestures.timeOf(event), this.length_us);
       this.#name(line, this.cuts[index]);
-      this.#lay();
+      this.#place(line, this.cuts[index]);
     };
     const end = () => {
       line.removeEventListener("pointermove", move);
@@ -136,18 +143,24 @@ export class CutLines {
     line.addEventListener("pointercancel", end);
   }
 
+  #x(us) {
+    return Math.min(Math.max(pixelOf(us, this.view, this.width), -OUTSIDE_PX), this.width + OUTSIDE_PX);
+  }
+
+  #place(line, at_us) {
+    line.style.left = `${this.#x(at_us)}px`;
+    line.classList.toggle("outside", !this.#shows(at_us));
+  }
+
   #lay() {
     if (!this.width) return;
     Object.assign(this.element.dataset, this.view); // the view, for whoever looks at the document
-    const x = (us) => Math.min(Math.max(pixelOf(us, this.view, this.width), -OUTSIDE_PX), this.width + OUTSIDE_PX);
+    const x = (us) => this.#x(us);
     for (const [i, band] of [...this.over.querySelectorAll(".cut-touch")].entries()) {
       const { begin_us, end_us } = this.touches[i];
       Object.assign(band.style, { left: `${x(begin_us)}px`, width: `${Math.max(2, x(end_us) - x(begin_us))}px` });
     }
-    for (const [i, line] of [...this.over.querySelectorAll(".cut")].entries()) {
-      line.style.left = `${x(this.cuts[i])}px`;
-      line.classList.toggle("outside", !this.#shows(this.cuts[i]));
-    }
+    for (const [i, line] of [...this.over.querySelectorAll(".cut")].entries()) this.#place(line, this.cuts[i]);
     this.overview.draw();
   }
 

@@ -2,7 +2,7 @@
 // a reload, a server that ended, and a conflict. No document here; `send` and `store` are given.
 
 import { alreadyMade, withOperations, wordsOf } from "./label_edits.js";
-import { rebased } from "./label_changes.js";
+import { historyMark, rebased } from "./label_changes.js";
 
 export class Conflict extends Error {
   constructor(message, current) {
@@ -16,6 +16,9 @@ export class Unreachable extends Error {}
 
 /// The server cannot make this edit, and says why.
 export class Refused extends Error {}
+
+/// Why an operation cannot be made on the present labels.
+const whyNot = ({ op }) => (op === "edit" ? "what it edits is gone" : "the edits have changed since");
 
 export class EditQueue extends EventTarget {
   /// @param send   async (operation, version) => labels; throws Conflict, Unreachable or Refused
@@ -61,14 +64,6 @@ export class EditQueue extends EventTarget {
     return this.pump();
   }
 
-  /// The entry that an undo or redo is meant for: it shows later whether it was made.
-  #historyMark(op) {
-    if (op === "edit") return null;
-    const history = this.labels.history ?? [];
-    const entry = op === "undo" ? history.findLast((e) => !e.undone) : history.find((e) => e.undone);
-    return entry ? { when: entry.when, what: entry.what } : null;
-  }
-
   /// Sends what waits until it is all there or something must be decided. One at a time.
   async pump() {
     if (this.busy) return;
@@ -84,7 +79,7 @@ export class EditQueue extends EventTarget {
 
   async #sendFirst() {
     const [operation] = this.waiting;
-    operation.of ??= this.#historyMark(operation.op);
+    operation.of ??= historyMark(operation.op, this.labels); // it shows later whether it was made
     operation.tried = true;
     this.#save();
     try {
@@ -141,7 +136,7 @@ export class EditQueue extends EventTarget {
     for (const operation of waiting) {
       const again = mine ? rebased(operation, current) : null;
       if (again) this.waiting.push({ ...again, of: null, tried: false });
-      else this.setAside.push({ ...operation, reason: mine ? "what it edits is gone" : "you took the other labels" });
+      else this.setAside.push({ ...operation, reason: mine ? whyNot(operation) : "you took the other labels" });
     }
     this.#changed();
     return this.pump();
@@ -153,7 +148,7 @@ export class EditQueue extends EventTarget {
     const again = rebased(operation, this.shown);
     if (again) return this.add({ op: again.op, edit: again.edit, why: again.why });
     this.setAside.splice(index, 0, operation);
-    this.dispatchEvent(new CustomEvent("refused", { detail: { words: wordsOf(operation), reason: "what it edits is gone" } }));
+    this.dispatchEvent(new CustomEvent("refused", { detail: { words: wordsOf(operation), reason: whyNot(operation) } }));
     return Promise.resolve();
   }
 

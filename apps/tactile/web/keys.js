@@ -1,8 +1,8 @@
-// The keys of the pages. One table of each, for the handler and for the help.
+// The keys of the pages: one table per page, which the handler and the help read.
 
-import { zoomedMiddle } from "./axis_gestures.js";
 import { ask, dialogIsOpen, el } from "./dom.js";
 import { keptChoice } from "./kept.js";
+import { zoomedAround } from "./time_view.js";
 
 /// [keys, what they do, action]. A key is `event.key`, with "Ctrl+" or "Shift+" before it where that matters.
 export function runKeys({ actions, player, timeline, page }) {
@@ -54,11 +54,12 @@ export function runKeys({ actions, player, timeline, page }) {
 
 /// The keys of the page that cuts a recording. Its lines are an axis, as `AxisGestures` takes it.
 export function splitKeys({ lines, page }) {
+  const zoom = (factor) => lines.show(zoomedAround(lines.view, null, factor, lines.length_us));
   return {
     See: [
-      [["+"], "zoom in", () => lines.show(zoomedMiddle(lines, 0.5))],
-      [["-"], "zoom out", () => lines.show(zoomedMiddle(lines, 2))],
-      [["0"], "the whole recording", () => lines.show(zoomedMiddle(lines, Infinity))],
+      [["+"], "zoom in", () => zoom(0.5)],
+      [["-"], "zoom out", () => zoom(2)],
+      [["0"], "the whole recording", () => zoom(Infinity)],
       [["?"], "this help", () => showSplitHelp(page.keys)],
     ],
   };
@@ -135,7 +136,7 @@ export function press(event, keys) {
 const row = ([what, words]) => el("tr", {}, el("th", { scope: "row" }, Array.isArray(what) ? what.map(keyName) : what), el("td", {}, words));
 const table = ([title, rows]) => el("table", { class: "keys" }, el("caption", {}, title), el("tbody", {}, rows.map(row)));
 
-/// @param tables  [[title, [[keys, or words of a gesture; what they do], …]], …]
+/// @param tables  [[title, rows], …]; a row is [["+", "ArrowUp"], "zoom in"], or ["Wheel, pinch", "zoom"]
 async function showHelp(tables) {
   const box = el("input", { type: "checkbox", id: "single", checked: single.load(), onchange: () => single.save(box.checked) });
   const content = el(

@@ -63,9 +63,21 @@ export function meets(operation, changes) {
   return id !== null && changes.some((change) => change.id === id);
 }
 
-/// The operation as it must be sent after the labels became `current`: a flag keeps its words, not its number. null if what it edits is gone.
+/// The entry of the history that an undo or redo would act on now: {when, what}; null for an edit, and if there is none.
+export function historyMark(op, { history = [] }) {
+  if (op === "edit") return null;
+  const entry = op === "undo" ? history.findLast((e) => !e.undone) : history.find((e) => e.undone);
+  return entry ? { when: entry.when, what: entry.what } : null;
+}
+
+/// The operation as it must be sent after the labels became `current`: a flag keeps its words, not its number. null if what it edits is gone,
+/// and if an undo or redo would act on another edit than the one that was meant.
 export function rebased(operation, current) {
-  if (operation.op !== "edit") return operation;
+  if (operation.op !== "edit") {
+    const now = historyMark(operation.op, current);
+    const meant = operation.of;
+    return !meant || (now && now.when === meant.when && now.what === meant.what) ? operation : null;
+  }
   const { edit } = operation;
   if (edit.kind === "lift") {
     const flag = current.flags.find((f) => f.what === edit.flag_what && (f.interval_id ?? null) === (edit.flag_interval ?? null));

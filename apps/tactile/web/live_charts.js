@@ -9,6 +9,8 @@ const CHARTS = [
   { title: "Probabilities", names: ["p_press", "p_slip"], labels: ["press", "slip"], colours: ["press", "slip"], range: [0, 1.02] },
   { title: "Event rate [1/s]", names: ["events_per_s"], labels: ["events/s"], colours: ["series-1"] },
   { title: "Lateness [ms]", names: ["lateness_ms"], labels: ["ms"], colours: ["series-4"] },
+  { title: "Robot speed [mm/s]", names: ["robot_mm_per_s"], labels: ["mm/s"], colours: ["series-2"] },
+  { title: "Robot height [mm]", names: ["robot_height_mm"], labels: ["mm"], colours: ["series-3"], range: null },
 ];
 
 export class LiveCharts {
@@ -58,7 +60,7 @@ export class LiveCharts {
         rows: this.#rows(names),
         colours: colours.map(colour),
         dateWindow: [-MINUTE_S, 0],
-        valueRange: range ?? [0, null],
+        valueRange: range === undefined ? [0, null] : range,
         axes: { x: { axisLabelFormatter: (s) => `${s.toFixed(0)} s` } },
       }),
     }));

@@ -76,12 +76,29 @@ function lossesText({ by_reason }) {
   return lost.map(([why, n]) => `${elements(n.events + n.others)}, ${counted(n.packets, "packet")} (${words[why] ?? why})`).join("; ");
 }
 
-/// How far a device's clock has moved against the host's since the run began: "0.12 ms slow in 40 s (3 ppm)".
-function clockWords({ change_ms, seconds }) {
+/// Where a device's clock is against the host's, and how far it has moved since the run began: "1.2345 s behind; 0.12 ms slow in 40 s (3 ppm)".
+function clockWords({ offset_us, change_ms, seconds }) {
   const LONG_ENOUGH_S = 10;
-  if (seconds < LONG_ENOUGH_S) return `known in ${Math.ceil(LONG_ENOUGH_S - seconds)} s`;
   const ppm = (1000 * Math.abs(change_ms)) / seconds;
-  return `${Math.abs(change_ms).toFixed(2)} ms ${change_ms < 0 ? "fast" : "slow"} in ${seconds.toFixed(0)} s (${ppm.toFixed(0)} ppm)`;
+  const moved =
+    seconds < LONG_ENOUGH_S
+      ? `drift known in ${Math.ceil(LONG_ENOUGH_S - seconds)} s`
+      : `${Math.abs(change_ms).toFixed(2)} ms ${change_ms < 0 ? "fast" : "slow"} in ${seconds.toFixed(0)} s (${ppm.toFixed(0)} ppm)`;
+  return `${offsetWords(offset_us)}; ${moved}`;
+}
+
+/// Clocks that count from another moment differ by years: then seconds are enough.
+function offsetWords(offset_us) {
+  const seconds = Math.abs(offset_us) / 1e6;
+  const size = seconds < 1000 ? `${seconds.toFixed(4)} s` : `${seconds.toFixed(2)} s`;
+  return `${size} ${offset_us < 0 ? "ahead of" : "behind"} the host's`;
+}
+
+function diskFacts({ disk }) {
+  if (!disk) return [];
+  const { free_bytes, minutes } = disk;
+  const left = minutes === null ? "" : `, for ${durationText(minutes)}`;
+  return [["Free disk", bytesText(free_bytes) + left, minutes !== null && minutes < 10]];
 }
 
 function recordFacts(state) {
@@ -93,11 +110,7 @@ function recordFacts(state) {
     if (run.clock) facts.push(["Camera clock", clockWords(run.clock)], ["Packet lateness", `up to ${lengthText(Math.round(1000 * run.clock.lateness_ms))}`]);
     facts.push(["File", bytesText(run.bytes)], ["Waits for the disk", bytesText(run.queue_bytes)]);
   }
-  if (state.disk) {
-    const { free_bytes, minutes } = state.disk;
-    const left = minutes === null ? "" : `, for ${durationText(minutes)}`;
-    facts.push(["Free disk", bytesText(free_bytes) + left, minutes !== null && minutes < 10]);
-  }
+  facts.push(...diskFacts(state));
   for (const source of state.sources ?? []) {
     const words = { sends: `sends ${shortNumber(source.packets_per_s)} packets/s`, silent: "is silent", ended: "has ended", lost: `is lost: ${source.error}` };
     facts.push([source.name, words[source.state] ?? source.state, source.state === "silent" || source.state === "lost"]);
@@ -129,12 +142,14 @@ function detectFacts(state) {
   facts.push(["Verdicts", countText(ticks.reported)]);
   facts.push(["Missed ticks", `${countText(ticks.skipped)} skipped, ${countText(ticks.late)} late`, ticks.skipped + ticks.late > 0]);
   if (ticks.incomplete > 0) facts.push(["Incomplete histories", countText(ticks.incomplete), true]);
+  const { late = 0, dropped = 0 } = state.events ?? {};
+  if (late + dropped > 0) facts.push(["Events lost", `${countText(late)} too late, ${countText(dropped)} dropped`, true]);
   const us = (ms) => lengthText(Math.round(1000 * ms));
   facts.push([
     "Lateness",
     lateness ? `${us(lateness.p50_ms)} (median), ${us(lateness.p99_ms)} (99 %), ${us(lateness.max_ms)} (highest of a second)` : "none: a replay has no deadline",
   ]);
-  return facts;
+  return facts.concat(diskFacts(state));
 }
 
 /// [[term, text, is bad], …]

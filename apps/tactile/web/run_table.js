@@ -2,7 +2,7 @@
 
 import { getRuns } from "./api.js";
 import { announce, button, dialogIsOpen, el, refill } from "./dom.js";
-import { countText, counted, lengthText, secondsText, shortNumber } from "./format.js";
+import { clockTexts, countText, counted, lengthText, secondsText } from "./format.js";
 import { keptChoice } from "./kept.js";
 import { filtered, nextToReview, sorted, stateOf, stillComputing } from "./run_order.js";
 import { runAddress } from "./router.js";
@@ -19,7 +19,7 @@ const COLUMNS = [
   ["rate", "Events/s"],
   ["press", "Press at"],
   ["slip", "Slip at"],
-  ["clock", "Robot clock"],
+  ["clock", "Clocks"],
   ["flags", "Flags"],
 ];
 const STATES = [
@@ -200,7 +200,7 @@ export class RunTable {
       ),
       cell("Press at", onset("press")),
       cell("Slip at", onset("slip")),
-      cell("Robot clock", run.clocks?.robot_interval_ms != null ? `±${shortNumber(run.clocks.robot_interval_ms)} ms` : "–"),
+      cell("Clocks", clockTexts(run.clocks).map((words) => el("div", {}, words))),
       cell(
         "Flags",
         open.length

@@ -144,7 +144,7 @@ export class SignalStrips {
         "pending",
         strip.names.some((name) => pending.includes(name)),
       );
-      if (given.length === strip.names.length) strip.chart.updateOptions({ file: jointRows(given.map((name) => this.series[name])) });
+      if (given.length === strip.names.length) strip.chart?.updateOptions({ file: jointRows(given.map((name) => this.series[name])) });
     }
     this.values(this.at_us);
     if (pending.length)
@@ -177,6 +177,9 @@ export class SignalStrips {
   stop() {
     this.latest.stop();
     this.endTheme();
-    for (const { chart: g } of this.strips) g?.destroy();
+    for (const strip of this.strips) {
+      strip.chart?.destroy();
+      strip.chart = null;
+    }
   }
 }

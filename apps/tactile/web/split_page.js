@@ -1,7 +1,7 @@
 // A long recording is cut into runs: the proposal over the event rate, to be moved, added to and taken from, then written.
 
 import { axisButtons } from "./axis_gestures.js";
-import { getSignals, getRun, getSplit, sendSplit } from "./api.js";
+import { getSignals, getRun, getSplit, onConnection, sendSplit } from "./api.js";
 import { CutLines } from "./cut_lines.js";
 import { announce, button, el, refill } from "./dom.js";
 import { counted, secondsFrom, secondsText } from "./format.js";
@@ -29,6 +29,11 @@ export class SplitPage {
     refill(this.element, el("h1", {}, this.title), el("p", { class: "reading" }, "Reading the recording …"));
     const { signals } = await getRun(this.name, { signal: this.abort.signal });
     this.rate = signals.find(({ name }) => name === "event_rate");
+    this.endWatch = onConnection((reachable) => {
+      if (!reachable || !this.lines) return;
+      this.problem.textContent = "";
+      this.lines.again();
+    });
     await this.#propose();
   }
 
@@ -46,6 +51,7 @@ export class SplitPage {
 
   async #propose() {
     this.lines?.stop();
+    this.lines = this.keys = null;
     refill(this.element, el("h1", {}, this.title), el("p", { class: "reading", role: "status" }, "Looking for quiet stretches …"));
     const desk = await this.#settled("Looking for quiet stretches …");
     if (!desk.length_us) throw new Error(desk.error ?? "there is no proposal");
@@ -56,10 +62,13 @@ export class SplitPage {
   }
 
   #draw() {
+    this.problem = el("p", { class: "error", role: "alert" });
     this.lines = new CutLines({
       rate: this.rate,
       load: (request, options) => getSignals(this.name, request, options),
-      failed: (error) => announce(`The event rate cannot be shown: ${error.message}`, "error"),
+      failed: (error) => {
+        this.problem.textContent = `The event rate cannot be shown: ${error.message}.`;
+      },
       length_us: this.desk.length_us,
       touches: this.desk.touches,
       changed: (cuts) => {
@@ -76,8 +85,9 @@ export class SplitPage {
     refill(
       this.element,
       el("h1", {}, this.title, " into runs"),
-      el("p", {}, el("a", { href: runAddress(this.name) }, "The recording"), ". Each line is a cut. Drag it, or move it by ← and →, with Shift by 0.1 s. Delete removes it, a double click adds one. The wheel zooms."),
-      el("div", { class: "tools" }, el("span", { class: "group" }, axisButtons(this.lines, "All"), button("?", () => showSplitHelp(this.keys), { "aria-label": "Keys", title: "Keys (?)" }))),
+      el("p", {}, el("a", { href: runAddress(this.name) }, "The recording"), ". Each line is a cut. Drag it, or move it by ← and → (10 ms, with Shift 0.1 s; less if you zoom in). Delete removes it, a double click adds one. The wheel zooms."),
+      el("div", { class: "tools" }, el("span", { class: "group" }, axisButtons(this.lines, "Whole recording"), button("?", () => showSplitHelp(this.keys), { "aria-label": "Keys", title: "Keys (?)" }))),
+      this.problem,
       this.lines.element,
       el(
         "div",
@@ -195,6 +205,7 @@ export class SplitPage {
 
   stop() {
     this.abort.abort();
+    this.endWatch?.();
     this.lines?.stop();
   }
 }

@@ -23,6 +23,13 @@ export function zoomed(view, at_us, factor, length_us) {
   return fitted({ from_us, to_us: from_us + wanted }, length_us);
 }
 
+/// Zoomed around `at_us` if the view has it, else around its middle; null is nowhere. Infinity shows the whole run.
+export function zoomedAround(view, at_us, factor, length_us) {
+  if (factor === Infinity) return wholeOf(length_us);
+  const inside = at_us !== null && at_us >= view.from_us && at_us <= view.to_us;
+  return zoomed(view, inside ? at_us : (view.from_us + view.to_us) / 2, factor, length_us);
+}
+
 export function panned(view, by_us, length_us) {
   return fitted({ from_us: view.from_us + by_us, to_us: view.to_us + by_us }, length_us);
 }

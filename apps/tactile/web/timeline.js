@@ -7,7 +7,7 @@ import { Overview } from "./overview.js";
 import { el } from "./dom.js";
 import { MOST_EVENT_TIMES_US, neededEventTimes } from "./detail.js";
 import { Latest } from "./latest.js";
-import { timeAt, zoomed } from "./time_view.js";
+import { timeAt, zoomedAround } from "./time_view.js";
 
 const LEAST_TIMES_US = 200; // of single events; with more than 20 000 in it, a tick is as good
 
@@ -168,9 +168,6 @@ export class Timeline {
 
   /// Around the cursor if it is on the screen, else around the middle. Infinity shows the whole run.
   zoom(factor) {
-    const { view, at_us, length_us } = this.state;
-    if (factor === Infinity) return this.state.setView({ from_us: 0, to_us: length_us });
-    const middle = at_us >= view.from_us && at_us <= view.to_us ? at_us : (view.from_us + view.to_us) / 2;
-    return this.state.setView(zoomed(view, middle, factor, length_us));
+    this.show(zoomedAround(this.view, this.at_us, factor, this.length_us));
   }
 }

@@ -1,7 +1,9 @@
 #include "tactile/core/clock_pairs.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace tactile {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -17,16 +18,17 @@ struct ClockPair {
   friend bool operator==(const ClockPair&, const ClockPair&) = default;
 };
 
-/// How a device's clock goes against the host's so far.
+/// How a device's clock goes against the host's so far, from its first period to its last one. A period is a second, or more
+/// after `ClockPairs`' limit.
 struct ClockOffset {
-  microseconds offset{0};  ///< host - device: the smallest of the last second or two
-  microseconds change{0};  ///< since that of the first second or two
+  microseconds offset{0};  ///< host - device: the smallest of the last period or two
+  microseconds change{0};  ///< since that of the first period or two
   microseconds span{0};    ///< host time between the two
 };
 
 /// Arrival times of elements, from which the relation of a device's clock to the host's can be computed later. An element can
 /// arrive late, but never early. Therefore, of each second in host time, the pair with the smallest difference host - device is
-/// kept. Beyond `limit` pairs, neighbours are merged by the same rule: the second becomes two seconds, then four, and so on.
+/// kept. Beyond `limit` pairs, neighbours are merged by the same rule: the period becomes two seconds, then four, and so on.
 ///
 /// @tparam Clock  CameraClock or RobotClock
 template <class Clock>

@@ -187,6 +187,8 @@ void LiveDetector::report(const DueTick& due, HostTime now) {
   counts_.gated += tick.verdict.gated ? 1 : 0;
   counts_.by_host += due.by_events ? 0 : 1;
   counts_.incomplete += tick.incomplete ? 1 : 0;
+  tick.late_events = counts_.late_events;
+  tick.lost_events = counts_.lost_events;
   TickTimes times{.waiting = {}, .queued = {}, .rendering = cost.rendering, .network = cost.network};
   if (!plays()) {
     const microseconds waited = passed(clock_.line().host_of(due.t), due.closed);

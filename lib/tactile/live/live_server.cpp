@@ -11,7 +11,6 @@ review::PageServerOptions server_options(std::uint16_t port) {
   review::PageServerOptions options;
   options.port = port;
   options.page = "live.html";
-  options.most_connections = 32;
   return options;
 }
 

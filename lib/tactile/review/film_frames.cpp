@@ -25,7 +25,7 @@ FilmFrames::FilmFrames(const RunFolder& run, const std::function<void()>& advanc
     if (advance) advance();
     cv::Mat grey;
     if (!film.grey(video::widest_page_picture, grey)) continue;
-    const std::vector<unsigned char> jpeg = video::jpeg_of(grey, run.video().string());
+    const std::vector<unsigned char> jpeg = video::page_jpeg_of(grey, run.video().string());
     if (std::fwrite(jpeg.data(), 1, jpeg.size(), pictures_.get()) != jpeg.size())
       throw Error(run.name() + ": the film's pictures do not fit into the folder of temporary files; expected room there");
     by_container.push_back(frame->us);

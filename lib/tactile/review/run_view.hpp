@@ -62,9 +62,9 @@ class RunView {
 
   std::vector<std::string> remarks() const;  ///< sentences: what cannot be shown, and why
 
-  static constexpr microseconds longest_exact{200'000};  ///< a longer window is of whole bins
-  static constexpr std::size_t most_exact_events = 8'000'000;
-  static constexpr std::size_t most_models = 8;  ///< whose probabilities are kept
+  static constexpr microseconds longest_exact{200'000};        ///< a longer window is of whole bins
+  static constexpr std::size_t most_exact_events = 2'000'000;  ///< of a window; with more, it is of whole bins
+  static constexpr std::size_t most_models = 8;                ///< whose probabilities are kept
 
  private:
   using AllSeries = std::vector<SampledSignal>;

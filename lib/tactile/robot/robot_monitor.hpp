@@ -36,11 +36,12 @@ struct RobotMonitorState {
   std::uint64_t missing = 0;  ///< packages that those gaps lack, by the controller's own clock if it did not restart; at the
                               ///< log's two ends by the host's, once the first package has arrived or the log has ended
   std::uint64_t reconnects = 0;
-  std::uint64_t clock_starts = 1;    ///< of the controller's clock that the monitor has seen, in logs or between them
-  std::optional<ClockOffset> clock;  ///< of the controller, since the present or last log began or its clock restarted; nothing
-                                     ///< before its first package
-  std::string controller;            ///< "3.15.8.106339"
-  std::string error;                 ///< why the log cannot continue (a full disk); empty if it can
+  std::uint64_t clock_starts = 1;  ///< of the controller's clock that the monitor has seen, in logs or between them
+  /// How the controller's clock goes against the host's. Begins again with each log and with each restart of that clock.
+  /// Nothing before the first package after that.
+  std::optional<ClockOffset> clock;
+  std::string controller;  ///< "3.15.8.106339"
+  std::string error;       ///< why the log cannot continue (a full disk); empty if it can
 };
 
 /// Receives data of a UR controller by RTDE version 2 on its own thread, connects again whenever the connection is lost, and

@@ -19,7 +19,7 @@ std::vector<unsigned char> encoded(const char* extension, const cv::Mat& picture
 
 std::vector<unsigned char> png_of(const cv::Mat& picture, const std::string& name) { return encoded(".png", picture, {}, name); }
 
-std::vector<unsigned char> jpeg_of(const cv::Mat& picture, const std::string& name) {
+std::vector<unsigned char> page_jpeg_of(const cv::Mat& picture, const std::string& name) {
   return encoded(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, 80}, name);
 }
 

@@ -21,7 +21,7 @@ inline constexpr int widest_page_picture = 640;  ///< [px] of a film, on a page
 /// @param picture  8-bit grey or BGR
 /// @param name     of the picture, for the error
 /// @throws Error   if it cannot be encoded, or the part cannot be loaded
-std::vector<unsigned char> jpeg_of(const cv::Mat& picture, const std::string& name);
+std::vector<unsigned char> page_jpeg_of(const cv::Mat& picture, const std::string& name);
 
 /// Loads the part now. @throws Error  if it cannot be loaded
 void load_picture_codec();

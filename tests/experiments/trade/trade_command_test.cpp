@@ -185,7 +185,8 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const std::string long_ticks =
       "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast "
       "--precision fp32 --pass "
-      "sparse --confirm 1/1 --filter 0.02 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us 1000000 "
+      "sparse --confirm 1/1 --filter 0.02 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us "
+      "60000000 "
       "--at-most-missed 1 --no-growth "
       "--no-figures ";
   const nlohmann::json trade = traded(folder.path(), "--apply best.json", long_ticks);

@@ -185,6 +185,18 @@ test("a flag keeps its words where its number changed, and an edit of what is go
   assert.equal(rebased(move("press-9", "end", 1), current), null);
 });
 
+test("an undo is not made where it would undo another edit than the one that was meant", () => {
+  const entry = (when, undone = false) => ({ who: "bo", when, what: "x", undone });
+  const undo = { op: "undo", of: { when: "1", what: "x" } };
+  assert.equal(rebased(undo, { history: [entry("1")] }), undo);
+  assert.equal(rebased(undo, { history: [entry("1"), entry("2")] }), null, "another person has edited");
+  assert.equal(rebased(undo, { history: [] }), null);
+  assert.notEqual(rebased({ op: "undo" }, { history: [entry("2")] }), null, "it was never tried, so it means the newest");
+  const redo = { op: "redo", of: { when: "2", what: "x" } };
+  assert.equal(rebased(redo, { history: [entry("1"), entry("2", true)] }), redo);
+  assert.equal(rebased(redo, { history: [entry("1", true), entry("2", true)] }), null);
+});
+
 test("edits are sent one after the other, each on the version that the one before gave", async () => {
   const there = server(made());
   const queue = new EditQueue({ labels: made(), send: there.send, store: store() });

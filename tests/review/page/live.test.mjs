@@ -80,7 +80,7 @@ test("columns are found by their names, in any order", () => {
   assert.deepEqual(steps.of(["p_slip", "p_press"], ["events_per_s", "p_press", "p_slip"]), [[0, null, 0.2]]);
 });
 
-test("the camera's clock is known after ten seconds, and only of a live camera", () => {
+test("the camera's clock is shown at once and its drift after ten seconds, only of a live camera", () => {
   const withClock = (clock) => {
     const message = recording();
     message.state.recording.clock = clock;
@@ -89,18 +89,18 @@ test("the camera's clock is known after ten seconds, and only of a live camera",
   assert.equal(fact(withClock(null), "Camera clock"), undefined);
   assert.equal(fact(recording(), "Packet lateness"), undefined, "an earlier program has no clock");
   const early = withClock({ offset_us: 5, change_ms: 0.2, seconds: 3.2, lateness_ms: 1.25 });
-  assert.deepEqual(fact(early, "Camera clock").slice(1), ["known in 7 s"]);
+  assert.deepEqual(fact(early, "Camera clock").slice(1), ["0.0000 s behind the host's; drift known in 7 s"]);
   assert.deepEqual(fact(early, "Packet lateness").slice(1), ["up to 1.25 ms"]);
   const slow = withClock({ offset_us: 5, change_ms: 0.12, seconds: 40, lateness_ms: 0.5 });
-  assert.deepEqual(fact(slow, "Camera clock").slice(1), ["0.12 ms slow in 40 s (3 ppm)"]);
+  assert.deepEqual(fact(slow, "Camera clock").slice(1), ["0.0000 s behind the host's; 0.12 ms slow in 40 s (3 ppm)"]);
   const fast = withClock({ offset_us: 5, change_ms: -2, seconds: 100, lateness_ms: 0.5 });
-  assert.deepEqual(fact(fast, "Camera clock").slice(1), ["2.00 ms fast in 100 s (20 ppm)"]);
+  assert.deepEqual(fact(fast, "Camera clock").slice(1), ["0.0000 s behind the host's; 2.00 ms fast in 100 s (20 ppm)"]);
 });
 
 test("the robot's clock is known like the camera's", () => {
-  const clock = { offset_us: 5, change_ms: -0.4, seconds: 40 };
+  const clock = { offset_us: -1_700_000_123_456_789, change_ms: -0.4, seconds: 40 };
   const robot = { connected: true, rate_hz: 500, gaps: 0, missing: 0 };
-  assert.deepEqual(fact(recording({ robot: { ...robot, clock } }), "Robot clock").slice(1), ["0.40 ms fast in 40 s (10 ppm)"]);
+  assert.deepEqual(fact(recording({ robot: { ...robot, clock } }), "Robot clock").slice(1), ["1700000123.46 s ahead of the host's; 0.40 ms fast in 40 s (10 ppm)"]);
   assert.equal(fact(recording({ robot: { ...robot, clock: null } }), "Robot clock"), undefined, "before its first package");
 });
 
@@ -167,6 +167,13 @@ test("a detection shows probabilities, missed ticks and lateness", () => {
     "1 skipped, 2 late",
     true,
   ]);
+});
+
+test("a detection shows lost events, and the disk where it records", () => {
+  assert.equal(fact(detection({ events: { late: 0, dropped: 0 } }), "Events lost"), undefined);
+  assert.deepEqual(fact(detection({ events: { late: 12_000, dropped: 3 } }), "Events lost").slice(1), ["12 k too late, 3 dropped", true]);
+  assert.equal(fact(detection(), "Free disk"), undefined);
+  assert.deepEqual(fact(detection({ disk: { free_bytes: 5e9, minutes: null } }), "Free disk").slice(1), ["5.00 GB", false]);
 });
 
 test("warnings come from the program and from the events, and end with it", () => {

@@ -64,13 +64,13 @@ def watches_a_recording(world):
         tab.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the last minute is a chart")
         before = tab.text(".live-detail")
         tab.wait(f"document.querySelector('.live-detail').textContent !== '{before}'", "the time advances")
-        for width, dark in ((1280, True), (390, False)):
+        for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
             look = Tab(world.browser, width, dark)
             look.go(live.url)
             look.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the chart is there")
             picture_is_drawn(look, "events")
-            problems = problems_of(look, width, dark)
-            look.picture(os.path.join(world.home, f"live-{width}.png"))
+            problems = problems_of(look, width, dark, world.axe)
+            look.picture(os.path.join(world.home, f"live-{width}{'-dark' if dark else ''}.png"))
             look.close()
             check(not problems, f"live page at {width} px: {problems}")
         problems = unreachable(tab)
@@ -115,7 +115,7 @@ def records_a_session_on_the_page(world):
         offers("Start mug, run 1", "Redo fan/01", "Skip mug", "End the session")
         tab.key("s")
         offers("Redo fan/01", "End the session")
-        problems = problems_of(tab, 1280, False) + unreachable(tab)
+        problems = problems_of(tab, 1280, False, world.axe) + unreachable(tab)
         check(not problems, f"the page of a session: {problems}")
         world.quiet("recording a session")
         world.allowed = NOT_THERE
@@ -135,6 +135,16 @@ def watches_a_detection(world):
         tab.wait("document.querySelectorAll('.live-charts figure').length === 3", "three charts")
         picture_is_drawn(tab, "heatmap")
         tab.wait("/none \\d\\.\\d\\d, press/.test(document.querySelector('.live-facts').textContent)", "probabilities")
+        for width, dark in ((1280, False), (390, True)):
+            look = Tab(world.browser, width, dark)
+            look.go(live.url)
+            look.wait("document.querySelectorAll('.live-charts figure').length === 3", "three charts")
+            problems = problems_of(look, width, dark, world.axe)
+            look.picture(os.path.join(world.home, f"detection-{width}{'-dark' if dark else ''}.png"))
+            look.close()
+            check(not problems, f"page of a detection at {width} px: {problems}")
+        problems = unreachable(tab)
+        check(not problems, f"page of a detection: {problems}")
         world.quiet("watching a detection")
         live.end(signal.SIGKILL)
         world.allowed = list(NOT_THERE) + ["ERR_INCOMPLETE_CHUNKED_ENCODING"]

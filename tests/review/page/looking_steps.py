@@ -4,8 +4,8 @@ import os
 import time
 
 from browser import SHIFT, Tab
-from page_checks import problems_of
-from review_world import OTHER, RUN, check, cursor_us, open_run, view
+from page_checks import problems_of, unreachable
+from review_world import MARKUP, OTHER, RUN, Server, check, cursor_us, open_run, view
 
 
 def browses(world):
@@ -29,6 +29,9 @@ def browses(world):
     check(tab.text(".count") == "1 of 2 runs", tab.text(".count"))
     tab.js("(() => { const s = document.getElementById('search'); s.value = ''; s.dispatchEvent(new Event('input')); })()")
     check("0 of 2 runs confirmed, 1 flagged" in tab.text(".progress"), tab.text(".progress"))
+    check(MARKUP in tab.text(".flag-words") and MARKUP in tab.text(".left-out"), "a flag and a folder with markup are shown as text")
+    check(tab.js("document.querySelectorAll('main img[src=x]').length") == 0, "and are no elements")
+    check("±" in tab.js(f"[...document.querySelectorAll('td[data-label=Clocks]')].map(e => e.textContent).join()"), "clocks are shown")
     world.quiet("browsing")
     tab.click("tbody tr:nth-child(2) a")
     tab.wait("document.querySelector('.handle')", "a click opens the run")
@@ -44,6 +47,36 @@ def browses(world):
     tab.wait("[...document.querySelectorAll('.strip .value')].every(e => e.textContent !== '–')", "each signal has a value at the cursor")
     world.quiet("opening a run")
     tab.close()
+
+
+def shows_two_hundred_runs(world):
+    """As many runs as ten objects with twenty runs each."""
+    many = os.path.join(world.home, "many")
+    for number in range(200):
+        folder = os.path.join(many, f"object-{number // 20:02}", f"{number % 20 + 1:02}")
+        os.makedirs(folder)
+        for name in os.listdir(os.path.join(world.data, RUN)):
+            os.link(os.path.join(world.data, RUN, name), os.path.join(folder, name))
+    server = Server(world.tactile, many, "--port", "0")
+    tab = Tab(world.browser)
+    try:
+        tab.go(server.url)
+        tab.wait("document.querySelectorAll('tbody tr').length === 200", "all runs are listed")
+        tab.wait("[...document.querySelectorAll('td[data-label=Length]')].every(e => /s$/.test(e.textContent))", "their lengths are known")
+        tab.key("/")
+        tab.type("object-07/1")
+        tab.wait("document.querySelectorAll('tbody tr').length === 10", "the search keeps ten")
+        tab.wait("[...document.querySelectorAll('.thumb img')].filter(i => i.naturalWidth > 0).length === 10", "with their pictures")
+        tab.js("(() => { const s = document.getElementById('search'); s.value = ''; s.dispatchEvent(new Event('input')); })()")
+        tab.click("th[data-column=name] button")
+        check(tab.text("tbody tr th a") == "object-00/01", "they are sorted by name")
+        tab.js("document.activeElement.blur()")
+        tab.key("f")
+        tab.wait("document.querySelector('h1')?.textContent.startsWith('object-') && document.querySelector('.handle')", "F opens one")
+        world.quiet("two hundred runs")
+    finally:
+        tab.close()
+        server.end()
 
 
 def zooms_and_plays(world):
@@ -162,6 +195,10 @@ def shows_what_has_no_labels(world):
     tab.wait("/\\d/.test(document.querySelector('.strip .value')?.textContent)", "the signals are there")
     tab.go(world.server.url + "#/run/nothing/01")
     tab.wait("document.querySelector('p.error')?.textContent.includes('no such run')", "a run that is not there is reported")
+    tab.go(world.server.url + f"#/models/first/vs/second?run={OTHER.replace('/', '%2F')}")
+    tab.wait("document.querySelectorAll('.compare h3').length === 2 && !document.querySelector('.strip.pending')", "models are compared on it")
+    tab.go(world.server.url + "#/run/nothing/01")
+    tab.wait("document.querySelector('p.error')?.textContent.includes('no such run')", "the page of no run again")
     os.rename(file + ".away", file)
     tab.click("main a[href='#/']")
     tab.wait("document.querySelectorAll('tbody tr').length === 2", "a link goes to the list")
@@ -188,13 +225,16 @@ def cut_us(tab):
     return [round(1e6 * float(at)) for at in tab.js("[...document.querySelectorAll('.cut')].map(e => e.ariaValueNow ?? e.getAttribute('aria-valuenow'))")]
 
 
+ADD_CUT = "[...document.querySelectorAll('button')].find(b => b.textContent === 'Add').click()"
+
+
 def cuts_a_recording(world):
     tab = Tab(world.browser)
     open_run(world, tab)
     tab.click(".run-head a")
     tab.wait("document.querySelector('.cut-area canvas') && document.querySelectorAll('.split-runs tbody tr').length === 1", "one run is proposed")
     check(tab.text(".split-runs tbody td[data-label=Press]") == "1", "with its press")
-    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; [...document.querySelectorAll('button')].find(b => b.textContent === 'Add').click(); })()")
+    tab.js(f"(() => {{ document.getElementById('cut-at').value = '1.25'; {ADD_CUT}; }})()")
     tab.wait("document.querySelectorAll('.split-runs tbody tr').length === 2", "a cut makes two runs")
     check(cut_us(tab) == [1_250_000], f"the cut is at {cut_us(tab)}")
     left, top, width, height = tab.box(".cut")
@@ -212,6 +252,12 @@ def cuts_a_recording(world):
     tab.wait("document.querySelectorAll('.cut').length === 2", "a double click adds one")
     tab.click("[data-key=remove-2]")
     tab.wait("document.querySelectorAll('.cut').length === 1", "and its button removes it")
+    tab.js("[...document.querySelectorAll('button')].find(b => b.textContent === 'Propose again').click()")
+    tab.js("location.hash = '#/'")
+    tab.wait("document.querySelectorAll('tbody tr').length === 2", "one can leave while cuts are proposed")
+    tab.go(world.server.url + f"#/split/{RUN}")
+    tab.wait("document.querySelectorAll('.split-runs tbody tr').length === 1", "and come back")
+    tab.js(f"(() => {{ document.getElementById('cut-at').value = '{dragged[0] / 1e6}'; {ADD_CUT}; }})()")
     check(tab.text("[data-key=write]") == "Write 2 runs", tab.text("[data-key=write]"))
     tab.js("(() => { document.getElementById('objects').value = '../fan'; })()")
     tab.click("[data-key=write]")
@@ -231,7 +277,7 @@ def zooms_on_cuts(world):
     tab.wait("document.querySelector('.cut-area canvas') && document.querySelector('.cut-area').dataset.to_us", "the cuts are shown")
     seen = lambda: tab.js("(({from_us, to_us}) => [Number(from_us), Number(to_us)])(document.querySelector('.cut-area').dataset)")  # noqa: E731
     whole = seen()
-    tab.js("(() => { document.getElementById('cut-at').value = '1.25'; [...document.querySelectorAll('button')].find(b => b.textContent === 'Add').click(); })()")
+    tab.js(f"(() => {{ document.getElementById('cut-at').value = '1.25'; {ADD_CUT}; }})()")
     left, top, width, height = tab.box(".cut-lines")
     for _ in range(30):
         tab.wheel(left + width * 0.4, top + 60, -300)
@@ -246,7 +292,10 @@ def zooms_on_cuts(world):
     before = seen()
     tab.drag(left + width * 0.8, top + 60, left + width * 0.3)
     check(abs(seen()[0] - before[0] - 500) <= 2, f"a drag moves the axis: {before} became {seen()}")
-    tab.wait("[...document.querySelectorAll('.cut-area canvas')].length > 0", "the rate is drawn")
+    tab.wait(
+        "performance.getEntriesByType('resource').some(r => { const q = new URL(r.name).searchParams;"
+        " return r.name.includes('/signals') && q.get('to_us') - q.get('from_us') <= 4000; })", "the rate of the few milliseconds is loaded"
+    )
     tab.js("document.activeElement.blur()")
     tab.key("-")
     check(seen()[1] - seen()[0] == 2000, "a key shows twice as much")
@@ -261,24 +310,28 @@ def zooms_on_cuts(world):
     tab.close()
 
 
-def is_sound_on_every_screen(world, axe):
+def is_sound_on_every_screen(world):
     for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
         for name, address, ready in PAGES:
             tab = Tab(world.browser, width, dark)
             tab.go(world.server.url + address)
             tab.wait(ready, f"{name} is shown")
+            if name == "split":
+                tab.wait("performance.getEntriesByType('resource').some(r => r.name.includes('/signals') && r.responseEnd > 0)", "with its rate")
             tab.wait(
                 "[...document.querySelectorAll('.strip .value')].every(e => e.textContent || e.closest('.compare, .cut-area'))", "signals are there"
             )
             look = f"{name}, {width} px, {'dark' if dark else 'light'}"
-            problems = problems_of(tab, width, dark, axe)
+            problems = problems_of(tab, width, dark, world.axe)
             if name == "run":
                 tab.js("document.activeElement.blur()")
                 tab.key("?")
                 tab.wait("document.querySelector('dialog .keys')", "? shows the keys")
-                problems += [f"help: {words}" for words in problems_of(tab, width, dark, axe)]
+                problems += [f"help: {words}" for words in problems_of(tab, width, dark, world.axe)]
                 tab.key("Escape")
             tab.picture(os.path.join(world.home, f"{name}-{width}{'-dark' if dark else ''}.png"))
+            if (width, dark) == (1280, False):
+                problems += unreachable(tab)
             check(not problems, f"{look}: " + "; ".join(problems))
             world.quiet(look)
             tab.close()

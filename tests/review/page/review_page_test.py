@@ -32,10 +32,11 @@ def main():
     axe = open(option("--axe"), encoding="utf-8").read() if option("--axe") else None
     home = keep or tempfile.mkdtemp(prefix="tactile-review-")
     os.makedirs(home, exist_ok=True)
-    world = World(tactile, home)
+    world = World(tactile, home, axe)
     try:
         for step in (
             looking.browses,
+            looking.shows_two_hundred_runs,
             looking.zooms_and_plays,
             editing.drags_and_undoes,
             editing.edits_by_key,
@@ -56,7 +57,7 @@ def main():
             begun = time.monotonic()
             step(world)
             print(f"ok  {step.__name__.replace('_', ' ')} ({time.monotonic() - begun:.1f} s)", flush=True)
-        looking.is_sound_on_every_screen(world, axe)
+        looking.is_sound_on_every_screen(world)
         print("ok  is sound on every screen" + (", by axe-core too" if axe else ""))
         return 0
     finally:

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import threading
@@ -12,6 +13,7 @@ from browser import PATIENCE_S, Browser, chromium
 from made_study import write_study
 
 RUN, OTHER = "fan/01", "usb-hub/01"
+MARKUP = "<img src=x onerror=alert(1)>"
 NOT_THERE = ("ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE", "ERR_SOCKET_NOT_CONNECTED", "ERR_CONNECTION_CLOSED")
 
 
@@ -48,12 +50,13 @@ class Server:
 
 
 class World:
-    def __init__(self, tactile, home):
-        self.tactile, self.home = tactile, home
+    def __init__(self, tactile, home, axe=None):
+        self.tactile, self.home, self.axe = tactile, home, axe
         self.data, self.pieces = os.path.join(home, "data"), os.path.join(home, "pieces")
         self.made("simulate", self.data, "--preset", "tiny", "--runs", "1", "--objects", "fan,usb-hub")
         os.remove(os.path.join(self.data, OTHER, "robot.csv"))  # its labels are flagged
         self.made("label", self.data, "--no-pictures")
+        self.add_markup()
         self.models, self.studies = os.path.join(home, "models"), os.path.join(home, "studies")
         self.made("windows", self.data, "--include-flagged")
         for name, history in (("first", "40"), ("second", "20")):
@@ -79,6 +82,17 @@ class World:
         self.server = self.new_server()
         self.browser = Browser(chromium(), home)
         self.allowed = []
+
+    def add_markup(self):
+        """A flag and a folder whose words would be elements of a page that does not escape them."""
+        file = os.path.join(self.data, OTHER, "labels.json")
+        with open(file, encoding="utf-8") as saved:
+            labels = json.load(saved)
+        labels["flags"][0]["reason"] += f": {MARKUP}"
+        with open(file, "w", encoding="utf-8") as saved:
+            json.dump(labels, saved)
+        os.makedirs(os.path.join(self.data, MARKUP, "01"))
+        shutil.copy(os.path.join(self.data, OTHER, "events.aedat4"), os.path.join(self.data, MARKUP, "01"))
 
     def new_server(self, port=0):
         return Server(self.tactile, self.data, "--models", self.models, "--studies", self.studies, "--pieces", self.pieces, "--port", str(port))

@@ -10,7 +10,7 @@ import {
   steppedTick,
   withinWhilePlaying,
 } from "../../../apps/tactile/web/snapping.js";
-import { around, fitted, following, panned, pixelOf, timeAt, zoomed } from "../../../apps/tactile/web/time_view.js";
+import { around, fitted, following, panned, pixelOf, timeAt, zoomed, zoomedAround } from "../../../apps/tactile/web/time_view.js";
 
 const ticks = { tick_us: 2000, tick_origin_us: 500 };
 
@@ -149,4 +149,12 @@ test("rows of a chart are in seconds, with gaps kept", () => {
     [0.001, [1, 2, 3]],
     [0.002, [null, null, null]],
   ]);
+});
+
+test("a zoom is around the cursor where the view has it, else around the middle", () => {
+  const view = { from_us: 0, to_us: 100_000 };
+  assert.deepEqual(zoomedAround(view, 20_000, 0.5, 1_000_000), { from_us: 10_000, to_us: 60_000 });
+  assert.deepEqual(zoomedAround(view, 500_000, 0.5, 1_000_000), { from_us: 25_000, to_us: 75_000 });
+  assert.deepEqual(zoomedAround(view, null, 0.5, 1_000_000), { from_us: 25_000, to_us: 75_000 }, "no cursor is not a cursor at 0");
+  assert.deepEqual(zoomedAround(view, 20_000, Infinity, 1_000_000), { from_us: 0, to_us: 1_000_000 });
 });

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { comparison, curvesOf, settingRows, sideBySide } from "../../../apps/tactile/web/figures.js";
 import {
+  clockTexts,
   countText,
   counted,
   figureText,
@@ -193,4 +194,11 @@ test("numbers that are still computed make the table look again; unreadable runs
 test("the page that cuts a recording has an address of its own", () => {
   assert.deepEqual(routeOf(splitAddress("fan/01")), { page: "split", name: "fan/01" });
   assert.deepEqual(routeOf("#/split/fan"), { page: "runs" });
+});
+
+test("the clocks of a run have their interval and their residual", () => {
+  const clocks = { robot_interval_ms: 0.812, robot_residual_ms: 0.41, video_interval_ms: 3, video_residual_ms: null };
+  assert.deepEqual(clockTexts(clocks), ["robot ±0.812 ms, residual 0.410", "video ±3.00 ms"]);
+  assert.deepEqual(clockTexts({ robot_interval_ms: null, video_interval_ms: null }), ["–"]);
+  assert.deepEqual(clockTexts(null), ["–"]);
 });

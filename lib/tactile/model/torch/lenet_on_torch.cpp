@@ -44,7 +44,7 @@ torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, events::SensorSiz
   return input;
 }
 
-constexpr double set_with_each_step = 1e-3;  ///< the learning rate until the first step
+constexpr double rate_before_first_step = 1e-3;
 
 void copy_into(torch::Tensor& tensor, const std::vector<float>& values) {
   const torch::NoGradGuard no_gradients;
@@ -148,7 +148,7 @@ class TrainerWithModule : public TrainerOnTorch {
     if (fast_)
       forget();
     else
-      optimizer_ = make_optimizer(kind_, parameters_, set_with_each_step);
+      optimizer_ = make_optimizer(kind_, parameters_, rate_before_first_step);
     torch::Tensor tensor = torch::empty({static_cast<std::int64_t>(touch_count)}, parameters_[0].options().requires_grad(false));
     for (std::size_t i = 0; i < touch_count; ++i) tensor[static_cast<std::int64_t>(i)] = weights_[i];
     const bool all_alike = std::all_of(weights_.begin(), weights_.end(), [](double weight) { return weight == 1.0; });
