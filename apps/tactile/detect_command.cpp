@@ -157,7 +157,8 @@ void detect(DetectArguments args, const CommonArguments& common) {
   std::optional<DetectPage> page;  // outlives the session, whose source shows it events
   if (args.from.empty()) args.from = default_source("detect");
   if (!args.page.empty())
-    page.emplace(page_port("--page", args.page), DetectPageLabels{.source = args.from, .model = bundle.name(), .recorded = args.record ? args.out : ""});
+    page.emplace(page_port("--page", args.page),
+                 DetectPageLabels{.source = args.from, .model = bundle.name(), .recorded = args.record ? args.out : ""});
   if (page) options.see_events = [&page](std::span<const events::Event> seen) { page->see(seen); };
   options.warn = [&line, &page](const std::string& text) {
     line.warn(text);

@@ -168,8 +168,10 @@ void RecordPreview::show(const RecordMoment& moment) {
     values.insert(values.end(), motion.begin(), motion.end());
   }
   view_.note(values);
+  strength_.see(moment.now != nullptr ? moment.run : "", moment.now != nullptr ? moment.now->events : 0, Steady::now());
   if (!view_.is_due()) return;
   std::vector<std::string> warnings;
+  if (strength_.warning()) warnings.push_back(*strength_.warning());
   nlohmann::json state = {{"kind", "record"},
                           {"state", moment.state},
                           {"run", moment.run.empty() ? nlohmann::json() : nlohmann::json(moment.run)},

@@ -10,6 +10,7 @@
 #include "record_choices.hpp"
 #include "record_runs.hpp"
 #include "tactile/capture/run_recorder.hpp"
+#include "tactile/live/touch_strength.hpp"
 
 namespace tactile::cli {
 
@@ -41,6 +42,7 @@ class RecordPreview {
   LiveView view_;
   std::filesystem::path data_;
   std::vector<SeenSource> seen_;
+  live::TouchStrength strength_;
 };
 
 }  // namespace tactile::cli
