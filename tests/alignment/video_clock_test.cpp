@@ -68,9 +68,10 @@ MotionEnergy film_of(const MadeFilm& made) {
 SeenMotion seen_of(const std::vector<FilmedMotion>& motions, double from_s = -0.5, double to_s = 5) {
   SeenMotion seen;
   seen.begin = camera_time(run_begin_us + std::llround(1e6 * from_s));
-  for (double t = from_s; t < to_s; t += 0.004) {
+  const auto samples = static_cast<int>(std::ceil((to_s - from_s) / 0.004));
+  for (int i = 0; i < samples; ++i) {
     double speed = 0;
-    for (const FilmedMotion& motion : motions) speed += motion.speed_at(t);
+    for (const FilmedMotion& motion : motions) speed += motion.speed_at(from_s + 0.004 * i);
     seen.speed.push_back(0.1 * speed);
   }
   return seen;
@@ -130,6 +131,7 @@ TEST(VideoClock, IsRefusedWhereTheLiftIsNotInTheFilm) {
 
 TEST(VideoClock, IsRefusedWhereTheFilmMatchesAtTwoOffsets) {
   std::vector<FilmedMotion> alike;
+  alike.reserve(6);
   for (int i = 0; i < 6; ++i) alike.push_back({.start_s = 1.5 * i, .end_s = 1.5 * i + 0.7, .speed = 10});
   const MadeFilm made{.motions = alike, .ends_s = 10};
   const MotionEnergy film = film_of(made);
@@ -157,6 +159,7 @@ TEST(VideoClock, IsRefusedWhereOtherThingsMove) {
   EXPECT_EQ(other.contradiction.words, other.refused);
   EXPECT_NE(other.refused.find("of another recording"), std::string::npos) << other.refused;
   std::vector<FilmedMotion> fidgeting;
+  fidgeting.reserve(8);
   for (int i = 0; i < 8; ++i) fidgeting.push_back({.start_s = 0.3 + 0.5 * i, .end_s = 0.42 + 0.5 * i, .speed = 8});
   const VideoClockFit fit = fit_video_clock(film_of({.motions = fidgeting}), seen_of({arm_lift}));
   EXPECT_FALSE(fit.clock);

@@ -54,6 +54,7 @@ TEST(PageChoices, OneOfManyThreadsGivesTheAnswer) {
   const std::uint64_t asked = choices.question().number;
   std::atomic<int> taken{0};
   std::vector<std::thread> pages;
+  pages.reserve(8);
   for (int i = 0; i < 8; ++i) pages.emplace_back([&] { taken += choices.choose(asked, i % 2 == 0 ? "start" : "end") ? 1 : 0; });
   for (std::thread& page : pages) page.join();
   EXPECT_EQ(taken, 1);

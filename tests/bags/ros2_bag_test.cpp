@@ -105,7 +105,7 @@ TEST(SqliteBagReader, ReadsAFileUpToTheCut) {
   const std::string whole = read_text(ros2_bags / "mono.db3");
   const Ros2Contents all = ros2_contents_of(ros2_bags / "mono.db3");
   std::size_t most = 0;
-  for (std::size_t size = 5 * 4096; size < whole.size(); size += 4096) {
+  for (std::size_t size = 20'480; size < whole.size(); size += 4096) {
     const Ros2Contents cut = ros2_contents_of_bytes(whole.substr(0, size));
     EXPECT_TRUE(is_front(cut, all)) << size;
     EXPECT_EQ(cut.problems.truncated_bytes, whole.size() - size);

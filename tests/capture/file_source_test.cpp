@@ -43,11 +43,11 @@ void write_camera(const fs::path& file, std::chrono::microseconds packet_span = 
        test::stream_of(3, events::StreamType::triggers, "TRIG")},
       {.packet_span = packet_span, .packet_events = packet_events});
   writer.write_events(0, test::steady_events(2000, begin_us, 100, {640, 480}));
-  for (int i = 0; i < 200; ++i) {
+  for (std::int64_t i = 0; i < 200; ++i) {
     const std::array samples{sample_at(begin_us + 1000 * i)};
     writer.write_imu(2, samples);
   }
-  for (int i = 0; i < 4; ++i) {
+  for (std::int64_t i = 0; i < 4; ++i) {
     const std::array triggers{events::Trigger{.t = camera_time(begin_us + 50'000 * i), .type = 1}};
     writer.write_triggers(3, triggers);
   }

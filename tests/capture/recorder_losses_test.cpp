@@ -154,7 +154,7 @@ TEST_F(RunRecorderTest, KeepsWhatFitsIfTheFileMayNotGrow) {
                          {.compression = events::Compression::none});
     summary = record(recorder);
   }
-  expect_a_kept_beginning(summary, 100 * 8192);
+  expect_a_kept_beginning(summary, std::uint64_t{100} * 8192);
   EXPECT_GT(summary.drops.unwritten.events, 0U);
 }
 
@@ -172,7 +172,7 @@ TEST_F(RunRecorderTest, KeepsWhatFitsOnAFullDisk) {
     EXPECT_TRUE(test::comes_true([&] { return !recorder.state().ended.empty(); }));
     summary = recorder.end(recorder.state().ended);
   }
-  expect_a_kept_beginning(summary, 100 * 8192);
+  expect_a_kept_beginning(summary, std::uint64_t{100} * 8192);
   EXPECT_EQ(::umount(disk.c_str()), 0);
 }
 

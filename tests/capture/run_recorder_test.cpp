@@ -33,6 +33,7 @@ using test::sources_of;
 TEST_F(RunRecorderTest, PutsAllStreamsOfACameraIntoOneRecording) {
   const std::vector<events::Event> events = test::steady_events(50'000, 1'000'000, 20, recorder_sensor);
   std::vector<events::ImuSample> samples;
+  samples.reserve(100);
   for (int i = 0; i < 100; ++i)
     samples.push_back({.t = camera_time(1'000'000 + 10'000 * i), .temperature_c = 20.0F + static_cast<float>(i)});
   auto imu = std::make_unique<MadeSource>("made:imu", std::vector{imu_stream(7)},

@@ -23,6 +23,7 @@ class CutRecording : public testing::Test {
   /// Cuts `in` and returns what was written.
   std::vector<WrittenPiece> cut(const std::vector<std::int64_t>& cuts_us) {
     std::vector<CameraTime> cuts;
+    cuts.reserve(cuts_us.size());
     for (const std::int64_t us : cuts_us) cuts.push_back(camera_time(us));
     pieces.clear();
     for (std::size_t i = 0; i <= cuts.size(); ++i) {

@@ -38,7 +38,7 @@ StampHealth stamps_of(const std::vector<std::vector<std::int64_t>>& packets, mic
 }
 
 EventHealth health_of(const std::vector<Event>& events, std::optional<SensorSize> size = SensorSize{20, 10},
-                      HealthOptions options = {}) {
+                      const HealthOptions& options = {}) {
   EventMeter meter(size, options);
   meter.add_packet(events);
   return meter.health();
@@ -111,6 +111,7 @@ TEST(EventMeter, FindsTheReadOutPeriodAlthoughSomeReadOutsAreEmpty) {
 TEST(EventMeter, FindsTheReadOutPeriodOfAnUnsteadyClock) {
   std::vector<Event> events;
   std::int64_t t = 0;
+  events.reserve(1'000);
   for (int i = 0; i < 1'000; ++i) events.push_back(event_at(t += 995 + i % 11));  // 995 .. 1005
   EXPECT_NEAR(health_of(events).readout.period_us.value, 1'000.0, 2.0);
 }
@@ -118,6 +119,7 @@ TEST(EventMeter, FindsTheReadOutPeriodOfAnUnsteadyClock) {
 TEST(EventMeter, FindsTheReadOutPeriodDespiteReadOutsThatABusySceneStretches) {
   std::vector<Event> events;
   std::int64_t t = 0;
+  events.reserve(1'000);
   for (int i = 0; i < 1'000; ++i) events.push_back(event_at(t += i % 4 == 0 ? 200 : 300 + i % 200));
   EXPECT_NEAR(health_of(events).readout.period_us.value, 200.0, 1e-6);
 }
@@ -129,7 +131,7 @@ TEST(EventMeter, GivesNoReadOutPeriodForAHandfulOfStamps) {
 
 /// One event at every pixel of 20 x 10 every 100 ms for a second, and `extra` further ones.
 std::vector<Event> with_scene(std::vector<Event> extra) {
-  for (int round = 0; round <= 10; ++round) {
+  for (std::int64_t round = 0; round <= 10; ++round) {
     for (int y = 0; y < 10; ++y) {
       for (int x = 0; x < 20; ++x) extra.push_back(event_at(100'000 * round, x, y));
     }
@@ -140,6 +142,7 @@ std::vector<Event> with_scene(std::vector<Event> extra) {
 
 std::vector<Event> firing(int x, int y, int events) {
   std::vector<Event> all;
+  all.reserve(static_cast<std::size_t>(events));
   for (int i = 0; i < events; ++i) all.push_back(event_at(1'000'000 * std::int64_t{i} / events, x, y));
   return all;
 }
@@ -185,6 +188,7 @@ TEST(HotPixels, FireFiftyTimesASecondAtLeast) {
   HealthOptions options;
   options.gap = 10s;
   std::vector<Event> slow;
+  slow.reserve(245);
   for (int i = 0; i < 245; ++i) slow.push_back(event_at(20'408 * std::int64_t{i}, 9, 9));  // 49 a second for 5 s
   EXPECT_EQ(health_of(slow, SensorSize{640, 480}, options).hot_pixels, 0U);
 }

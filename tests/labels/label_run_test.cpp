@@ -198,7 +198,7 @@ TEST(LabelRun, FlagsATouchThatTheRecordingBeginsWithin) {
 
 TEST(LabelRun, FlagsABurstAfterTheSlipThatNoLabelExplains) {
   const test::TemporaryFolder data;
-  const auto labels_with = [&](std::string name, test::MadeBurst further) {
+  const auto labels_with = [&](const std::string& name, test::MadeBurst further) {
     test::MadeRun made = press_and_slip;
     made.length_us = 4'000'000;
     made.bursts.push_back(further);

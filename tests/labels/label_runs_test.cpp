@@ -15,7 +15,6 @@ namespace {
 
 using test::lift_after_press;
 using test::made_lift;
-using test::MadeRun;
 using test::press_and_slip;
 using test::TemporaryFolder;
 

@@ -16,7 +16,7 @@ struct StageRun {
   alignment::RunSignals signals;
   alignment::RobotClocks clocks;
 
-  explicit StageRun(std::vector<std::int64_t> closes_ms) {
+  explicit StageRun(const std::vector<std::int64_t>& closes_ms) {
     signals.rate.begin = at_ms(0);
     signals.rate.last = at_ms(10'000);
     signals.robot.resize(1);

@@ -51,7 +51,7 @@ TEST(Draw, MakesAPngOfTheSizeWithTheLineInIt) {
   int red = 0;
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      const auto pixel = picture.at<cv::Vec3b>(y, x);
+      const auto& pixel = picture.at<cv::Vec3b>(y, x);
       red += pixel[2] > 200 && pixel[1] < 80 && pixel[0] < 80 ? 1 : 0;
     }
   }
@@ -74,6 +74,7 @@ TEST(Draw, GivesTheSameBytesAgainAlsoOnThreads) {
   const TemporaryFolder folder;
   draw(line_plot(), folder / "first.png");
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) threads.emplace_back([&, i] { draw(line_plot(), folder / (std::to_string(i) + ".png")); });
   for (std::thread& thread : threads) thread.join();
   const std::string first = read_text(folder / "first.png");

@@ -29,7 +29,8 @@ labels::LabelledInterval touch(Touch kind, const std::string& id, double start_m
 
 Trace trace_of(TraceKind kind, const std::string& name, double step_ms, double (*value)(double ms)) {
   Trace trace{.kind = kind, .name = name};
-  for (double ms = -20; ms < 4'020; ms += step_ms) {
+  for (int i = 0; - 20 + i * step_ms < 4'020; ++i) {
+    const double ms = -20 + i * step_ms;
     trace.t.push_back(label_at_ms(ms));
     trace.values.push_back(value(ms));
   }
@@ -108,7 +109,7 @@ TEST(LabelPicture, IsDrawnWithTheColoursOfItsIntervals) {
   int press = 0, slip = 0;
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      const auto pixel = picture.at<cv::Vec3b>(y, x);
+      const auto& pixel = picture.at<cv::Vec3b>(y, x);
       press += pixel == cv::Vec3b(0xF8, 0xE8, 0xDC) ? 1 : 0;
       slip += pixel == cv::Vec3b(0xD6, 0xE6, 0xFC) ? 1 : 0;
     }

@@ -29,7 +29,7 @@ PredictionPicture small_picture() {
 constexpr int rows_top = 532, rows_bottom = 590, axis_left = 112;
 
 /// Columns in which those rows hold this strong colour somewhere, first to last; {0, -1} without.
-std::pair<int, int> columns_of(const cv::Mat& picture, cv::Vec3b colour, int bottom = rows_bottom) {
+std::pair<int, int> columns_of(const cv::Mat& picture, const cv::Vec3b& colour, int bottom = rows_bottom) {
   std::pair<int, int> found{0, -1};
   for (int x = axis_left; x < picture.cols; ++x) {
     for (int y = rows_top; y < bottom; ++y) {

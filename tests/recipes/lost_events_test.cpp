@@ -45,6 +45,7 @@ TEST(PacketLoss, LosesWholePacketsOfItsLengthFromTheFirstEvent) {
 
 TEST(ReadoutLimit, KeepsWhatItsQueueTakesAndLosesTheLastOfABurst) {
   std::vector<Event> burst;
+  burst.reserve(20);
   for (int i = 0; i < 10; ++i) burst.push_back(event(0, i));
   for (int i = 0; i < 10; ++i) burst.push_back(event(2, i));
   // An event takes 1 us and the queue holds 4 us of work: 4 of the first ten, 2 us later 2 more.

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <regex>
 
 #include "report/plot_rows.hpp"
 #include "report/read_plot.hpp"
 #include "support/drawn_plot.hpp"
-#include "support/temporary_folder.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 
@@ -21,7 +21,6 @@ namespace {
 using test::contains;
 using test::drawn;
 using test::has_row;
-using test::TemporaryFolder;
 using test::Words;
 using test::words_in;
 using test::x_axes;
@@ -339,7 +338,7 @@ TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
                                                      {"160x120", "320x240", "640x480", "1280x960"}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     std::vector<std::string> named;
-    double least = INFINITY, most = -INFINITY;
+    double most = -std::numeric_limits<double>::infinity(), least = -most;
     for (const XAxis::Tic& tic : axes[i].tics) {
       named.push_back(tic.label);
       least = std::min(least, tic.place), most = std::max(most, tic.place);

@@ -116,7 +116,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   for (const char* what : {"trainings", "predictions of whole runs"})
     EXPECT_EQ(parts.at(what).at("exist"), parts.at(what).at("count"));
   EXPECT_EQ(parts.at("trainings of combinations, at most").at("count"), 2 * 2);
-  EXPECT_EQ(parts.at("further trainings, at most").at("count"), networks.size() + 2 * 2);
+  EXPECT_EQ(parts.at("further trainings, at most").at("count"), networks.size() + 4);
   EXPECT_FALSE(parts.contains("growth of the cost"));
 
   // The usual setting has all trainings, and so has whatever shares its predictions. The second training has other runs.

@@ -76,8 +76,8 @@ TEST(Transitions, RefuseOtherShapesAndTimes) {
 std::vector<std::array<long double, 3>> reference(const std::vector<Probabilities>& probabilities, const FilterSettings& of) {
   using Row = std::array<long double, 3>;
   std::array<Row, 3> rates{}, step{}, term{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
       if (i != j) rates[i][j] = of.transitions.rate(all_touches[i], all_touches[j]) * 2e-3L;
     }
     rates[i][i] = -(rates[i][0] + rates[i][1] + rates[i][2]);
@@ -85,25 +85,25 @@ std::vector<std::array<long double, 3>> reference(const std::vector<Probabilitie
   }
   for (int n = 1; n < 30; ++n) {
     std::array<Row, 3> next{};
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) next[i][j] += term[i][k] * rates[k][j] / n;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) next[i][j] += term[i][k] * rates[k][j] / n;
     term = next;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) step[i][j] += term[i][j];
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) step[i][j] += term[i][j];
   }
   const long double weight = std::min(1.0L, 4 * 2e-3L / (static_cast<long double>(of.history.count()) * 1e-6L));
   Row logs{0, -std::numeric_limits<long double>::infinity(), -std::numeric_limits<long double>::infinity()};
   std::vector<Row> states;
   for (const Probabilities& p : probabilities) {
     Row next{};
-    for (int j = 0; j < 3; ++j) {
+    for (std::size_t j = 0; j < 3; ++j) {
       long double sum = 0;
-      for (int i = 0; i < 3; ++i) sum += std::exp(logs[i]) * step[i][j];
+      for (std::size_t i = 0; i < 3; ++i) sum += std::exp(logs[i]) * step[i][j];
       next[j] = std::log(sum) + weight * std::log(std::max<long double>(p[j], 1e-4L));
     }
     const long double total = std::log(std::exp(next[0]) + std::exp(next[1]) + std::exp(next[2]));
-    for (int j = 0; j < 3; ++j) logs[j] = next[j] - total;
+    for (std::size_t j = 0; j < 3; ++j) logs[j] = next[j] - total;
     states.push_back({std::exp(logs[0]), std::exp(logs[1]), std::exp(logs[2])});
   }
   return states;
@@ -230,6 +230,7 @@ TEST(Decision, WithoutAFilterConfirms) {
   EXPECT_EQ(decided({.confirmation = {2, 3}}, tick, predicted, {}), confirmed(predicted, {2, 3}));
   RunningDecision running({.confirmation = {2, 3}}, tick);
   std::vector<Touch> verdicts;
+  verdicts.reserve(predicted.size());
   for (const Touch touch : predicted) verdicts.push_back(running.next(touch, {}));
   EXPECT_EQ(verdicts, confirmed(predicted, {2, 3}));
 }

@@ -95,6 +95,8 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
                                                  const torch::autograd::variable_list& gradients) {
+    // The context keeps numbers and tensors alone.
+    // NOLINTNEXTLINE(performance-no-int-to-ptr)
     auto* batch = reinterpret_cast<FusedBatch*>(static_cast<std::intptr_t>(context->saved_data["batch"].toInt()));
     const auto first = static_cast<std::int64_t>(batch->layers().first_channels);
     const auto second = static_cast<std::int64_t>(batch->layers().second_channels);

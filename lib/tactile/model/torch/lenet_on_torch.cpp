@@ -38,7 +38,7 @@ void set_threads(unsigned threads, unsigned of_libtorch) {
 
 torch::Tensor input_of(std::span<const std::uint8_t> heatmaps, events::SensorSize size) {
   const auto cells = static_cast<std::int64_t>(size.width) * size.height;
-  const torch::Tensor input = torch::empty({static_cast<std::int64_t>(heatmaps.size()) / cells, 1, size.height, size.width});
+  torch::Tensor input = torch::empty({static_cast<std::int64_t>(heatmaps.size()) / cells, 1, size.height, size.width});
   std::transform(heatmaps.begin(), heatmaps.end(), input.data_ptr<float>(),
                  [](std::uint8_t cell) { return static_cast<float>(cell) / 255.0F; });
   return input;

@@ -59,7 +59,8 @@ torch::Tensor inputs_of(std::span<const float> features, std::span<const float> 
 std::array<std::vector<float>, 2> standard_of(std::span<const float> features) {
   std::array<std::vector<float>, 2> standard{std::vector<float>(features::features_of_step),
                                              std::vector<float>(features::features_of_step)};
-  const auto n = static_cast<double>(features.size() / features::features_of_step);
+  const std::size_t steps_in_all = features.size() / features::features_of_step;
+  const auto n = static_cast<double>(steps_in_all);
   for (std::size_t k = 0; k < features::features_of_step; ++k) {
     double sum = 0, squares = 0;
     for (std::size_t i = k; i < features.size(); i += features::features_of_step) sum += static_cast<double>(features[i]);
