@@ -44,6 +44,7 @@ class DetectPage {
   void take(std::span<const detect::ReportedTick> ticks);
   nlohmann::json state_json(const char* state);
   nlohmann::json lateness_json() const;
+  void look_at_disk();
 
   LiveView view_;
   DetectPageLabels labels_;
@@ -51,6 +52,9 @@ class DetectPage {
   std::uint64_t ticks_ = 0, skipped_ = 0, late_ = 0, incomplete_ = 0;
   std::deque<Lateness> lateness_;  ///< of the last second
   microseconds tick_{2'000};
+  std::chrono::steady_clock::time_point disk_seen_{};
+  nlohmann::json disk_;
+  std::vector<std::string> disk_warnings_;
 
   std::mutex guard_;  ///< of the next one
   std::deque<std::string> messages_;

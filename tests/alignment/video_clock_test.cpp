@@ -68,10 +68,9 @@ MotionEnergy film_of(const MadeFilm& made) {
 SeenMotion seen_of(const std::vector<FilmedMotion>& motions, double from_s = -0.5, double to_s = 5) {
   SeenMotion seen;
   seen.begin = camera_time(run_begin_us + std::llround(1e6 * from_s));
-  const auto samples = static_cast<int>(std::ceil((to_s - from_s) / 0.004));
-  for (int i = 0; i < samples; ++i) {
+  for (double t = from_s; t < to_s; t += 0.004) {  // NOLINT(clang-analyzer-security.FloatLoopCounter)
     double speed = 0;
-    for (const FilmedMotion& motion : motions) speed += motion.speed_at(from_s + 0.004 * i);
+    for (const FilmedMotion& motion : motions) speed += motion.speed_at(t);
     seen.speed.push_back(0.1 * speed);
   }
   return seen;

@@ -61,10 +61,25 @@ TEST(TouchStrength, AConstantBackgroundIsNoTouchAndAShortRunIsNotCompared) {
   EXPECT_FALSE(session.strength.warning()) << "it was ended at once";
 }
 
-TEST(TouchStrength, ARunThatIsRepeatedCountsOnItsOwn) {
+TEST(TouchStrength, WeakRunsAreNoMeasureForLaterOnes) {
   Session session;
-  for (int i = 0; i < 3; ++i) session.run("cup/01", 1e6);
-  session.run("cup/01", 1e5);
+  for (const char* name : {"mug/01", "mug/02", "mug/03"}) session.run(name, 1e6);
+  for (const char* name : {"mug/04", "mug/05", "mug/06", "mug/07", "mug/08", "mug/09"}) {
+    session.run(name, 1e5);
+    session.pause();
+    EXPECT_TRUE(session.strength.warning()) << name << ": it is still out of focus";
+  }
+}
+
+TEST(TouchStrength, ARunThatIsRepeatedCountsOnce) {
+  Session session;
+  for (int i = 0; i < 4; ++i) session.run("cup/01", 1e6);
+  session.run("cup/02", 1e6);
+  session.run("cup/03", 1e5);
+  session.pause();
+  EXPECT_FALSE(session.strength.warning()) << "there are two runs to compare with";
+  session.run("cup/04", 1e6);
+  session.run("cup/05", 1e5);
   session.pause();
   EXPECT_TRUE(session.strength.warning());
 }

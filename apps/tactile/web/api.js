@@ -48,9 +48,9 @@ async function ask(path, options = {}) {
 
 async function refusal(answer) {
   if (answer.status === 401)
-    return new Refused("open the address that tactile review printed: it has a token, which is new at every start");
+    return new Refused("open the address that tactile review printed: it has a token, which is new at every start", answer.status);
   const body = await answer.json().catch(() => null);
-  return new Refused(body?.error ?? `the server answers ${answer.status}`);
+  return new Refused(body?.error ?? `the server answers ${answer.status}`, answer.status);
 }
 
 const pause = (ms) =>

@@ -106,7 +106,7 @@ export class ComparePage {
     try {
       return await api.getLabels(name, options);
     } catch (error) {
-      if (!(error instanceof Refused)) throw error;
+      if (!(error instanceof Refused && error.status === 404)) throw error;
       return { intervals: [] };
     }
   }

@@ -2,7 +2,7 @@
 // a reload, a server that ended, and a conflict. No document here; `send` and `store` are given.
 
 import { alreadyMade, withOperations, wordsOf } from "./label_edits.js";
-import { historyMark, rebased } from "./label_changes.js";
+import { historyMark, rebased, rebasedAll } from "./label_changes.js";
 
 export class Conflict extends Error {
   constructor(message, current) {
@@ -15,7 +15,12 @@ export class Conflict extends Error {
 export class Unreachable extends Error {}
 
 /// The server cannot make this edit, and says why.
-export class Refused extends Error {}
+export class Refused extends Error {
+  constructor(message, status = 0) {
+    super(message);
+    this.status = status; // of the answer
+  }
+}
 
 /// Why an operation cannot be made on the present labels.
 const whyNot = ({ op }) => (op === "edit" ? "what it edits is gone" : "the edits have changed since");
@@ -97,10 +102,18 @@ export class EditQueue extends EventTarget {
       }
       this.waiting.shift();
       this.setAside.push({ ...operation, reason: error.message });
+      if (operation.op === "edit") this.#dropUndoOf();
       this.dispatchEvent(new CustomEvent("refused", { detail: { words: wordsOf(operation), reason: error.message } }));
     }
     this.#changed();
     return true;
+  }
+
+  /// A waiting undo of the edit that was just refused would undo another one.
+  #dropUndoOf() {
+    const { kept, dropped } = rebasedAll(this.waiting, this.labels, this.labels, [false]);
+    this.waiting = kept;
+    for (const undo of dropped) this.setAside.push({ ...undo, reason: whyNot(undo) });
   }
 
   #conflicting(operation, current) {
@@ -128,16 +141,12 @@ export class EditQueue extends EventTarget {
 
   /// The person's answer to a conflict: `mine` makes the waiting edits on the current labels; else they are set aside.
   resolve(mine) {
-    const { current } = this.conflict;
+    const { base, current } = this.conflict;
     this.conflict = null;
     this.labels = current;
-    const waiting = this.waiting;
-    this.waiting = [];
-    for (const operation of waiting) {
-      const again = mine ? rebased(operation, current) : null;
-      if (again) this.waiting.push({ ...again, of: null, tried: false });
-      else this.setAside.push({ ...operation, reason: mine ? whyNot(operation) : "you took the other labels" });
-    }
+    const { kept, dropped } = mine ? rebasedAll(this.waiting, base, current) : { kept: [], dropped: this.waiting };
+    this.waiting = kept.map((operation) => ({ ...operation, of: null, tried: false }));
+    for (const operation of dropped) this.setAside.push({ ...operation, reason: mine ? whyNot(operation) : "you took the other labels" });
     this.#changed();
     return this.pump();
   }

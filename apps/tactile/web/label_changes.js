@@ -70,13 +70,13 @@ export function historyMark(op, { history = [] }) {
   return entry ? { when: entry.when, what: entry.what } : null;
 }
 
+const sameEntry = (a, b) => (a?.when ?? null) === (b?.when ?? null) && (a?.what ?? null) === (b?.what ?? null);
+
 /// The operation as it must be sent after the labels became `current`: a flag keeps its words, not its number. null if what it edits is gone,
 /// and if an undo or redo would act on another edit than the one that was meant.
 export function rebased(operation, current) {
   if (operation.op !== "edit") {
-    const now = historyMark(operation.op, current);
-    const meant = operation.of;
-    return !meant || (now && now.when === meant.when && now.what === meant.what) ? operation : null;
+    return operation.of && sameEntry(operation.of, historyMark(operation.op, current)) ? operation : null;
   }
   const { edit } = operation;
   if (edit.kind === "lift") {
@@ -85,4 +85,32 @@ export function rebased(operation, current) {
   }
   if (edit.id && !edit.id.startsWith("new ") && !current.intervals.some((interval) => interval.id === edit.id)) return null;
   return operation;
+}
+
+/// The waiting operations as they must be sent after the labels `base` became `current`, and those that cannot be made: {kept, dropped}.
+///
+/// An undo or redo that was never sent means what was newest when it was asked for: a waiting edit before it, else the history of `base`.
+/// @param before  of waiting edits that are gone already: whether each is kept
+export function rebasedAll(waiting, base, current, before = []) {
+  const same = ["undo", "redo"].every((op) => sameEntry(historyMark(op, base), historyMark(op, current)));
+  const edits = [...before]; // that an undo here would take back: whether each is kept
+  const undone = [];
+  const kept = [];
+  const dropped = [];
+  const place = (operation, again) => (again ? kept.push(again) : dropped.push(operation));
+  for (const operation of waiting) {
+    if (operation.op === "edit") {
+      const again = rebased(operation, current);
+      edits.push(again !== null);
+      place(operation, again);
+    } else if (operation.of) {
+      place(operation, rebased(operation, current));
+    } else {
+      const [from, to] = operation.op === "undo" ? [edits, undone] : [undone, edits];
+      const isKept = from.length ? from.pop() : same;
+      to.push(isKept);
+      place(operation, isKept ? operation : null);
+    }
+  }
+  return { kept, dropped };
 }

@@ -76,7 +76,7 @@ function lossesText({ by_reason }) {
   return lost.map(([why, n]) => `${elements(n.events + n.others)}, ${counted(n.packets, "packet")} (${words[why] ?? why})`).join("; ");
 }
 
-/// Where a device's clock is against the host's, and how far it has moved since the run began: "1.2345 s behind; 0.12 ms slow in 40 s (3 ppm)".
+/// Where a device's clock is against the host's, and how far it has moved since the run began: "20 ms behind the host's; 0.12 ms slow in 40 s (3 ppm)".
 function clockWords({ offset_us, change_ms, seconds }) {
   const LONG_ENOUGH_S = 10;
   const ppm = (1000 * Math.abs(change_ms)) / seconds;
@@ -87,11 +87,11 @@ function clockWords({ offset_us, change_ms, seconds }) {
   return `${offsetWords(offset_us)}; ${moved}`;
 }
 
-/// Clocks that count from another moment differ by years: then seconds are enough.
+/// Clocks that count from another moment, such as the controller's start, differ by days or years.
 function offsetWords(offset_us) {
-  const seconds = Math.abs(offset_us) / 1e6;
-  const size = seconds < 1000 ? `${seconds.toFixed(4)} s` : `${seconds.toFixed(2)} s`;
-  return `${size} ${offset_us < 0 ? "ahead of" : "behind"} the host's`;
+  const HOUR_US = 3600e6;
+  if (Math.abs(offset_us) > HOUR_US) return "counts from another moment than the host's";
+  return `${lengthText(Math.abs(offset_us))} ${offset_us < 0 ? "ahead of" : "behind"} the host's`;
 }
 
 function diskFacts({ disk }) {

@@ -30,9 +30,7 @@ export class SplitPage {
     const { signals } = await getRun(this.name, { signal: this.abort.signal });
     this.rate = signals.find(({ name }) => name === "event_rate");
     this.endWatch = onConnection((reachable) => {
-      if (!reachable || !this.lines) return;
-      this.problem.textContent = "";
-      this.lines.again();
+      if (reachable) this.lines?.again();
     });
     await this.#propose();
   }
@@ -65,7 +63,11 @@ export class SplitPage {
     this.problem = el("p", { class: "error", role: "alert" });
     this.lines = new CutLines({
       rate: this.rate,
-      load: (request, options) => getSignals(this.name, request, options),
+      load: async (request, options) => {
+        const answer = await getSignals(this.name, request, options);
+        this.problem.textContent = "";
+        return answer;
+      },
       failed: (error) => {
         this.problem.textContent = `The event rate cannot be shown: ${error.message}.`;
       },
@@ -181,7 +183,9 @@ export class SplitPage {
 
   #failed(error) {
     if (error.name === "AbortError") return;
-    refill(this.result ?? this.element, el("p", { class: "error", role: "alert" }, `This was not possible: ${error.message}.`));
+    const words = el("p", { class: "error", role: "alert" }, `This was not possible: ${error.message}.`);
+    if (this.lines) refill(this.result, words);
+    else refill(this.element, el("h1", {}, this.title), words, el("p", {}, button("Try again", () => this.#again())));
   }
 
   #showResult({ result, error, out }) {

@@ -17,6 +17,10 @@ constexpr double weak_share = 0.25;
 }  // namespace
 
 void TouchStrength::begin(const std::string& run, std::uint64_t events, Time now) {
+  if (!run.empty() && run == newest_of_them_) {  // it is repeated
+    strengths_.pop_back();
+    newest_of_them_.clear();
+  }
   run_ = run;
   rates_.clear();
   counted_ = newest_ = events;
@@ -35,7 +39,9 @@ void TouchStrength::end() {
           "the touches of {} caused {:.0f} % of the events of the earlier runs: out of focus, too dark, or touched more weakly",
           run_, 100 * strength / usual);
   }
+  if (warning_) return;
   strengths_.push_back(strength);
+  newest_of_them_ = run_;
 }
 
 void TouchStrength::see(const std::string& run, std::uint64_t events, Time now) {

@@ -12,7 +12,8 @@ namespace tactile::live {
 /// run alone does not tell: other skins and objects cause other numbers.
 ///
 /// The strength of a run is its highest event rate over 0.1 s, less its lowest. A run whose strength is below a quarter of the
-/// median of at least three earlier ones is worth a warning. The limit is ours: twenty simulated runs of ten objects have 0.43 to
+/// median of at least three earlier ones is worth a warning, and no measure for later ones; nor is a run that is repeated. The
+/// limit is ours: twenty simulated runs of ten objects have 0.43 to
 /// 2.95 of their median. With edges blurred over 15 px instead of 1.5 the same runs have 0.03 to 0.07 of their own strength, over
 /// 6 px 0.3 to 0.65.
 class TouchStrength {
@@ -34,6 +35,7 @@ class TouchStrength {
   Time window_{};
   std::vector<double> rates_;      ///< of the run's windows [1/s]
   std::vector<double> strengths_;  ///< of the earlier runs [1/s]
+  std::string newest_of_them_;     ///< the run that the last one is of
   std::optional<std::string> warning_;
 };
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Conflict, EditQueue, Refused, Unreachable } from "../../../apps/tactile/web/edit_queue.js";
-import { changesBetween, meets, newEdits, rebased } from "../../../apps/tactile/web/label_changes.js";
+import { changesBetween, meets, newEdits, rebased, rebasedAll } from "../../../apps/tactile/web/label_changes.js";
 import { alreadyMade, edited, limitsOf, withOperations, wordsOf } from "../../../apps/tactile/web/label_edits.js";
 import { Latest } from "../../../apps/tactile/web/latest.js";
 
@@ -191,10 +191,41 @@ test("an undo is not made where it would undo another edit than the one that was
   assert.equal(rebased(undo, { history: [entry("1")] }), undo);
   assert.equal(rebased(undo, { history: [entry("1"), entry("2")] }), null, "another person has edited");
   assert.equal(rebased(undo, { history: [] }), null);
-  assert.notEqual(rebased({ op: "undo" }, { history: [entry("2")] }), null, "it was never tried, so it means the newest");
+  assert.equal(rebased({ op: "undo" }, { history: [entry("2")] }), null, "what it means is not known");
   const redo = { op: "redo", of: { when: "2", what: "x" } };
   assert.equal(rebased(redo, { history: [entry("1"), entry("2", true)] }), redo);
   assert.equal(rebased(redo, { history: [entry("1", true), entry("2", true)] }), null);
+});
+
+test("a waiting undo means the waiting edit before it, else the history that was there", () => {
+  const entry = (when) => ({ who: "bo", when, what: "x", undone: false });
+  const [base, theirs] = [{ ...made(), history: [entry("1")] }, { ...made(), history: [entry("1"), entry("2")] }];
+  const [undo, edit, lost] = [{ op: "undo" }, move("press-1", "start", 1100), move("press-9", "start", 1100)];
+  const ops = ({ kept, dropped }) => [kept, dropped].map((list) => list.map((operation) => operation.edit?.id ?? operation.op).join());
+  assert.deepEqual(ops(rebasedAll([undo, undo], base, base)), ["undo,undo", ""]);
+  assert.deepEqual(ops(rebasedAll([undo, undo], base, theirs)), ["", "undo,undo"], "another person has edited");
+  assert.deepEqual(ops(rebasedAll([edit, undo], base, theirs)), ["press-1,undo", ""], "it takes back what waits before it");
+  assert.deepEqual(ops(rebasedAll([lost, undo], base, theirs)), ["", "press-9,undo"], "and goes with it");
+  assert.deepEqual(ops(rebasedAll([edit, lost, undo, undo], base, theirs)), ["press-1,undo", "press-9,undo"]);
+  assert.deepEqual(ops(rebasedAll([edit, undo, { op: "redo" }], base, theirs)), ["press-1,undo,redo", ""]);
+  assert.deepEqual(ops(rebasedAll([undo], base, base, [false])), ["", "undo"], "the edit before it was refused");
+});
+
+test("two undos that wait while the server is lost do not undo another person's edit", async () => {
+  const entry = (when, who) => ({ who, when, what: `edit ${when}`, undone: false });
+  const history = [entry("1", "ada"), entry("2", "ada")];
+  const there = server({ ...made(), history: structuredClone(history) });
+  there.fail = ["lost before", "lost before"];
+  const queue = new EditQueue({ labels: { ...made(), history: structuredClone(history) }, send: there.send, store: store() });
+  await queue.add({ op: "undo" });
+  await queue.add({ op: "undo" });
+  there.labels = { ...there.labels, version: "v9", history: [...history, entry("3", "bo")] };
+  there.fail = [];
+  await queue.pump();
+  assert.equal(queue.state, "conflict");
+  await queue.resolve(true);
+  assert.deepEqual(there.labels.history.map((e) => e.undone), [false, false, false]);
+  assert.equal(queue.setAside.length, 2);
 });
 
 test("edits are sent one after the other, each on the version that the one before gave", async () => {

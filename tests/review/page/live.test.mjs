@@ -89,18 +89,18 @@ test("the camera's clock is shown at once and its drift after ten seconds, only 
   assert.equal(fact(withClock(null), "Camera clock"), undefined);
   assert.equal(fact(recording(), "Packet lateness"), undefined, "an earlier program has no clock");
   const early = withClock({ offset_us: 5, change_ms: 0.2, seconds: 3.2, lateness_ms: 1.25 });
-  assert.deepEqual(fact(early, "Camera clock").slice(1), ["0.0000 s behind the host's; drift known in 7 s"]);
+  assert.deepEqual(fact(early, "Camera clock").slice(1), ["5 µs behind the host's; drift known in 7 s"]);
   assert.deepEqual(fact(early, "Packet lateness").slice(1), ["up to 1.25 ms"]);
   const slow = withClock({ offset_us: 5, change_ms: 0.12, seconds: 40, lateness_ms: 0.5 });
-  assert.deepEqual(fact(slow, "Camera clock").slice(1), ["0.0000 s behind the host's; 0.12 ms slow in 40 s (3 ppm)"]);
+  assert.deepEqual(fact(slow, "Camera clock").slice(1), ["5 µs behind the host's; 0.12 ms slow in 40 s (3 ppm)"]);
   const fast = withClock({ offset_us: 5, change_ms: -2, seconds: 100, lateness_ms: 0.5 });
-  assert.deepEqual(fact(fast, "Camera clock").slice(1), ["0.0000 s behind the host's; 2.00 ms fast in 100 s (20 ppm)"]);
+  assert.deepEqual(fact(fast, "Camera clock").slice(1), ["5 µs behind the host's; 2.00 ms fast in 100 s (20 ppm)"]);
 });
 
 test("the robot's clock is known like the camera's", () => {
   const clock = { offset_us: -1_700_000_123_456_789, change_ms: -0.4, seconds: 40 };
   const robot = { connected: true, rate_hz: 500, gaps: 0, missing: 0 };
-  assert.deepEqual(fact(recording({ robot: { ...robot, clock } }), "Robot clock").slice(1), ["1700000123.46 s ahead of the host's; 0.40 ms fast in 40 s (10 ppm)"]);
+  assert.deepEqual(fact(recording({ robot: { ...robot, clock } }), "Robot clock").slice(1), ["counts from another moment than the host's; 0.40 ms fast in 40 s (10 ppm)"]);
   assert.equal(fact(recording({ robot: { ...robot, clock: null } }), "Robot clock"), undefined, "before its first package");
 });
 
