@@ -76,7 +76,7 @@ void to_json(nlohmann::json& json, const TradeRecommendation& recommendation);
 void from_json(const JsonView& json, TradeRecommendation& recommendation);
 
 /// Speed against accuracy, as `tactile trade` measures it.
-struct Trade {
+struct Trade {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::string title{};
   bool simulated = false;
   std::string times_are{};  ///< what a time per tick is, in sentences
