@@ -13,19 +13,19 @@ class Session {
   void run(const std::string& name, double touch_per_s, double background_per_s = 100'000, std::chrono::milliseconds lasts = 3s) {
     double events = 0;
     for (std::chrono::milliseconds t{0}; t <= lasts; t += 20ms) {
-      strength.see(name, static_cast<std::uint64_t>(events), now);
+      strength.see(name, static_cast<std::uint64_t>(events), now_);
       events += 0.02 * (background_per_s + (t >= 1s && t < 1400ms ? touch_per_s : 0));
-      now += 20ms;
+      now_ += 20ms;
     }
   }
   void pause() {
-    for (int i = 0; i < 100; ++i) strength.see("", 0, now += 20ms);
+    for (int i = 0; i < 100; ++i) strength.see("", 0, now_ += 20ms);
   }
 
   TouchStrength strength;
 
  private:
-  TouchStrength::Time now{};
+  TouchStrength::Time now_{};
 };
 
 TEST(TouchStrength, NamesARunWhoseTouchesAreMuchWeakerThanEarlierOnes) {
