@@ -76,7 +76,7 @@ function lossesText({ by_reason }) {
   return lost.map(([why, n]) => `${elements(n.events + n.others)}, ${counted(n.packets, "packet")} (${words[why] ?? why})`).join("; ");
 }
 
-/// Where a device's clock is against the host's, and how far it has moved since the run began: "20 ms behind the host's; 0.12 ms slow in 40 s (3 ppm)".
+/// How much a device's clock differs from the host's, and how far it has drifted since the run began: "20 ms behind the host's; 0.12 ms slow in 40 s (3 ppm)".
 function clockWords({ offset_us, change_ms, seconds }) {
   const LONG_ENOUGH_S = 10;
   const ppm = (1000 * Math.abs(change_ms)) / seconds;

@@ -49,6 +49,19 @@ def picture_is_drawn(tab, kind):
     )
 
 
+def is_sound(world, live, name, ready):
+    """The page has its charts and pictures, and no problem, on wide and narrow screens, light and dark."""
+    for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
+        look = Tab(world.browser, width, dark)
+        look.go(live.url)
+        look.wait(ready, "the charts are there")
+        picture_is_drawn(look, "events")
+        problems = problems_of(look, width, dark, world.axe)
+        look.picture(os.path.join(world.home, f"{name}-{width}{'-dark' if dark else ''}.png"))
+        look.close()
+        check(not problems, f"page {name} at {width} px: {problems}")
+
+
 def watches_a_recording(world):
     film = os.path.join(world.data, "fan", "01", "video.mp4")
     out = os.path.join(world.home, "live")
@@ -64,15 +77,7 @@ def watches_a_recording(world):
         tab.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the last minute is a chart")
         before = tab.text(".live-detail")
         tab.wait(f"document.querySelector('.live-detail').textContent !== '{before}'", "the time advances")
-        for width, dark in ((1280, False), (1280, True), (390, False), (390, True)):
-            look = Tab(world.browser, width, dark)
-            look.go(live.url)
-            look.wait("document.querySelectorAll('.live-chart canvas').length > 0", "the chart is there")
-            picture_is_drawn(look, "events")
-            problems = problems_of(look, width, dark, world.axe)
-            look.picture(os.path.join(world.home, f"live-{width}{'-dark' if dark else ''}.png"))
-            look.close()
-            check(not problems, f"live page at {width} px: {problems}")
+        is_sound(world, live, "live", "document.querySelectorAll('.live-chart canvas').length > 0")
         problems = unreachable(tab)
         check(not problems, f"live page: {problems}")
         world.quiet("watching a recording")
@@ -135,14 +140,7 @@ def watches_a_detection(world):
         tab.wait("document.querySelectorAll('.live-charts figure').length === 3", "three charts")
         picture_is_drawn(tab, "heatmap")
         tab.wait("/none \\d\\.\\d\\d, press/.test(document.querySelector('.live-facts').textContent)", "probabilities")
-        for width, dark in ((1280, False), (390, True)):
-            look = Tab(world.browser, width, dark)
-            look.go(live.url)
-            look.wait("document.querySelectorAll('.live-charts figure').length === 3", "three charts")
-            problems = problems_of(look, width, dark, world.axe)
-            look.picture(os.path.join(world.home, f"detection-{width}{'-dark' if dark else ''}.png"))
-            look.close()
-            check(not problems, f"page of a detection at {width} px: {problems}")
+        is_sound(world, live, "detection", "document.querySelectorAll('.live-charts figure').length === 3")
         problems = unreachable(tab)
         check(not problems, f"page of a detection: {problems}")
         world.quiet("watching a detection")
