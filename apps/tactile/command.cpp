@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <thread>
 
 #include "effective_settings.hpp"
 #include "interruption.hpp"
@@ -18,6 +17,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/json_text.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/time_left.hpp"
 
 namespace tactile::cli {
@@ -75,7 +75,7 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
   CLI::App* const declared = app.add_subcommand(name, description);
   Command command(*declared);
   auto common = std::make_shared<CommonArguments>();
-  common->threads = std::max(1U, std::thread::hardware_concurrency());
+  common->threads = threads_or_all(0);
   command.add_option("--config", common->config, "JSON file with option values; the command line overrides them")
       .type_name("FILE.json")
       .check(is_existing_file());

@@ -57,6 +57,46 @@ TEST(ParallelFor, CallsWithinCallsAndBesideThemEnd) {
   EXPECT_EQ(calls, 3 * 6 * 5 * 4);
 }
 
+TEST(ParallelFor, CallsWithinACallUseNoMoreThreads) {
+  std::atomic<int> working{0}, most{0};
+  parallel_for(5, 3, [&](std::size_t) {
+    parallel_for(20, 8, [&](std::size_t) {
+      const int now = ++working;
+      for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+      --working;
+    });
+  });
+  EXPECT_LE(most, 3);
+  EXPECT_GE(most, 2);
+}
+
+TEST(ParallelFor, ThreadsWithoutWorkHelpInTheCallWithin) {
+  for (const std::size_t busy : {0U, 1U}) {  // its caller has no work left, or a helper
+    constexpr int threads = 4;
+    std::atomic<int> there{0};
+    std::atomic<bool> other_is_done{false};
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{30};
+    const auto wait_for = [&](const auto& holds) {
+      while (!holds() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    };
+    parallel_for(2, threads, [&](std::size_t i) {
+      if (i != busy) {
+        other_is_done = true;
+        return;
+      }
+      wait_for([&] { return other_is_done.load(); });
+      parallel_for(threads, threads, [&](std::size_t) {
+        ++there;
+        wait_for([&] { return there == threads; });  // each call waits for the others, so each needs a thread
+      });
+    });
+    EXPECT_LT(std::chrono::steady_clock::now(), deadline) << busy;
+    EXPECT_EQ(there, threads);
+  }
+}
+
 TEST(ParallelFor, ThrowsTheFirstFailureAndBeginsNoFurtherCall) {
   std::atomic<int> calls{0};
   const auto work = [&](std::size_t i) {

@@ -8,15 +8,27 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 namespace tactile {
 namespace {
+
+/// The threads of a call of parallel_for that is not within another, and of all calls within it. Under the pool's mutex.
+struct Team {
+  const std::size_t limit;                         ///< of threads that work
+  std::size_t working = 1;                         ///< the caller
+  std::condition_variable* idle_caller = nullptr;  ///< while the caller has no work of its own call left
+};
+
+thread_local Team* current_team = nullptr;
 
 /// One call of parallel_for.
 struct Job {
   const std::size_t count;
   const std::function<void(std::size_t)>& work;
+  Team& team;
   std::atomic<std::size_t> next{0};
   std::mutex guard{};
   std::exception_ptr first_failure{};
@@ -27,6 +39,7 @@ struct Job {
   std::condition_variable last_left{};
 
   void take_work() {
+    Team* const before = std::exchange(current_team, &team);
     for (std::size_t i = next++; i < count; i = next++) {
       try {
         work(i);
@@ -36,12 +49,13 @@ struct Job {
         next = count;
       }
     }
+    current_team = before;
   }
 };
 
-/// Threads that help in calls of parallel_for, also in calls from within such a call. They are made when first needed, and sleep
-/// between calls: starting threads again takes longer than a step of a training. A call never waits for a helper to come, so it
-/// ends even where no thread can be made.
+/// Threads that help in calls of parallel_for. They are made when first needed, and sleep between calls: starting threads again
+/// takes longer than a step of a training. A call never waits for a helper to come, so it ends even where no thread can be made.
+/// Calls within a call share its threads: who finds no work left in one of them helps in another.
 class Pool {
  public:
   /// Never destroyed, because its threads run until the program ends.
@@ -55,20 +69,31 @@ class Pool {
     return *pool;
   }
 
-  void run(Job& job, std::size_t helpers) {
+  /// @param outermost  the call is not within another
+  void run(Job& job, std::size_t helpers, bool outermost) {
     std::unique_lock lock(guard_);
     job.places = helpers;
     open_.push_back(&job);
     std::size_t wanted = 0;
-    for (const Job* each : open_) wanted += each->places;
+    for (const Job* each : open_) wanted += std::min(each->places, each->team.limit - each->team.working);
     while (idle_ < wanted && add_thread()) {
     }
+    const std::size_t free = std::min(helpers, job.team.limit - job.team.working);
+    if (job.team.idle_caller != nullptr) job.team.idle_caller->notify_one();
     lock.unlock();
-    for (std::size_t i = 0; i < helpers; ++i) wake_.notify_one();
+    for (std::size_t i = 0; i < free; ++i) wake_.notify_one();
     job.take_work();
     lock.lock();
     std::erase(open_, &job);
-    job.last_left.wait(lock, [&] { return job.helpers == 0; });
+    if (!outermost) {
+      job.last_left.wait(lock, [&] { return job.helpers == 0; });
+      return;
+    }
+    job.team.idle_caller = &job.last_left;
+    for (Job* other = nullptr; job.helpers > 0;) {
+      job.last_left.wait(lock, [&] { return job.helpers == 0 || (other = open_job_of(&job.team)) != nullptr; });
+      if (job.helpers > 0) help_in(*other, lock);
+    }
   }
 
  private:
@@ -82,39 +107,70 @@ class Pool {
     return true;
   }
 
+  /// The oldest job with places for helpers, of this team or of any that may have a further thread; null: there is none.
+  Job* open_job_of(const Team* team) {
+    const auto found = std::find_if(open_.begin(), open_.end(), [team](const Job* job) {
+      return job->places > 0 && (team != nullptr ? &job->team == team : job->team.working < job->team.limit);
+    });
+    return found == open_.end() ? nullptr : *found;
+  }
+
+  void help_in(Job& job, std::unique_lock<std::mutex>& lock) {
+    --job.places;
+    ++job.helpers;
+    lock.unlock();
+    job.take_work();
+    lock.lock();
+    if (--job.helpers == 0) job.last_left.notify_one();
+  }
+
   [[noreturn]] void help() {
     std::unique_lock lock(guard_);
     while (true) {
-      wake_.wait(lock, [&] { return !open_.empty(); });
-      Job& job = *open_.front();
-      if (--job.places == 0) open_.pop_front();
+      Job* job = nullptr;
+      wake_.wait(lock, [&] { return (job = open_job_of(nullptr)) != nullptr; });
+      Team& team = job->team;
       --idle_;
-      ++job.helpers;
-      lock.unlock();
-      job.take_work();
-      lock.lock();
+      ++team.working;
+      help_in(*job, lock);
+      --team.working;
       ++idle_;
-      if (--job.helpers == 0) job.last_left.notify_one();
     }
   }
 
   std::mutex guard_;
   std::condition_variable wake_;
-  std::deque<Job*> open_;  ///< jobs with places for helpers
+  std::deque<Job*> open_;  ///< calls with work that nobody has begun
   std::size_t idle_ = 0;   ///< threads that sleep, or are about to look for a job
 };
 
 }  // namespace
 
+unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
+
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work) {
-  if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
-  Job job{count, work};
-  if (std::min<std::size_t>(threads, count) > 1) {
-    Pool::instance().run(job, std::min<std::size_t>(threads, count) - 1);
+  threads = threads_or_all(threads);
+  Team own{.limit = threads};
+  const bool outermost = current_team == nullptr;
+  Job job{count, work, outermost ? own : *current_team};
+  if (const std::size_t most = std::min<std::size_t>(threads, count); most > 1) {
+    Pool::instance().run(job, most - 1, outermost);
   } else {
     job.take_work();
   }
   if (job.first_failure) std::rethrow_exception(job.first_failure);
+}
+
+std::future<void> start_beside(unsigned threads, std::function<void()> work) {
+  if (threads_or_all(threads) > 1) {
+    try {
+      return std::async(std::launch::async, work);
+    } catch (const std::system_error&) {
+      // No thread can be made.
+    }
+  }
+  work();
+  return {};
 }
 
 }  // namespace tactile

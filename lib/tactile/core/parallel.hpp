@@ -2,11 +2,21 @@
 
 #include <cstddef>
 #include <functional>
+#include <future>
 
 namespace tactile {
 
-/// Calls `work(i)` once for every i in [0, count), on up to `threads` threads (0: as many as the machine has cores). The first
-/// exception ends the calls not yet begun and is thrown again here.
+/// `threads`, or as many as the machine has cores if it is 0; > 0.
+unsigned threads_or_all(unsigned threads);
+
+/// Calls `work(i)` once for every i in [0, count), on up to `threads` threads (0: one per core). The first exception ends the
+/// calls not yet begun and is thrown again here. Where `work` calls parallel_for itself, the calls within share the
+/// threads of the outermost one, which are never more than its `threads`.
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work);
+
+/// Starts `work` beside the caller, if there may be more than one thread (0: one per core). Otherwise, or if no thread can be
+/// made, `work` is done here, and what it throws is thrown here.
+/// @return  waits for `work` and throws what it throws; not valid if it is done
+std::future<void> start_beside(unsigned threads, std::function<void()> work);
 
 }  // namespace tactile

@@ -140,16 +140,6 @@ struct ScoredFlaggedRun {
   WithFlaggedScore score;
 };
 
-std::vector<ScoredFlaggedRun> scored_flagged_runs(const RunScoring& scoring, const ModelOnRuns& training, std::size_t number,
-                                                  unsigned threads) {
-  const std::vector<RunFolder> folders = flagged_runs_beside(scoring.dataset, training.runs, training.classifier->model());
-  std::vector<ScoredFlaggedRun> scored(folders.size());
-  parallel_for(folders.size(), threads, [&](std::size_t i) {
-    scored[i] = {{folders[i].object, folders[i].run, number}, score_flagged_run(scoring, folders[i], 1)};
-  });
-  return scored;
-}
-
 /// Nothing where no run and no interval is flagged.
 std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
   results::WithFlagged with;
@@ -302,17 +292,25 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
                              gate_of(classifier, options),
                              decision_of(classifier, options),
                              baselines};
+    const std::vector<RunFolder> flagged = flagged_runs_beside(dataset, trainings[k].runs, classifier.model());
+    const std::size_t first_left_out = left_out.size();
+    left_out.resize(first_left_out + flagged.size());
     for_full_runs(
         dataset, trainings[k].runs, ticks[k], threads, part_of(progress, fitted, before + each),
-        [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
-          runs[first + i] = score_run(scoring, trainings[k].runs[i], threads_each, advance);
+        [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
+          runs[first + i] = score_run(scoring, trainings[k].runs[i], threads, advance);
         },
-        FittedBaselines::parts, [&](std::size_t part) { baselines.fit(part); });
+        FittedBaselines::parts + flagged.size(),
+        [&](std::size_t part) {
+          if (part < FittedBaselines::parts) return baselines.fit(part);
+          const std::size_t i = part - FittedBaselines::parts;
+          left_out[first_left_out + i] = {{flagged[i].object, flagged[i].run, k},
+                                          score_flagged_run(scoring, flagged[i], threads)};
+        });
     parallel_for(trainings[k].runs.size(), threads, [&](std::size_t i) {
       RunResult& run = runs[first + i];
       if (run.for_baselines) run.baselines = baselines.confusions_of(*std::exchange(run.for_baselines, std::nullopt));
     });
-    for (ScoredFlaggedRun& run : scored_flagged_runs(scoring, trainings[k], k, threads)) left_out.push_back(std::move(run));
   }
   for (RunResult& run : runs) scored.runs.push_back(&run);
   add_figures(evaluation, scored, sampling_guards, left_out, gate_of(*trainings.front().classifier, options), options);

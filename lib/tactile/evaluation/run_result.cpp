@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -155,8 +154,6 @@ void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunS
 
 }  // namespace
 
-unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
-
 void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options) {
   const std::string& trained_on = classifier.model().manifest_hash;
   if (trained_on != dataset.manifest_hash() && !options.of_another_dataset) {
@@ -282,11 +279,10 @@ std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::C
 
 void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
                    const ProgressCallback& progress,
-                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work,
-                   std::size_t others, const std::function<void(std::size_t)>& other_work) {
+                   const std::function<void(std::size_t, const std::function<void(std::size_t)>&)>& work, std::size_t others,
+                   const std::function<void(std::size_t)>& other_work) {
   std::uint64_t done = 0;
   std::mutex guard_progress;
-  const auto threads_each = std::max(1U, threads / std::max(1U, static_cast<unsigned>(runs.size())));
   parallel_for(others + runs.size(), threads, [&](std::size_t item) {
     if (item < others) return other_work(item);
     const std::size_t i = item - others;
@@ -295,7 +291,7 @@ void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_
       done += ticks;
       report_progress(progress, done, total, "every tick of " + name_of(dataset.runs()[runs[i]]));
     };
-    work(i, threads_each, advance);
+    work(i, advance);
   });
 }
 

@@ -94,8 +94,6 @@ std::optional<model::GateRule> gate_of(const model::Classifier& classifier, cons
 /// How the model's predictions become verdicts. @throws Error  if a filter is to be used that the model lacks
 model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options);
 
-unsigned threads_or_all(unsigned threads);
-
 RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run);
 
 /// The dataset's samples of a run, ascending in time.
@@ -116,12 +114,12 @@ std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, cons
 std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::Classifier& classifier,
                                  std::span<const std::uint32_t> runs, unsigned threads);
 
-/// Calls `work` for each run with the number of threads it may use, and reports how many ticks are done.
+/// Calls `work` for each run, and reports how many ticks are done.
 /// @param total       ticks of all runs, as `ticks_of_unchanged`
 /// @param others      calls of `other_work`, with 0, 1, …, which share the threads and begin before the first run
 void for_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, std::uint64_t total, unsigned threads,
                    const ProgressCallback& progress,
-                   const std::function<void(std::size_t, unsigned, const std::function<void(std::size_t)>&)>& work,
-                   std::size_t others = 0, const std::function<void(std::size_t)>& other_work = {});
+                   const std::function<void(std::size_t, const std::function<void(std::size_t)>&)>& work, std::size_t others = 0,
+                   const std::function<void(std::size_t)>& other_work = {});
 
 }  // namespace tactile::evaluation

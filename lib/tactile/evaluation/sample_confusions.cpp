@@ -53,10 +53,10 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     return confusions;
   }
   for_full_runs(dataset, runs, ticks_of_unchanged(dataset, classifier, runs, threads), threads, progress,
-                [&](std::size_t i, unsigned threads_each, const std::function<void(std::size_t)>& advance) {
+                [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
                   results::FullRun run =
                       classify_full_run(folder_of(dataset, runs[i]).events(), classifier,
-                                        {.threads = threads_each, .advance = advance, .ratios = needs_ratios(gate)});
+                                        {.threads = threads, .advance = advance, .ratios = needs_ratios(gate)});
                   if (gate) apply_gate(run, *gate);
                   const auto verdicts = decided(decision, run);
                   const auto samples = samples_in(dataset, runs[i]);

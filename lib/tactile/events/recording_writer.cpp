@@ -10,10 +10,10 @@
 #include <future>
 #include <limits>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/file_descriptor.hpp"
@@ -267,15 +267,7 @@ void RecordingWriter::State::finish_writing() {
 void RecordingWriter::State::begin_writing() {
   finish_writing();
   std::swap(full, being_written);
-  if (options.threads > 1 && options.compression != Compression::none) {
-    try {
-      writing = std::async(std::launch::async, [this] { write(being_written); });
-      return;
-    } catch (const std::system_error&) {
-      // No thread can be made.
-    }
-  }
-  write(being_written);
+  writing = start_beside(options.compression == Compression::none ? 1 : options.threads, [this] { write(being_written); });
 }
 
 /// Takes a packet; the caller then calls `write_if_full`. @param packet  its memory is replaced by other

@@ -5,7 +5,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "tactile/alignment/session_clocks.hpp"
@@ -114,7 +113,7 @@ class GroupLabeller {
  public:
   using Done = std::function<void(const RunFolder&)>;
 
-  GroupLabeller(const LabelRunsOptions& options, unsigned threads) : options_(options), threads_(threads) {}
+  explicit GroupLabeller(const LabelRunsOptions& options) : options_(options) {}
 
   /// Sets the results of the requested runs.
   void label(const Group& group, std::vector<RunOutcome>& results, const Done& done) const {
@@ -138,7 +137,7 @@ class GroupLabeller {
       if (run.signals) readable.push_back(&*run.signals);
     }
     const std::vector<alignment::RobotClocks> clocks = alignment::robot_clocks_of(readable, options_.label.clocks);
-    parallel_for(to_label.size(), threads_, [&](std::size_t n) {
+    parallel_for(to_label.size(), options_.threads, [&](std::size_t n) {
       const std::size_t i = group.requested[to_label[n]];
       RunOutcome& result = results[group.result_index[to_label[n]]];
       try {
@@ -163,7 +162,7 @@ class GroupLabeller {
   std::vector<nlohmann::json> input_hashes(const Group& group, std::vector<RunOutcome>& results) const {
     std::vector<nlohmann::json> inputs(group.runs.size());
     std::vector<std::string> errors(group.runs.size());
-    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+    parallel_for(group.runs.size(), options_.threads, [&](std::size_t i) {
       try {
         inputs[i] = alignment::hashes_of_inputs(group.runs[i]);
       } catch (const std::exception& e) {
@@ -194,7 +193,7 @@ class GroupLabeller {
 
   std::vector<ReadRun> read_all(const Group& group) const {
     std::vector<ReadRun> read(group.runs.size());
-    parallel_for(group.runs.size(), threads_, [&](std::size_t i) {
+    parallel_for(group.runs.size(), options_.threads, [&](std::size_t i) {
       try {
         read[i].signals = alignment::read_run_signals(group.runs[i], options_.label.signals);
       } catch (const std::exception& e) {
@@ -220,7 +219,6 @@ class GroupLabeller {
   }
 
   const LabelRunsOptions& options_;
-  unsigned threads_;
 };
 
 }  // namespace
@@ -232,12 +230,10 @@ std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const Lab
   // The largest first, so that no thread is left with it alone at the end.
   std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.runs.size() > b.runs.size(); });
 
-  const unsigned threads = options.threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : options.threads;
-  const auto at_once = static_cast<unsigned>(std::min<std::size_t>(threads, std::max<std::size_t>(1, groups.size())));
-  const GroupLabeller labeller(options, std::max(1U, threads / at_once));
+  const GroupLabeller labeller(options);
   std::mutex guard;
   std::size_t done = 0;
-  parallel_for(groups.size(), at_once, [&](std::size_t i) {
+  parallel_for(groups.size(), options.threads, [&](std::size_t i) {
     labeller.label(groups[i], results, [&](const RunFolder& run) {
       const std::scoped_lock lock(guard);
       report_progress(progress, ++done, runs.size(), run.name());

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "tactile/core/duration_units.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/step_runner.hpp"
@@ -36,7 +37,7 @@ Work work_of(const StressPlan& plan, const StressJudgement& judgement) {
 
 experiments::Estimate estimate_stress(const StressOptions& requested) {
   StressOptions options = requested;
-  options.judging.threads = evaluation::threads_or_all(options.judging.threads);
+  options.judging.threads = threads_or_all(options.judging.threads);
   const StressPlan plan = plan_stress(options);
   const experiments::StepRunner runner({.folder = options.out, .program = options.program});
   experiments::Estimate estimate{

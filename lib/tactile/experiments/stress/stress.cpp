@@ -7,6 +7,7 @@
 
 #include "tactile/core/command_lock.hpp"
 #include "tactile/core/json_text.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/experiment_json.hpp"
@@ -112,7 +113,7 @@ results::Stress result_of(const StressPlan& plan, std::vector<results::StressedM
 StressSummary run_stress(const StressOptions& requested, const experiments::NewProgress& new_progress,
                          const experiments::StepCallback& on_step) {
   StressOptions options = requested;
-  options.judging.threads = evaluation::threads_or_all(options.judging.threads);
+  options.judging.threads = threads_or_all(options.judging.threads);
   const StressPlan plan = plan_stress(options);
   const CommandLock lock(options.out, "tactile stress");
   if (options.force) fs::remove_all(options.out / "steps");

@@ -3,9 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
 namespace tactile::study {
@@ -23,7 +23,7 @@ StudyOptions completed(StudyOptions options) {
   options.trainings = options.trainings.value_or(preset.trainings);
   options.splits = options.splits.value_or(preset.splits);
   if (*options.trainings == 0) throw Error("no training of a setting; expected one at least");
-  if (options.threads == 0) options.threads = std::max(1U, std::thread::hardware_concurrency());
+  options.threads = threads_or_all(options.threads);
   std::sort(options.histories.begin(), options.histories.end());
   options.histories.erase(std::unique(options.histories.begin(), options.histories.end()), options.histories.end());
   if (options.histories.empty()) throw Error("no history to train for; expected one at least");

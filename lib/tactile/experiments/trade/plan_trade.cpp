@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <numeric>
-#include <thread>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/run_division.hpp"
@@ -41,7 +41,7 @@ TradeOptions completed(TradeOptions options, const windows::Dataset& dataset) {
       if (time <= microseconds{0}) throw Error("a history or a tick of 0 us; expected more");
     }
   }
-  if (options.threads == 0) options.threads = std::max(1U, std::thread::hardware_concurrency());
+  options.threads = threads_or_all(options.threads);
   return options;
 }
 

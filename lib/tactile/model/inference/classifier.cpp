@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -79,7 +78,7 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
     : bundle_{bundle.filename().empty() ? bundle.parent_path() : bundle},
       description_(read_description(bundle_)),
       temperature_(read_temperature(bundle_, description_)),
-      threads_(threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency())),
+      threads_(threads_or_all(threads)),
       engine_(engine) {
   const Weights weights = read_bundle_weights(bundle_, description_);
   json_ = read_json(bundle_.description());

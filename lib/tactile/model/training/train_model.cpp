@@ -6,11 +6,11 @@
 #include <chrono>
 #include <ctime>
 #include <set>
-#include <thread>
 
 #include "tactile/characterise/scene.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/utc_time.hpp"
 #include "tactile/core/version.hpp"
@@ -275,7 +275,7 @@ struct Resumption {
 Resumption resumption_of(const windows::Dataset& dataset, const ModelSettings& settings, const LeNetLayers& layers,
                          const ModelBundle& bundle, const TrainModelOptions& options, CheckpointFolder& kept) {
   Resumption resumed{.task = {{"settings", settings}, {"manifest_hash", dataset.manifest_hash()}},
-                     .threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency()),
+                     .threads = threads_or_all(options.threads),
                      .state = std::nullopt};
   resumed.task["threads"] = resumed.threads;
   if (const auto begun = options.resume ? task_of_checkpoint(CheckpointFolder::beside(bundle.folder)) : std::nullopt) {

@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
-#include <thread>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/model/training/augmentation.hpp"
 
@@ -276,7 +276,7 @@ TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& cont
   check(task.options);
   lenet_layers(task.size, task.network);
   check_samples(task);
-  return Training(task, control, task.threads > 0 ? task.threads : std::max(1U, std::thread::hardware_concurrency())).run();
+  return Training(task, control, threads_or_all(task.threads)).run();
 }
 
 }  // namespace tactile::model
