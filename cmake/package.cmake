@@ -27,5 +27,5 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME tactile-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_FILE_NAME tactile-dev_${PROJECT_VERSION}_${architecture}.deb)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # What library_dependencies.cmake finds.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "cmake (>= 3.25), pkg-config, nlohmann-json3-dev, libfmt-dev, libpugixml-dev, libssl-dev, libeigen3-dev, libopencv-dev, libhdf5-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libhwy-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, libasio-dev, libonnx-dev, libprotobuf-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "cmake (>= 3.25), pkg-config, nlohmann-json3-dev, libfmt-dev, libpugixml-dev, libssl-dev, libeigen3-dev, libopencv-dev, libhdf5-dev, zlib1g-dev, libdeflate-dev, liblz4-dev, libzstd-dev, libhwy-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, libasio-dev, libonnx-dev, libprotobuf-dev")
 include(CPack)

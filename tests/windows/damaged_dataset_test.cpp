@@ -16,6 +16,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/hdf5/read_apart.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -202,6 +203,16 @@ TEST_F(DamagedDataset, IsReplacedOnlyIfItsFileOfEventsExists) {
             std::string::npos);
 }
 
+/// Where the first chunk of a table begins in its file [B].
+std::uint64_t place_of_first_chunk(const fs::path& file, const std::string& name) {
+  const hdf5::Session session;
+  const hdf5::Id opened = hdf5::open_file(file, false), table = hdf5::open_table(opened, name, name);
+  const hsize_t first_row = 0;
+  haddr_t place = 0;
+  EXPECT_GE(H5Dget_chunk_info_by_coord(table, &first_row, nullptr, &place, nullptr), 0);
+  return place;
+}
+
 TEST_F(DamagedDataset, NamesTheDamagedFileOfItsFolder) {
   put("dataset.events.h5", 56, std::string(8, '\0'));
   EXPECT_NE(test::error_of([&] { const Dataset dataset(file()); }).find("dataset.events.h5: damaged"), std::string::npos);
@@ -209,7 +220,7 @@ TEST_F(DamagedDataset, NamesTheDamagedFileOfItsFolder) {
   EXPECT_TRUE(Dataset(file()).heatmap_names().empty());
 
   const Dataset dataset(file());
-  put("dataset.events.h5", fs::file_size(data() / "dataset.events.h5") / 2, "damage");  // of values
+  put("dataset.events.h5", place_of_first_chunk(data() / "dataset.events.h5", "events/t_us") + 20, "damage");
   const std::string error = test::error_of([&] {
     for (std::uint32_t run = 0; run < 2; ++run) dataset.events(run);
   });

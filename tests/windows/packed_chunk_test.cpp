@@ -26,16 +26,24 @@ std::string file_with(const std::filesystem::path& file, std::size_t row_size, c
   return read_text(file);
 }
 
-/// The same rows, packed by HDF5 and by `packed_chunk`.
-void expect_same_file(const std::vector<Row>& rows) {
+/// HDF5, which checks the checksums, reads these rows packed by `packed_chunk`, in a file about as large as its own.
+void expect_read_by_hdf5(const std::vector<Row>& rows) {
   const test::TemporaryFolder folder;
-  const std::string by_hdf5 = file_with(folder / "hdf5.h5", rows.front().size(), [&](hid_t table) {
+  const std::size_t size = rows.front().size();
+  const std::string by_hdf5 = file_with(folder / "hdf5.h5", size, [&](hid_t table) {
     for (const Row& row : rows) append_rows(table, H5T_NATIVE_UINT8, row.data(), 1, "rows");
   });
-  const std::string packed = file_with(folder / "packed.h5", rows.front().size(), [&](hid_t table) {
+  const std::string packed = file_with(folder / "packed.h5", size, [&](hid_t table) {
     for (const Row& row : rows) append_packed_rows(table, std::array{packed_chunk(row)}, "rows");
   });
-  EXPECT_TRUE(by_hdf5 == packed) << rows.front().size() << " values in a row";
+  EXPECT_LE(packed.size(), by_hdf5.size() * 103 / 100) << size << " values in a row";
+  const Session session;
+  const Id file = open_file(folder / "packed.h5", false), table = open_table(file, "rows", "rows");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Row read(size);
+    read_rows(table, H5T_NATIVE_UINT8, read.data(), i, 1, "rows");
+    EXPECT_EQ(read, rows[i]) << "row " << i << " of " << size;
+  }
 }
 
 Row random_row(std::size_t size, double share, Random& random) {
@@ -46,18 +54,19 @@ Row random_row(std::size_t size, double share, Random& random) {
   return row;
 }
 
-TEST(PackedChunk, IsWhatHdf5Stores) {
+TEST(PackedChunk, IsReadByHdf5) {
   Random random(7);
   for (const std::size_t size : {1U, 2U, 3U, 719U, 8'481U, 70'000U}) {
     std::vector<Row> rows{Row(size, 0), Row(size, 255)};
     for (const double share : {0.01, 0.3, 1.0}) rows.push_back(random_row(size, share, random));
-    expect_same_file(rows);
+    expect_read_by_hdf5(rows);
   }
 }
 
-/// Values of 8 bytes, or of 2: most of them close to each other, as times are.
+/// Values of 8 bytes, or of 2: most of them close to each other, as times are. HDF5 reads them, and `unpacked_chunk` those that
+/// HDF5 has packed.
 template <class T>
-void expect_same_column(std::size_t rows_per_chunk, std::size_t rows) {
+void expect_column_read_both_ways(std::size_t rows_per_chunk, std::size_t rows) {
   Random random(9);
   std::vector<T> values(rows);
   for (T& value : values) value = static_cast<T>(std::uint64_t{1'700'000'000'000'000} + random.below(1000));
@@ -70,27 +79,29 @@ void expect_same_column(std::size_t rows_per_chunk, std::size_t rows) {
     table.close("rows");
     made.close("rows");
   };
+  const auto bytes_from = [&](std::size_t first) {
+    std::vector<std::uint8_t> bytes(rows_per_chunk * sizeof(T));
+    std::memcpy(bytes.data(), &values[first], std::min(rows_per_chunk, rows - first) * sizeof(T));
+    return bytes;
+  };
   make("hdf5.h5", [&](hid_t table) { append_rows(table, memory_type<T>(), values.data(), values.size(), "rows"); });
   make("packed.h5", [&](hid_t table) {
-    for (std::size_t first = 0; first < rows; first += rows_per_chunk) {
-      std::vector<std::uint8_t> bytes(rows_per_chunk * sizeof(T));
-      const std::size_t count = std::min(rows_per_chunk, rows - first);
-      std::memcpy(bytes.data(), &values[first], count * sizeof(T));
-      append_packed_chunk(table, packed_chunk(bytes, sizeof(T)), count, "rows");
-    }
+    for (std::size_t first = 0; first < rows; first += rows_per_chunk)
+      append_packed_chunk(table, packed_chunk(bytes_from(first), sizeof(T)), std::min(rows_per_chunk, rows - first), "rows");
   });
   const Session session;
-  const Id file = open_file(folder / "packed.h5", false), other = open_file(folder / "hdf5.h5", false);
-  const Id table = open_table(file, "rows", "rows"), of_hdf5 = open_table(other, "rows", "rows");
-  for (std::size_t first = 0; first < rows; first += rows_per_chunk)
-    EXPECT_EQ(read_packed_chunk(table, first, "rows"), read_packed_chunk(of_hdf5, first, "rows")) << first;
-  EXPECT_EQ(read_table<T>(file, "rows", "rows"), values);
+  EXPECT_EQ(read_table<T>(open_file(folder / "packed.h5", false), "rows", "rows"), values);
+  const Id file = open_file(folder / "hdf5.h5", false), table = open_table(file, "rows", "rows");
+  for (std::size_t first = 0; first < rows; first += rows_per_chunk) {
+    const Row packed = read_packed_chunk(table, first, "rows");
+    EXPECT_EQ(unpacked_chunk(packed, rows_per_chunk * sizeof(T), "rows", sizeof(T)), bytes_from(first)) << first;
+  }
 }
 
-TEST(PackedChunk, IsWhatHdf5StoresOfLongerValues) {
-  expect_same_column<std::int64_t>(100, 250);
-  expect_same_column<std::uint16_t>(64, 64);
-  expect_same_column<std::uint8_t>(64, 65);
+TEST(PackedChunk, OfLongerValuesIsReadByHdf5AndTheOtherWayRound) {
+  expect_column_read_both_ways<std::int64_t>(100, 250);
+  expect_column_read_both_ways<std::uint16_t>(64, 64);
+  expect_column_read_both_ways<std::uint8_t>(64, 65);
 }
 
 TEST(PackedChunk, IsUnpackedToItsValues) {

@@ -10,6 +10,7 @@
 namespace tactile::hdf5 {
 namespace {
 
+constexpr unsigned deflate_level = 4;                            // of small tables, which HDF5 packs itself
 constexpr std::uint64_t largest_expansion = 1100;                // deflate expands to at most 1032 times its size
 constexpr std::uint64_t free_of_doubt = std::uint64_t{1} << 22;  // the last chunk may be almost empty
 constexpr std::size_t longest_text = std::size_t{1} << 16;

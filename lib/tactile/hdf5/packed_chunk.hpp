@@ -7,8 +7,6 @@
 
 namespace tactile::hdf5 {
 
-inline constexpr unsigned deflate_level = 4;
-
 /// The bytes of a whole chunk as a table of `create_table` stores it. It needs no Session, so several threads may pack chunks at
 /// the same time: HDF5 itself packs one after the other.
 /// @param values      little-endian, of all rows of the chunk; rows that do not exist are 0

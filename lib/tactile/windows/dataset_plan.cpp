@@ -426,10 +426,10 @@ std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds
 }
 
 void for_stored_events(const PlannedRun& run, microseconds history,
-                       const std::function<void(std::span<const events::Event>)>& use) {
+                       const std::function<void(std::span<const events::Event>)>& use, unsigned threads) {
   const std::vector<TimeSpan> histories = histories_of(run.samples, history);
   if (histories.empty()) return;
-  OpenRun open(run.folder);
+  OpenRun open(run.folder, threads);
   std::size_t current = 0;
   std::vector<events::Event> kept;
   events::for_events_between(open.recording, open.stream_id, histories.front().begin, histories.back().end,

@@ -57,7 +57,8 @@ struct DatasetPlan {
 
 /// Opens a run's recording at its event stream.
 struct OpenRun {
-  explicit OpenRun(const RunFolder& run) : recording(run.events()), stream_id(events::event_stream(recording).id) {}
+  explicit OpenRun(const RunFolder& run, unsigned threads = 1)
+      : recording(run.events(), threads), stream_id(events::event_stream(recording).id) {}
   events::RecordingReader recording;
   std::int32_t stream_id;
 };
@@ -70,8 +71,8 @@ DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesyste
 /// The union of [t - history, t) over a run's samples, as separate spans, ascending.
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
 
-/// Passes the events that a dataset stores of a run to `use`, ascending.
+/// Passes the events that a dataset stores of a run to `use`, ascending. @param threads  that read the recording; 0: one per core
 void for_stored_events(const PlannedRun& run, microseconds history,
-                       const std::function<void(std::span<const events::Event>)>& use);
+                       const std::function<void(std::span<const events::Event>)>& use, unsigned threads = 1);
 
 }  // namespace tactile::windows

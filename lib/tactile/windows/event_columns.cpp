@@ -62,28 +62,37 @@ void EventColumns::copy_chunks(hid_t older, std::uint64_t chunks, const std::str
 void EventColumns::append(std::span<const events::Event> events) {
   pending_.insert(pending_.end(), events.begin(), events.end());
   appended_ += events.size();
-  while (pending_.size() >= chunks_at_once * rows_per_chunk) write_chunks(chunks_at_once);
+  while (pending_.size() >= chunks_at_once * rows_per_chunk) start_packing(chunks_at_once * rows_per_chunk);
 }
 
-void EventColumns::finish() { write_chunks((pending_.size() + rows_per_chunk - 1) / rows_per_chunk); }
+void EventColumns::finish() {
+  start_packing(pending_.size());
+  write_packed();
+}
 
-void EventColumns::write_chunks(std::size_t chunks) {
-  const auto events_of = [&](std::size_t chunk) {
-    const std::size_t first = chunk * rows_per_chunk;
-    return std::span<const events::Event>(pending_).subspan(first,
-                                                            std::min<std::size_t>(rows_per_chunk, pending_.size() - first));
-  };
-  std::vector<std::vector<std::uint8_t>> packed(chunks * names.size());
-  parallel_for(packed.size(), threads_,
-               [&](std::size_t i) { packed[i] = packed_column(i % names.size(), events_of(i / names.size())); });
-  std::size_t written = 0;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    const std::size_t rows = events_of(chunk).size();
-    for (std::size_t column = 0; column < names.size(); ++column)
-      h5::append_packed_chunk(tables_[column], packed[chunk * names.size() + column], rows, where_);
-    written += rows;
+/// Packs the first pending events beside the caller, who appends further ones meanwhile.
+void EventColumns::start_packing(std::size_t events) {
+  write_packed();
+  const auto end = pending_.begin() + static_cast<std::ptrdiff_t>(events);
+  being_packed_.assign(pending_.begin(), end);
+  pending_.erase(pending_.begin(), end);
+  packed_.resize((events + rows_per_chunk - 1) / rows_per_chunk * names.size());
+  packing_ = start_beside(threads_, [this] {
+    parallel_for(packed_.size(), threads_, [&](std::size_t i) {
+      const auto rest = std::span<const events::Event>(being_packed_).subspan(i / names.size() * rows_per_chunk);
+      packed_[i] = packed_column(i % names.size(), rest.first(std::min<std::size_t>(rows_per_chunk, rest.size())));
+    });
+  });
+}
+
+/// Waits until chunks are packed, and writes them.
+void EventColumns::write_packed() {
+  if (packing_.valid()) packing_.get();
+  for (std::size_t i = 0; i < packed_.size(); ++i) {
+    const std::size_t rows = std::min<std::size_t>(rows_per_chunk, being_packed_.size() - i / names.size() * rows_per_chunk);
+    h5::append_packed_chunk(tables_[i % names.size()], packed_[i], rows, where_);
   }
-  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(written));
+  packed_.clear();
 }
 
 }  // namespace tactile::windows

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,24 +18,27 @@ class EventColumns {
  public:
   static constexpr hsize_t rows_per_chunk = hsize_t{1} << 16;
 
-  /// @param threads  that pack chunks; 0: one per core
+  /// @param threads  that pack chunks, beside the caller; 0: one per core
   EventColumns(hid_t group, std::string where, unsigned threads);
 
   /// Copies the first chunks of another dataset as they are stored. Call it before `append`.
   /// @param older  its group /events  @throws hdf5::Damaged  if a chunk is damaged
   void copy_chunks(hid_t older, std::uint64_t chunks, const std::string& older_where);
   void append(std::span<const events::Event> events);
-  void finish();  ///< writes the last chunk, which need not be full
+  void finish();  ///< writes all chunks, of which the last need not be full
   std::uint64_t appended() const { return appended_; }
 
  private:
-  void write_chunks(std::size_t chunks);
+  void start_packing(std::size_t events);
+  void write_packed();
 
   std::string where_;
   unsigned threads_;
   std::vector<hdf5::Id> tables_;  ///< t_us, x, y, on
-  std::vector<events::Event> pending_;
+  std::vector<events::Event> pending_, being_packed_;
+  std::vector<std::vector<std::uint8_t>> packed_;  ///< chunks of `being_packed_`: all columns of one, then of the next
   std::uint64_t appended_ = 0;
+  std::future<void> packing_;  ///< the last member, so that it ends first
 };
 
 }  // namespace tactile::windows

@@ -8,6 +8,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/folder_lock.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -80,7 +81,7 @@ std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const
         sources.older->for_events(*same, std::min(there, count), append);
         plan.rows[i].events = count;
       } else {
-        for_stored_events(plan.runs[i], history, append);
+        for_stored_events(plan.runs[i], history, append, threads_or_all(threads));
         if (!plan.runs[i].samples.empty() && !plan.runs[i].was_read) plan.read_runs.push_back(plan.runs[i].folder.name());
         plan.rows[i].events = columns.appended() - next;
       }
