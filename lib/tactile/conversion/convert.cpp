@@ -29,22 +29,29 @@ namespace {
 constexpr std::array common_sizes{events::SensorSize{320, 240}, events::SensorSize{346, 260}, events::SensorSize{640, 480},
                                   events::SensorSize{1280, 720}};
 
-/// The earliest and the latest time so far.
-class TimesSeen {
- public:
-  template <class Element>
-  void add(std::span<const Element> elements) {
-    if (elements.empty()) return;
-    CameraTime earliest = first.value_or(elements.front().t), latest = last.value_or(elements.front().t);
-    for (const Element& element : elements) {
-      earliest = std::min(earliest, element.t);
-      latest = std::max(latest, element.t);
-    }
-    first = earliest;
-    last = latest;
-  }
+/// The times of some elements.
+struct Times {
+  CameraTime first, last;  ///< the earliest and the latest
+  bool ascending = true;
+};
 
+/// @param elements  one at least
+template <class Element>
+Times times_of(std::span<const Element> elements) {
+  const auto is_earlier = [](const Element& a, const Element& b) { return a.t < b.t; };
+  if (std::is_sorted(elements.begin(), elements.end(), is_earlier)) return {elements.front().t, elements.back().t};
+  const auto [earliest, latest] = std::minmax_element(elements.begin(), elements.end(), is_earlier);
+  return {earliest->t, latest->t, false};
+}
+
+/// The earliest and the latest time so far.
+struct TimesSeen {
   std::optional<CameraTime> first, last;
+
+  void add(const Times& times) {
+    first = std::min(first.value_or(times.first), times.first);
+    last = std::max(last.value_or(times.last), times.last);
+  }
 };
 
 std::string text_of(const TimesSeen& range) {
@@ -206,7 +213,7 @@ class Passage {
  private:
   template <class Element>
   void note(std::span<const Element> elements) {
-    all_.add(elements);
+    if (!elements.empty()) all_.add(times_of(elements));
     if (all_.first) cut_.begin_at(*all_.first);
   }
 
@@ -231,9 +238,14 @@ class Passage {
   /// @throws Error  that names the input, if a time steps back and the output is a recording, whose times never fall
   template <class Element>
   void note_times(const ConvertedStream& to, std::span<const Element> elements) {
-    written_.add(elements);
+    const Times times = times_of(elements);
+    written_.add(times);
     if (holds_one_stream(summary_.to)) return;
     CameraTime& newest = newest_.try_emplace(to.stream.id, elements.front().t).first->second;
+    if (times.ascending && times.first >= newest) {
+      newest = times.last;
+      return;
+    }
     for (const Element& element : elements) {
       if (element.t < newest) {
         throw Error(
