@@ -113,7 +113,10 @@ std::unique_ptr<capture::RunRecorder> open_recorder(const RecordArguments& args,
   capture::RunRecorderOptions recorder_options{.queue_bytes = args.queue_mb << 20,
                                                .compression = events::compression_named(args.compression),
                                                .log = [&line](const std::string& text) { line.warn(text); }};
-  if (preview != nullptr) recorder_options.see_events = [preview](std::span<const events::Event> seen) { preview->see(seen); };
+  if (preview != nullptr) {
+    recorder_options.see_events = [preview](std::span<const events::Event> seen) { preview->see(seen); };
+    recorder_options.see_imu = [preview](std::span<const events::ImuSample> seen) { preview->see(seen); };
+  }
   return std::make_unique<capture::RunRecorder>(std::move(sources), std::move(robot), std::move(video),
                                                 std::move(recorder_options));
 } catch (const Error&) {

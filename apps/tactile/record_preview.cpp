@@ -24,6 +24,7 @@ namespace {
 using Steady = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds silent_after{2};
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 bool has_imu(const capture::RunRecorder& recorder) {
   const auto& streams = recorder.streams();
@@ -38,9 +39,7 @@ std::optional<double> bytes_per_s(const capture::RunState* run) {
 
 /// [mm/s, mm]: how fast the robot's tool moves, and its height; NaN while that is not known.
 std::array<double, 2> tool_motion(const robot::RobotMonitor& robot) {
-  const auto mm = [&](const char* column) {
-    return 1e3 * robot.newest(column).value_or(std::numeric_limits<double>::quiet_NaN());
-  };
+  const auto mm = [&](const char* column) { return 1e3 * robot.newest(column).value_or(unknown); };
   return {std::hypot(mm("actual_TCP_speed_0"), mm("actual_TCP_speed_1"), mm("actual_TCP_speed_2")), mm("actual_TCP_pose_2")};
 }
 
@@ -74,7 +73,8 @@ nlohmann::json video_json(const std::optional<video::VideoCaptureState>& video, 
   return {{"running", video->running},
           {"frames_per_s", video->frames_per_second},
           {"frames", video->frames},
-          {"dropped", video->dropped}};
+          {"dropped", video->dropped},
+          {"clock", offset_json(video->clock)}};
 }
 
 nlohmann::json clock_json(const capture::RunState& run) {
@@ -124,6 +124,7 @@ std::string RecordPreview::open(const capture::RunRecorder& recorder) {
       .sensor = recorder.streams().front().size.value(),
       .values = {"lateness_ms"},
       .choose = [this](std::uint64_t question, const std::string& choice) { return choices_.choose(question, choice); }};
+  if (has_imu(recorder)) options.values.emplace_back("imu_m_per_s2");
   if (recorder.robot() != nullptr) options.values.insert(options.values.end(), {"robot_mm_per_s", "robot_height_mm"});
   if (recorder.video() != nullptr)
     options.film = [film = std::make_shared<FilmOnPage>(recorder.video())] { return film->jpeg(); };
@@ -160,9 +161,16 @@ nlohmann::json RecordPreview::sources_json(const capture::RunRecorder& recorder,
   return all;
 }
 
+void RecordPreview::see(std::span<const events::ImuSample> samples) {
+  std::array<double, 2> values{unknown, unknown};  // as `open` names them
+  for (const events::ImuSample& sample : samples) values.back() = std::fmax(values.back(), sample.acceleration());
+  view_.note(values);
+}
+
 void RecordPreview::show(const RecordMoment& moment) {
   const bool has_lateness = moment.now != nullptr && moment.now->clock;
-  std::vector<double> values{has_lateness ? in_ms(moment.now->lateness) : std::numeric_limits<double>::quiet_NaN()};
+  std::vector<double> values{has_lateness ? in_ms(moment.now->lateness) : unknown};
+  if (has_imu(*moment.recorder)) values.push_back(unknown);  // noted as it comes
   if (const robot::RobotMonitor* robot = moment.recorder->robot()) {
     const std::array<double, 2> motion = tool_motion(*robot);
     values.insert(values.end(), motion.begin(), motion.end());

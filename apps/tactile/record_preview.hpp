@@ -22,7 +22,9 @@ class RecordPreview {
 
   PageChoices& choices() { return choices_; }
 
-  void see(std::span<const events::Event> events) { view_.see(events); }  ///< by the thread of the source
+  // By the thread of the source.
+  void see(std::span<const events::Event> events) { view_.see(events); }
+  void see(std::span<const events::ImuSample> samples);
 
   /// Serves the page. @return  its address. @throws Error  if the port is in use
   std::string open(const capture::RunRecorder& recorder);

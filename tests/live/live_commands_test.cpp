@@ -44,7 +44,9 @@ TEST_F(RecordPreview, ShowsTheRunUntilItsEnd) {
   EXPECT_EQ(get(port, "/api/live", "Host: evil.example\r\n").status, 403);
   LiveClient client(port);
   const json message = client.next_where([](const json& m) {
-    return is_recording(m) && m.at("state").at("recording").at("events") > 0 && m.at("live").at("picture") > 0;
+    const json& steps = m.at("steps");
+    return is_recording(m) && m.at("state").at("recording").at("events") > 0 && m.at("live").at("picture") > 0 &&
+           !steps.empty() && steps.back().back().is_number();
   });
   ASSERT_FALSE(message.is_null()) << command.err();
   const json& state = message.at("state");
@@ -58,6 +60,8 @@ TEST_F(RecordPreview, ShowsTheRunUntilItsEnd) {
   EXPECT_FALSE(state.at("has_film"));
   EXPECT_EQ(get(port, "/api/live/film").status, 404);
   EXPECT_GT(message.at("live").at("rate_per_s").get<double>(), 0);
+  EXPECT_EQ(message.at("columns").back(), "imu_m_per_s2");
+  EXPECT_NEAR(message.at("steps").back().back().get<double>(), 9.8, 5) << "the camera hangs at an arm";
   command.signal(SIGINT);
   const json last = client.next_where([](const json& m) { return m.at("ended").get<bool>(); });
   ASSERT_FALSE(last.is_null());
@@ -75,7 +79,7 @@ TEST_F(RecordPreview, ShowsTheFilmAndTheClockOfALiveCamera) {
   LiveClient client(port);
   const json message = client.next_where([](const json& m) {
     return is_recording(m) && !m.at("state").at("recording").at("clock").is_null() && !m.at("steps").empty() &&
-           m.at("steps").back().at(2).is_number();
+           m.at("steps").back().at(2).is_number() && !m.at("state").at("video").at("clock").is_null();
   });
   ASSERT_FALSE(message.is_null()) << command.err();
   EXPECT_EQ(message.at("columns"), (std::vector<std::string>{"events_per_s", "lateness_ms"}));

@@ -57,6 +57,18 @@ TEST(FrameClock, TakesTheHostsStepsWhereALiveSourcesTimeIsImpossible) {
   EXPECT_EQ(line_of(true, {{0, 0}, {2'000, 1}, {2'033, 2}}), (Line{0, 2'000, 2'033})) << "frames that waited come at once";
 }
 
+TEST(FrameClock, KnowsWhetherAStepIsTheSourcesOwn) {
+  FrameClock clock(true, 40ms);
+  const auto is_own = [&](double source_ms, std::int64_t came_ms) {
+    clock.time_of(source_ms, HostTime{std::chrono::milliseconds(came_ms)});
+    return clock.is_own();
+  };
+  EXPECT_FALSE(is_own(7'000, 100)) << "the first frame has no step";
+  EXPECT_TRUE(is_own(7'030, 133));
+  EXPECT_FALSE(is_own(0, 166)) << "it begins again";
+  EXPECT_TRUE(is_own(30, 200));
+}
+
 TEST(FrameClock, AscendsEvenWhereTheHostsTimeStandsStill) {
   FrameClock clock(true, 40ms);
   EXPECT_EQ(clock.time_of(0, HostTime{}), 0us);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
@@ -148,9 +149,16 @@ TEST_F(VideoCaptureTest, KeepsTheOrderOfTheFrames) {
 TEST_F(VideoCaptureTest, KeepsAFilesPace) {
   test::write_film(folder / "source.mp4", test::uneven_times(20, 20ms));
   const auto begun = std::chrono::steady_clock::now();
-  film_whole(folder / "source.mp4", 1);
+  const VideoCaptureState state = film_whole(folder / "source.mp4", 1);
   const auto times = read_video_times(csv);
   EXPECT_GE(std::chrono::steady_clock::now() - begun, times.back() - times.front()) << "faster than its own times";
+  ASSERT_TRUE(state.clock);
+  EXPECT_LT(std::abs(us_of(host_now()) - state.clock->offset.count()), 60'000'000) << "frames count from the film's beginning";
+}
+
+TEST_F(VideoCaptureTest, HasNoClockAtAnotherPace) {
+  test::write_film(folder / "source.mp4", test::uneven_times(20, 20ms));
+  EXPECT_FALSE(film_whole(folder / "source.mp4").clock);
 }
 
 TEST_F(VideoCaptureTest, MakesFilmAfterFilmOfOneSource) {

@@ -9,6 +9,7 @@ const CHARTS = [
   { title: "Probabilities", names: ["p_press", "p_slip"], labels: ["press", "slip"], colours: ["press", "slip"], range: [0, 1.02] },
   { title: "Event rate [1/s]", names: ["events_per_s"], labels: ["events/s"], colours: ["series-1"] },
   { title: "Lateness [ms]", names: ["lateness_ms"], labels: ["ms"], colours: ["series-4"] },
+  { title: "Acceleration of the camera [m/s²]", names: ["imu_m_per_s2"], labels: ["m/s²"], colours: ["series-1"], range: null },
   { title: "Robot speed [mm/s]", names: ["robot_mm_per_s"], labels: ["mm/s"], colours: ["series-2"] },
   { title: "Robot height [mm]", names: ["robot_height_mm"], labels: ["mm"], colours: ["series-3"], range: null },
 ];

@@ -122,9 +122,10 @@ function recordFacts(state) {
     if (clock) facts.push(["Robot clock", clockWords(clock)]);
   }
   if (state.video) {
-    const { running, frames_per_s, dropped } = state.video;
+    const { running, frames_per_s, dropped, clock } = state.video;
     const lost = dropped > 0 ? `, ${counted(dropped, "frame")} dropped` : "";
     facts.push(["Video", (running ? `${frames_per_s.toFixed(1)} frames/s` : "has ended") + lost, !running || dropped > 0]);
+    if (clock) facts.push(["Film clock", clockWords(clock)]);
   }
   return facts;
 }

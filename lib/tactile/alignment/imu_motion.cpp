@@ -8,7 +8,6 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr double gravity_m_s2 = 9.80665;
 constexpr double median_over_s = 2.0, median_every_s = 0.5;
 constexpr double longest_gap_s = 0.020;
 
@@ -61,7 +60,7 @@ ImuMotion imu_motion(std::span<const events::ImuSample> samples) {
     motion.t.push_back(sample.t);
     t_s.push_back(motion.seconds(motion.t.size() - 1));
     Vector3 acceleration;
-    for (std::size_t k = 0; k < 3; ++k) acceleration[k] = gravity_m_s2 * static_cast<double>(sample.acceleration_g[k]);
+    for (std::size_t k = 0; k < 3; ++k) acceleration[k] = events::standard_gravity * static_cast<double>(sample.acceleration_g[k]);
     motion.acceleration.push_back(acceleration);
   }
   if (motion.t.empty()) return motion;

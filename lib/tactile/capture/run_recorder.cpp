@@ -99,6 +99,7 @@ struct RunRecorder::State {
   bool none_is_live() const {
     return std::none_of(receivers.begin(), receivers.end(), [](const auto& r) { return r->live(); });
   }
+  std::function<void(const CameraPacket&)> sight_of(std::size_t source_index) const;
   std::string source_error() const;
   bool has_events(std::size_t source_index) const;
   bool sources_ended() const;
@@ -112,6 +113,22 @@ struct RunRecorder::State {
   void count(const RunWriter::Written& written, RunSummary& summary) const;
   RunInfo final_info(const RunSummary& summary, HostTime ended, const nlohmann::json& files) const;
 };
+
+/// What is called with each packet of a source; empty: nothing.
+std::function<void(const CameraPacket&)> RunRecorder::State::sight_of(std::size_t source_index) const {
+  const auto first_id = [&](events::StreamType type) -> std::optional<std::int32_t> {
+    const auto first = std::find_if(streams.begin(), streams.end(), [&](const auto& s) { return s.stream.type == type; });
+    if (first == streams.end() || first->source_index != source_index) return std::nullopt;
+    return first->source_stream;
+  };
+  const auto events = options.see_events ? first_id(events::StreamType::events) : std::nullopt;
+  const auto imu = options.see_imu ? first_id(events::StreamType::imu) : std::nullopt;
+  if (!events && !imu) return {};
+  return [this, events, imu](const CameraPacket& packet) {
+    if (events == packet.stream_id && !packet.events.empty()) options.see_events(packet.events);
+    if (imu == packet.stream_id && !packet.imu.empty()) options.see_imu(packet.imu);
+  };
+}
 
 /// The first source that was lost.
 std::string RunRecorder::State::source_error() const {
@@ -205,14 +222,8 @@ RunRecorder::RunRecorder(std::vector<std::unique_ptr<CameraSource>> sources, std
                        std::any_of(sources.begin(), sources.end(), [](const auto& source) { return source->simulated(); });
   state.robot = std::move(robot);
   state.video = std::move(video);
-  const RecordedStream& first = state.streams.front();  // events come first
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    std::function<void(const CameraPacket&)> see;
-    if (state.options.see_events && i == first.source_index) {
-      see = [&state, id = first.source_stream](const CameraPacket& packet) {
-        if (packet.stream_id == id && !packet.events.empty()) state.options.see_events(packet.events);
-      };
-    }
+    auto see = state.sight_of(i);
     state.receivers.push_back(std::make_unique<Receiver>(std::move(sources[i]), i, state.queue, std::move(see)));
   }
   state.reported_ends.resize(state.receivers.size());

@@ -29,6 +29,8 @@ struct RunRecorderOptions {
   /// Called with the events of the first event stream as they arrive, on its source's thread, also between runs. It must return
   /// soon: what takes long delays the recording. Events may lie outside the sensor.
   std::function<void(std::span<const events::Event>)> see_events = {};
+  /// The same for the samples of the first IMU stream.
+  std::function<void(std::span<const events::ImuSample>)> see_imu = {};
 };
 
 /// A source of a recording, now.

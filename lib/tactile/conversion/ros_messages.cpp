@@ -18,8 +18,6 @@ using bags::Bytes;
 using bags::number_at;
 using bags::RosFields;
 
-constexpr double standard_gravity = 9.80665;  // [m/s^2]
-
 std::string_view without_slash(std::string_view frame) {
   if (frame.starts_with('/')) frame.remove_prefix(1);
   return frame;
@@ -188,7 +186,7 @@ bool decode_imu_message(bags::SerialisedMessage message, events::ImuSample& into
   fields.take((4 + 9) * sizeof(double));  // orientation and its covariance
   for (float& rate : into.angular_rate_dps) rate = static_cast<float>(fields.number<double>() * 180 / std::numbers::pi);
   fields.take(9 * sizeof(double));
-  for (float& along : into.acceleration_g) along = static_cast<float>(fields.number<double>() / standard_gravity);
+  for (float& along : into.acceleration_g) along = static_cast<float>(fields.number<double>() / events::standard_gravity);
   fields.take(9 * sizeof(double));
   return fields.ok();
 }

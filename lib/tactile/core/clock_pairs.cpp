@@ -51,5 +51,6 @@ void ClockPairs<Clock>::add(const ClockPair<Clock>& pair) {
 
 template class ClockPairs<CameraClock>;
 template class ClockPairs<RobotClock>;
+template class ClockPairs<VideoClock>;
 
 }  // namespace tactile

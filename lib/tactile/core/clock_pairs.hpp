@@ -30,7 +30,7 @@ struct ClockOffset {
 /// arrive late, but never early. Therefore, of each second in host time, the pair with the smallest difference host - device is
 /// kept. Beyond `limit` pairs, neighbours are merged by the same rule: the period becomes two seconds, then four, and so on.
 ///
-/// @tparam Clock  CameraClock or RobotClock
+/// @tparam Clock  CameraClock, RobotClock or VideoClock
 template <class Clock>
 class ClockPairs {
  public:
@@ -50,5 +50,6 @@ class ClockPairs {
 
 extern template class ClockPairs<CameraClock>;
 extern template class ClockPairs<RobotClock>;
+extern template class ClockPairs<VideoClock>;
 
 }  // namespace tactile

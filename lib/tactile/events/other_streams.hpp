@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "tactile/core/time.hpp"
 
 namespace tactile::events {
+
+inline constexpr double standard_gravity = 9.80665;  ///< [m/s2]
 
 /// A sample of the inertial sensor. Source: AEDAT4's IMU table.
 struct ImuSample {
@@ -14,6 +18,12 @@ struct ImuSample {
   float acceleration_g[3] = {};     ///< x, y, z
   float angular_rate_dps[3] = {};   ///< [°/s]
   float magnetic_field_ut[3] = {};  ///< [µT]
+
+  /// The size of the acceleration [m/s2].
+  double acceleration() const {
+    const auto along = [this](std::size_t axis) { return static_cast<double>(acceleration_g[axis]); };
+    return standard_gravity * std::hypot(along(0), along(1), along(2));
+  }
 };
 
 /// A signal at the camera's trigger input, or an internal mark. Source: AEDAT4's Trigger table.

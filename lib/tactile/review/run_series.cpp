@@ -10,7 +10,6 @@ namespace tactile::review {
 namespace {
 
 constexpr double m_per_mm = 1e-3;
-constexpr double standard_gravity = 9.80665;  // [m/s2]
 
 void add_sample(SampledSignal& signal, std::int64_t t_us, double value) {
   // The robot's pieces may overlap where a clock restarts; a picture's line has no way back.
@@ -48,10 +47,7 @@ std::vector<SampledSignal> placed_series(const alignment::RunSignals& signals, c
 SampledSignal imu_series(std::span<const events::ImuSample> samples, CameraTime first) {
   std::vector<double> sizes;
   sizes.reserve(samples.size());
-  for (const events::ImuSample& sample : samples) {
-    const auto axis = [&](std::size_t k) { return static_cast<double>(sample.acceleration_g[k]); };
-    sizes.push_back(standard_gravity * std::hypot(axis(0), axis(1), axis(2)));
-  }
+  for (const events::ImuSample& sample : samples) sizes.push_back(sample.acceleration());
   SampledSignal series{.name = "imu", .unit = "m/s2", .label = "Acceleration of the camera", .t_us = {}, .values = {}};
   const double rest = sizes.empty() ? 0 : median(sizes);
   for (std::size_t i = 0; i < sizes.size(); ++i) add_sample(series, between(first, samples[i].t).count(), sizes[i] - rest);

@@ -8,7 +8,7 @@
 namespace tactile::simulation {
 namespace {
 
-constexpr double standard_gravity_mm_s2 = 9806.65;
+constexpr double standard_gravity_mm_s2 = 1e3 * events::standard_gravity;
 constexpr double acceleration_limit_g = 4, acceleration_step_g = 4.0 / 32768;
 constexpr double rate_limit_dps = 500, rate_step_dps = 500.0 / 32768;
 constexpr double temperature_step_c = 1.0 / 512, temperature_noise_c = 0.015;

@@ -39,6 +39,7 @@ std::optional<microseconds> FrameClock::time_of(double source_ms, HostTime arriv
     ascended_ = true;
     if (!is_step || source_step > longest_step) step = frame_;
   }
+  own_ = step == source_step;
   source_ms_ = source_ms;
   arrived_ = arrived;
   return t_ += step;

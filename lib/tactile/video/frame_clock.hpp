@@ -25,6 +25,9 @@ class FrameClock {
   /// @return           its time, or nothing for a duplicate
   std::optional<microseconds> time_of(double source_ms, HostTime arrived);
 
+  /// Whether the last step was the source's own.
+  bool is_own() const { return own_; }
+
  private:
   bool live_ = false;
   microseconds frame_;
@@ -33,6 +36,7 @@ class FrameClock {
   int standing_ = 0;       ///< frames whose time did not ascend, before any did
   double source_ms_ = 0;   ///< of the last frame
   HostTime arrived_{};
+  bool own_ = false;
   microseconds t_{0};
 };
 

@@ -43,6 +43,7 @@ struct TimedFrame {
   cv::Mat picture;
   microseconds t{0};  ///< on the source's line of time
   HostTime came{};
+  bool is_own = false;  ///< the time is the source's, and not its arrival
 
   std::size_t bytes() const { return picture.total() * picture.elemSize(); }
 };
@@ -152,6 +153,7 @@ struct VideoCapture::State {
   cv::Mat newest;  ///< its picture
   std::deque<Steady::time_point> last_second;
   std::uint64_t frames = 0, dropped = 0;
+  ClockPairs<VideoClock> times;  ///< of the film's frames, by the source and by the host
   std::string error;
 
   std::thread grabber, encoder;
@@ -187,6 +189,7 @@ struct VideoCapture::State {
       }
       if (const std::optional<microseconds> t = clock->time_of(source_ms, frame.came)) {
         frame.t = *t;
+        frame.is_own = clock->is_own();
         return frame;
       }
       drop(1);
@@ -268,6 +271,8 @@ struct VideoCapture::State {
       ++dropped;
       return;
     }
+    const bool has_pace = !source->is_recorded() || options.speed == 1;
+    if (frame.is_own && has_pace) times.add({VideoTime{frame.t}, frame.came});
     queued_bytes += frame.bytes();
     queue.push_back(std::move(frame));
     lock.unlock();
@@ -371,6 +376,7 @@ void VideoCapture::start_film(const fs::path& mp4, const fs::path& csv) {
   state.film_ending = state.film_closed = false;
   state.filmed_before = true;
   state.frames = state.dropped = 0;
+  state.times = ClockPairs<VideoClock>();
   state.error.clear();
   state.room.notify_all();
   state.work.notify_all();  // the source may have ended meanwhile
@@ -402,6 +408,7 @@ VideoCaptureState VideoCapture::state() const {
           .frames = state.frames,
           .dropped = state.dropped,
           .queued = state.queue.size(),
+          .clock = state.times.offset(),
           .error = state.error};
 }
 

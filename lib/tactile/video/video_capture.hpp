@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "tactile/core/clock_pairs.hpp"
 
 namespace cv {
 class Mat;
@@ -27,7 +30,8 @@ struct VideoCaptureState {
   std::uint64_t frames = 0;      ///< written to the present film, or the last
   std::uint64_t dropped = 0;     ///< of the present film, or the last: no room to wait, broken, or without a time
   std::size_t queued = 0;
-  std::string error;  ///< why the film cannot continue; empty if it can
+  std::optional<ClockOffset> clock;  ///< of the frames' own times, in the present film or the last; nothing without such times
+  std::string error;                 ///< why the film cannot continue; empty if it can
 };
 
 /// Grabs frames on its own thread through OpenCV, and encodes films of them on another. It continues to grab between films; a

@@ -145,6 +145,9 @@ test("sources, robot, video and disk are marked when something is wrong with the
   });
   assert.deepEqual(fact(well, "Robot"), ["Robot", "connected, 500 Hz", false]);
   assert.deepEqual(fact(well, "Video"), ["Video", "30.0 frames/s", false]);
+  assert.equal(fact(well, "Film clock"), undefined, "the source gives no times");
+  well.state.video.clock = { offset_us: 1.7e15, change_ms: 0.4, seconds: 40 };
+  assert.equal(fact(well, "Film clock")[1], "counts from another moment than the host's; 0.40 ms slow in 40 s (10 ppm)");
   assert.deepEqual(fact(well, "Free disk"), ["Free disk", "63.0 GB, for 11 h", false]);
   const ill = recording({
     robot: { connected: false, rate_hz: 0, rows: 9, gaps: 2, missing: 40, reconnects: 0 },
