@@ -166,10 +166,16 @@ export class EditQueue extends EventTarget {
     this.#changed();
   }
 
-  /// New labels from the server, when nothing waits: another page or `tactile label` changed them.
-  refresh(labels) {
+  /// Asks for the labels when nothing waits, and shows them if they are new: another page or `tactile label` changed them. An answer
+  /// that an edit has overtaken, saved while it was on its way, is not shown: it would look like a change by somebody else.
+  /// @param ask  gives the server's labels, or null if there is no answer
+  async refresh(ask) {
+    if (this.waiting.length || this.conflict) return false;
+    const before = this.labels.version;
+    const labels = await ask();
+    if (!labels) return false;
     this.lost = false;
-    if (this.waiting.length || this.conflict || labels.version === this.labels.version) return false;
+    if (this.waiting.length || this.conflict || this.labels.version !== before || labels.version === before) return false;
     this.labels = labels;
     this.#changed();
     return true;

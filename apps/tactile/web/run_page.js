@@ -187,11 +187,9 @@ export class RunPage {
   }
 
   async #refresh() {
-    if (document.hidden || this.without || this.queue.waiting.length || this.queue.conflict) return;
-    const asked = this.queue.labels.version;
-    const labels = await api.getLabels(this.name, { signal: this.abort.signal }).catch(() => null);
-    const isOvertaken = this.queue.labels.version !== asked; // by an edit that was saved meanwhile
-    if (labels && !isOvertaken && this.queue.refresh(labels))
+    if (document.hidden || this.without) return;
+    const ask = () => api.getLabels(this.name, { signal: this.abort.signal }).catch(() => null);
+    if (await this.queue.refresh(ask))
       announce("The labels were changed by another page or by tactile label. You see the new ones.");
   }
 

@@ -356,11 +356,31 @@ test("new labels of others are taken only while nothing waits", async () => {
     },
     store: store(),
   });
-  assert.equal(queue.refresh(made("v2")), true);
-  assert.equal(queue.refresh(made("v2")), false);
+  const answered = (version) => queue.refresh(async () => (version ? made(version) : null));
+  assert.equal(await answered("v2"), true);
+  assert.equal(await answered("v2"), false);
+  assert.equal(await answered(null), false, "no answer");
   await queue.add(move("press-1", "start", 900));
-  assert.equal(queue.refresh(made("v3")), false);
+  assert.equal(await answered("v3"), false);
   assert.equal(queue.labels.version, "v2");
+});
+
+test("labels that an edit has overtaken on their way are not shown", async () => {
+  const there = server(made());
+  const queue = new EditQueue({ labels: made(), send: there.send, store: store() });
+  let arrive;
+  const refreshed = queue.refresh(() => new Promise((resolve) => (arrive = resolve)));
+  await queue.add(move("press-1", "start", 900));
+  while (queue.busy) await new Promise((r) => setImmediate(r));
+  const saved = queue.labels.version;
+  assert.notEqual(saved, made().version);
+  arrive(made());
+  assert.equal(await refreshed, false);
+  assert.equal(queue.labels.version, saved);
+  assert.equal(queue.shown.intervals[0].start_us, 900);
+  await queue.add(move("press-1", "start", 800));
+  while (queue.busy) await new Promise((r) => setImmediate(r));
+  assert.equal(queue.conflict, null, "the next edit meets no conflict");
 });
 
 test("of many requests only the first and the newest are worked on", async () => {
