@@ -48,7 +48,7 @@ std::uint64_t write_heatmap_pictures(const windows::Dataset& dataset, const wind
       const windows::DatasetRun& run = dataset.runs()[sample.run_index];
       names.push_back(fmt::format("{0}/{1}/{0}-{1}-{2:0{3}}-{4}.png", run.object, run.run, us_of(sample.t),
                                   widths[sample.run_index], name_of(sample.touch)));
-      pictures.list(names.back(), fmt::format("{},{},{},{}", run.object, run.run, us_of(sample.t), name_of(sample.touch)));
+      pictures.list(names.back(), run.object, run.run, us_of(sample.t), name_of(sample.touch));
     }
     parallel_for(indexes.size(), threads, [&](std::size_t i) {
       pictures.write(names[i], cv::Mat(history.height, history.width, CV_8UC1, heatmaps.data() + i * length));

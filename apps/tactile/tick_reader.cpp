@@ -9,6 +9,7 @@
 #include "interruption.hpp"
 #include "quantity_text.hpp"
 #include "standard_streams.hpp"
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/model/inference/tick_cells.hpp"
@@ -51,9 +52,10 @@ void TickReader::read(std::span<const detect::ReportedTick> ticks) {
 
 void TickReader::write(const detect::ReportedTick& tick) {
   const detect::TickVerdict& verdict = tick.verdict;
-  file_ << fmt::format("{},{},{},{},{},{},{},{}\n", model::tick_cells(verdict.t, verdict.probabilities, verdict.verdict),
-                       name_of(verdict.predicted), verdict.events, verdict.gated ? 1 : 0, tick.due.by_events ? "event" : "host",
-                       tick.due.skipped, tick.beginning, tick.incomplete ? 1 : 0);
+  file_ << csv_row(model::tick_cells(verdict.t, verdict.probabilities, verdict.verdict), name_of(verdict.predicted),
+                   verdict.events, verdict.gated ? 1 : 0, tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning,
+                   tick.incomplete ? 1 : 0)
+        << '\n';
 }
 
 void TickReader::end() {

@@ -155,8 +155,8 @@ void write_folder(ViewedRecording& recording, const ViewRequest& request, const 
                   const std::string name = fmt::format("picture-{:06}.png", index);
                   const std::optional<Touch> touch = film.touch_at(moment.t);
                   folder.write(name, picture);
-                  folder.list(name, fmt::format("{},{:.3f},{},{}", us_of(moment.t), recording.ms_from_first(moment.t),
-                                                moment.events, touch ? name_of(*touch) : std::string_view()));
+                  folder.list(name, us_of(moment.t), fmt::format("{:.3f}", recording.ms_from_first(moment.t)), moment.events,
+                              touch ? name_of(*touch) : std::string_view());
                 });
   stop_if_interrupted();
   folder.commit();

@@ -13,22 +13,9 @@ namespace tactile {
 std::string csv_number(double number, int digits = 9);
 std::string csv_number(const std::optional<double>& number, int digits = 9);
 
-/// A table as CSV text: the names of its columns, then rows of as many cells. Texts are cells of `csv_cell`.
-class CsvTable {
+/// Cells with commas between them. Texts are cells of `csv_cell`.
+class CsvCells {
  public:
-  /// @param columns  "x,y,kind"
-  explicit CsvTable(std::string_view columns);
-
-  /// Adds a row. Each argument is a text, a whole number, or several texts in a row, such as a figure and its interval.
-  template <class... Cells>
-  void add_row(const Cells&... cells) {
-    (add(cells), ...);
-    end_row();
-  }
-
-  const std::string& text() const { return text_; }
-
- private:
   void add(std::string_view text);
   void add(std::span<const std::string> texts);
   template <std::integral Whole>
@@ -39,10 +26,44 @@ class CsvTable {
   void add(const std::optional<Whole>& number) {
     number ? add(*number) : add(std::string_view());
   }
-  void end_row();
+
+  std::size_t count() const { return count_; }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::size_t count_ = 0;
+  std::string text_;
+};
+
+/// A row without its end, for a file that is written row by row. Each argument is a text, a whole number, or several texts in a
+/// row, such as a figure and its interval.
+template <class... Cells>
+std::string csv_row(const Cells&... cells) {
+  CsvCells row;
+  (row.add(cells), ...);
+  return row.text();
+}
+
+/// A table as CSV text: the names of its columns, then rows of as many cells.
+class CsvTable {
+ public:
+  /// @param columns  "x,y,kind"
+  explicit CsvTable(std::string_view columns);
+
+  /// Adds a row. @param cells  as of `csv_row`
+  template <class... Cells>
+  void add_row(const Cells&... cells) {
+    CsvCells row;
+    (row.add(cells), ...);
+    add(row);
+  }
+
+  const std::string& text() const { return text_; }
+
+ private:
+  void add(const CsvCells& row);
 
   std::size_t columns_;
-  std::size_t cells_ = 0;  ///< of the row that is being added
   std::string text_;
 };
 

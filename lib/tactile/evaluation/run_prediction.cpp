@@ -1,9 +1,8 @@
 #include "tactile/evaluation/run_prediction.hpp"
 
-#include <fmt/core.h>
-
 #include <fstream>
 
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -92,10 +91,11 @@ void write_prediction(const std::filesystem::path& file, const RunPrediction& pr
   for (std::size_t k = 0; k < prediction.verdicts.size(); ++k) {
     const CameraTime t = prediction.full.ticks.at(static_cast<std::int64_t>(k));
     const auto sample = samples.find(t);
-    out << fmt::format("{},{},{},{},{}\n", model::tick_cells(t, prediction.full.probabilities[k], prediction.verdicts[k]),
-                       labels.empty() ? "" : name_of(touch_at(t, labels)),
-                       prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
-                       sample == samples.end() ? "" : name_of(sample->second));
+    out << csv_row(model::tick_cells(t, prediction.full.probabilities[k], prediction.verdicts[k]),
+                   labels.empty() ? "" : name_of(touch_at(t, labels)),
+                   prediction.truth.has_truth ? truth_name(t, prediction.truth) : "", prediction.full.events[k],
+                   sample == samples.end() ? "" : name_of(sample->second))
+        << '\n';
   }
   out.close();
   if (!out) throw Error(file.string() + ": cannot be written; expected a disk with room");

@@ -60,7 +60,7 @@ void check_picture_folder(const fs::path& target) {
 PictureFolder::PictureFolder(const fs::path& target, const std::string& columns)
     : target_(folder_meant(target)),
       whole_((check_picture_folder(target), target_), fs::exists(target_) ? IfThere::replace : IfThere::refuse),
-      table_("file," + columns + "\n") {
+      table_("file," + columns) {
   std::error_code failed;
   fs::create_directory(whole_.path(), failed);
   if (failed) throw Error(target.string() + ": the folder cannot be made (" + failed.message() + "); expected a writable place");
@@ -77,13 +77,8 @@ void PictureFolder::write(const std::string& name, const cv::Mat& picture) const
   if (!out) throw Error((target_ / name).string() + ": cannot be written; expected a writable place with room");
 }
 
-void PictureFolder::list(const std::string& name, const std::string& values) {
-  table_ += name + "," + values + "\n";
-  ++listed_;
-}
-
 void PictureFolder::commit() {
-  write_whole(whole_.path() / list_name, table_);
+  write_whole(whole_.path() / list_name, table_.text());
   check_picture_folder(target_);  // once more: somebody may have put other files into it meanwhile
   whole_.commit();
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/csv_table.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::pictures {
@@ -24,8 +25,12 @@ class PictureFolder {
   /// @throws Error if it cannot be written
   void write(const std::string& name, const cv::Mat& picture) const;
 
-  /// Puts a picture into the list. @param values  those of `columns`, with commas
-  void list(const std::string& name, const std::string& values);
+  /// Puts a picture into the list. @param values  those of `columns`, as cells of `csv_row`
+  template <class... Values>
+  void list(const std::string& name, const Values&... values) {
+    table_.add_row(name, values...);
+    ++listed_;
+  }
 
   std::size_t listed() const { return listed_; }
 
@@ -34,7 +39,7 @@ class PictureFolder {
  private:
   std::filesystem::path target_;
   WholeFile whole_;
-  std::string table_;
+  CsvTable table_;
   std::size_t listed_ = 0;
 };
 

@@ -1,11 +1,12 @@
 #include "tactile/model/inference/tick_cells.hpp"
 
-#include <fmt/core.h>
+#include "tactile/core/csv_table.hpp"
 
 namespace tactile::model {
 
-std::string tick_cells(CameraTime t, const Probabilities& p, Touch verdict) {
-  return fmt::format("{},{:.9g},{:.9g},{:.9g},{}", us_of(t), p[0], p[1], p[2], name_of(verdict));
+std::array<std::string, 5> tick_cells(CameraTime t, const Probabilities& p, Touch verdict) {
+  const auto number = [](auto value) { return csv_number(static_cast<double>(value)); };
+  return {std::to_string(us_of(t)), number(p[0]), number(p[1]), number(p[2]), std::string(name_of(verdict))};
 }
 
 }  // namespace tactile::model

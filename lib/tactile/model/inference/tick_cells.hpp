@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "tactile/core/time.hpp"
@@ -11,7 +12,7 @@ namespace tactile::model {
 /// The columns that every table of ticks begins with.
 inline constexpr const char* tick_columns = "t_us,p_none,p_press,p_slip,verdict";
 
-/// A tick's cells in `tick_columns`, separated by commas. The probabilities have the 9 digits that name a float32.
-std::string tick_cells(CameraTime t, const Probabilities& p, Touch verdict);
+/// A tick's cells in `tick_columns`. The probabilities have the 9 digits that name a float32.
+std::array<std::string, 5> tick_cells(CameraTime t, const Probabilities& p, Touch verdict);
 
 }  // namespace tactile::model
