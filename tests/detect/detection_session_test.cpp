@@ -102,6 +102,14 @@ TEST_F(DetectionSessionOfAFile, EndsWithAnErrorOfTheOutput) {
   EXPECT_EQ(message_of(summary.failure), "the disk is full");
 }
 
+TEST_F(DetectionSessionOfAFile, CountsEventsThatCannotBeUsed) {
+  const auto outside = static_cast<std::int16_t>(sensor.width);
+  test::overwrite(file, test::event_offset(test::packets_of(file).front(), 5) + 8, outside);
+  const DetectionSummary summary = detect(options_for(source));
+  EXPECT_EQ(summary.drops.events, 1U);
+  EXPECT_EQ(summary.counts.events, events.size() - 1);
+}
+
 TEST_F(DetectionSessionOfAFile, RecordsTheRun) {
   DetectionOptions options = options_for(source);
   options.record = SessionRecordingOptions{.data = folder / "data", .object = "cup"};

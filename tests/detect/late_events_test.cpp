@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -41,6 +42,16 @@ TEST(LateEvents, NeedTheSlackThatMostOfThemWaitFor) {
   EXPECT_EQ(late.proposed_slack(), 14ms) << "with packets of 10 ms the ticks waited for 10 ms";
   for (int i = 0; i < 500; ++i) add(100'000);
   EXPECT_EQ(late.proposed_slack(), std::nullopt) << "the source stalls";
+}
+
+TEST(Backlog, SaysHowOftenEventsWereReadLateSinceTheLastReport) {
+  Backlog backlog([](const DetectionFault&) {});
+  const auto text_at = [&](std::chrono::seconds at) { return backlog.text_of(600ms, HostTime{1'000s + at}); };
+  const std::string once = text_at(0s);
+  EXPECT_NE(once.find("read 0.6 s late: more events"), std::string::npos) << once;
+  EXPECT_EQ(text_at(1s), "");
+  const std::string again = text_at(10s);
+  EXPECT_NE(again.find("read 0.6 s late, 2 times: more events"), std::string::npos) << again;
 }
 
 TEST(LiveDetector, IgnoresAFewLateEvents) {

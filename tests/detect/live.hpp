@@ -52,10 +52,10 @@ struct Live {
   detect::LiveDetector detector;
 
   explicit Live(bool plays = false, std::optional<model::GateRule> gate = {}, Confirmation confirmation = {},
-                microseconds play_for = microseconds::max())
+                microseconds play_for = microseconds::max(), model::ClassifyHeatmap network = slip_where_anything_is)
       : detector(
             {sensor,
-             model_of(slip_where_anything_is),
+             model_of(std::move(network)),
              {.rendering = short_history, .decision = {.confirmation = confirmation}, .gate = gate}},
             {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
             [this](const detect::ReportedTick& tick) { reported.push_back(tick); },

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <thread>
 
 #include "detect/live.hpp"
 #include "support/error_of.hpp"
@@ -119,6 +120,18 @@ TEST(LiveDetector, SkipsToTheNewestTickWhenItIsLate) {
   replay.report_all(base + 50'100);
   ASSERT_FALSE(replay.reported.empty());
   EXPECT_FALSE(replay.reported[0].lateness) << "a replay has no deadline";
+}
+
+TEST(LiveDetector, CountsTheNetworkAsLateness) {
+  Live live(false, {}, {}, microseconds::max(), [](std::span<const std::uint8_t>) {
+    std::this_thread::sleep_for(3ms);
+    return model::Logits{};
+  });
+  for (std::int64_t t = 0; t <= 10'000; t += 500) live.take({t}, base + t);
+  live.report_all(base + 10'100);
+  ASSERT_EQ(live.reported.size(), 1U);
+  ASSERT_TRUE(live.reported[0].lateness);
+  EXPECT_GE(*live.reported[0].lateness, 3'100us) << "the tick closed 100 us before, and the network takes 3 ms";
 }
 
 TEST(LiveDetector, WarnsOnceOfPacketsLongerThanATick) {

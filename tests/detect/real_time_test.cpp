@@ -57,5 +57,11 @@ TEST(LockMemory, LocksWhatIsAllocatedLaterOrSaysWhyNot) {
   }
 }
 
+TEST(RealTimeRefusals, KeepEachReasonOnce) {
+  RealTimeRefusals refusals;
+  for (const char* why : {"no priority", "", "no locked memory", "no priority"}) refusals.add(why);
+  EXPECT_EQ(refusals.all(), (std::vector<std::string>{"no priority", "no locked memory"}));
+}
+
 }  // namespace
 }  // namespace tactile::detect

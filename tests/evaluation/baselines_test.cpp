@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "support/verdict_row.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/evaluation/baseline_scores.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -203,6 +205,22 @@ TEST(Logistic, NeedsMomentsForEachSample) {
   const std::vector<Features> moments(2);
   EXPECT_THROW(fit_logistic(moments, verdict_row("...")), Error);
   EXPECT_THROW(fit_logistic({}, {}), Error);
+}
+
+TEST(FittedBaselines, PredictTheMostFrequentTouchOfSamplesThatLookAlike) {
+  const auto samples_that_look_alike = [](std::string_view letters) {
+    const std::vector<std::uint8_t> heatmap{10, 0, 0, 0, 20, 0, 0, 0, 0};
+    BaselineSamples samples;
+    for (const Touch touch : verdict_row(letters)) samples.add(touch, 5, heatmap, {3, 3});
+    return samples;
+  };
+  FittedBaselines baselines(samples_that_look_alike("psp."), 1);
+  for (std::size_t part = 0; part < FittedBaselines::parts; ++part) baselines.fit(part);
+  const BaselineConfusions confusions = baselines.confusions_of(samples_that_look_alike(".ps"));
+  results::Confusion all_press;
+  for (const Touch truth : all_touches) all_press.add(truth, Touch::press);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(confusions[i] == all_press) << baseline_names[i];
+  EXPECT_FALSE(confusions[4] || confusions[5]) << "these need features of the events";
 }
 
 }  // namespace

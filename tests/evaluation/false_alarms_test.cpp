@@ -281,6 +281,21 @@ TEST(FalseAlarmTable, LeavesTheIntervalOfManyAlarmsToTheSpreadOfObjects) {
   EXPECT_GT(*per_min.high, 2000) << "three objects of 1000 to 2000; the count alone leaves 1357 at most";
 }
 
+TEST(FalseAlarmTable, KeepsTheIntervalOfAShareBetweenNothingAndAll) {
+  std::vector<RunFalseAlarms> runs = alike({"fan", "box", "hub"}, 1, 0, 10s);
+  runs[0].counts.none_in_alarm = 1s;
+  runs[1].counts.none_in_alarm = 2s;
+  runs[2].counts.none_in_alarm = 3s;
+  const results::Figure share = false_alarm_table(runs).none_in_alarm_share;
+  EXPECT_DOUBLE_EQ(share.value, 0.2);
+  ASSERT_TRUE(share.has_interval());
+  // Without limits it would be 0.2 -+ 0.3: the jackknife's deviation is 0.058, and t of two degrees of freedom is 5.2.
+  EXPECT_GT(*share.low, 0);
+  EXPECT_LT(*share.low, 0.1);
+  EXPECT_GT(*share.high, 0.5);
+  EXPECT_LT(*share.high, 1);
+}
+
 TEST(FalseAlarmTable, HasNoIntervalOfTwoRuns) {
   const results::FalseAlarmTable table = false_alarm_table(alike({"fan"}, 2, 0, 5s));
   EXPECT_FALSE(table.per_min.high || table.objects.at("fan").high);

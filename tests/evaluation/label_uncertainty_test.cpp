@@ -112,6 +112,15 @@ TEST(LabelUncertainty, SpreadsTheDelayByThatOfTheOnset) {
   EXPECT_TRUE(std::isnan(found.slip_mean_ms.mean));
 }
 
+TEST(LabelUncertainty, HasTheDelaysOfExactLabelsInEachDraw) {
+  const RunTruth drawn = truth_of({{Touch::press, 1001, 991, 1011, 1400, 1400, 1400}});
+  const RunTruth exact = truth_of({{Touch::press, 971, 971, 971, 1400, 1400, 1400}});
+  const std::vector<RunByDrawnLabels> runs{run_of("fan", drawn, 1), run_of("box", exact, 2), run_of("hub", exact, 3)};
+  const results::SpreadByLabels found = label_uncertainty(runs).press_mean_ms;
+  EXPECT_NEAR(found.mean, 40, 0.6) << "20 ms, and twice 50 ms";
+  EXPECT_NEAR(found.high - found.low, 2 * 1.96 * 5.1 / 3, 2) << "only one of the three is spread";
+}
+
 TEST(LabelUncertainty, IsNothingWhereNoLabelHasAnInterval) {
   const RunTruth exact = truth_of({{Touch::press, 1001, 1001, 1001, 1400, 1400, 1400}});
   const std::vector<RunByDrawnLabels> runs{run_of("fan", exact, 1)};

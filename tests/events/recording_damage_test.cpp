@@ -161,6 +161,21 @@ TEST_F(DamagedRecording, BelievesATableThatAgrees) {
   EXPECT_EQ(test::contents_of(recording).events, three.all);
 }
 
+TEST_F(DamagedRecording, BelievesTheTableOfAShortRecording) {
+  const std::string start = file_start(0, one_camera);
+  for (int count = 1; count <= 32; ++count) {
+    const std::string payload = event_payload(row_of_events(0, count));
+    const test::TableEntry entry{.offset = static_cast<std::int64_t>(start.size() + 8),
+                                 .id = 0,
+                                 .size = static_cast<std::int32_t>(payload.size()),
+                                 .elements = count,
+                                 .first = 0,
+                                 .last = count - 1};
+    RecordingReader recording = reader_of(with_table(start + packet(0, payload), test::table_of({entry})));
+    EXPECT_EQ(recording.index(), PacketIndex::table) << count << " events: " << recording.problems().table;
+  }
+}
+
 TEST_F(DamagedRecording, AcceptsOffsetsOfThePacketHeaders) {
   ThreePackets three;
   for (auto& entry : three.entries) entry.offset -= 8;

@@ -101,6 +101,40 @@ TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
     ASSERT_EQ(lit[0].places[0].counts[i] + lit[0].places[1].counts[i], lit[0].rate.counts[i]);
 }
 
+TEST(LitRate, HasTheDispersionOfTheNoiseBeforeItsBurst) {
+  const test::TemporaryFolder folder;
+  std::vector<events::Event> events;
+  const auto add = [&](std::int64_t t_us, std::size_t count) {
+    events::Event event;
+    event.t = camera_time(t_us);
+    event.x = 3;
+    event.y = 3;
+    event.on = 1;
+    events.insert(events.end(), count, event);
+  };
+  // Events of each 5 ms until 20 ms before the burst: 6 of the 12 steps between them are of 4, the others are of 0.
+  const std::vector<std::size_t> noise = {0, 0, 4, 4, 0, 0, 4, 4, 0, 0, 4, 4, 0};
+  for (std::size_t i = 0; i < noise.size(); ++i) add(5'000 * static_cast<std::int64_t>(i), noise[i]);
+  add(85'000, 100);
+  {
+    events::RecordingWriter writer(folder / "events.aedat4", {events::event_stream_declaration({16, 16}, "DVXplorer_TEST")});
+    writer.write_events(0, events);
+    writer.close();
+  }
+  alignment::EventRate rate;
+  rate.begin = camera_time(0);
+  rate.bin = 200us;
+  rate.counts.resize(1'000);
+  rate.last = rate.begin_of(1'000);
+  events::RecordingReader recording(folder / "events.aedat4");
+  const auto lit = lit_rates(recording, 0, rate, std::vector<alignment::Burst>{{425, 525, 100}});
+  ASSERT_EQ(lit.size(), 1U);
+  const double variance = 6 * 4.0 * 4.0 / (2 * 12), mean = 24.0 / 13;
+  EXPECT_NEAR(lit[0].dispersion, variance / mean, 1e-9);
+  ASSERT_EQ(lit[0].places.size(), 1U);
+  EXPECT_NEAR(lit[0].places[0].dispersion, variance / mean, 1e-9);
+}
+
 TEST(LitRate, OfNoBurstsIsNone) {
   const test::TemporaryFolder folder;
   write_touches(folder / "events.aedat4");

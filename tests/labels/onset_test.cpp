@@ -140,6 +140,35 @@ TEST(PressOnset, MayLieAsEarlyAsPixelsThatNoiseHasResetAreBlind) {
   EXPECT_NEAR(static_cast<double>(between(again.low, fresh.low).count()), 15'000, 500);
 }
 
+TEST(PressOnset, MayLieAsEarlyAsThePixelsOfTheFirstPlaceAreBlind) {
+  const auto touched_from = [](double from_us, std::uint64_t seed) {
+    return test::lit_rate_of(
+        5'000, [=](double t_us) { return 0.3 + (t_us < 600'000 ? blow(t_us - from_us, 10.0) : 0.0); }, seed, 2'030, 3'000, 0.3);
+  };
+  const LitRate first = touched_from(onset_us, 1), second = touched_from(onset_us + 5'000, 2);
+  LitRate lit = first;
+  lit.quiet_per_bin = 0.6;
+  for (std::size_t i = 0; i < 5'000; ++i) lit.rate.counts[i] += second.rate.counts[i];
+  const std::vector<std::uint32_t> none(5'000);
+  lit.repeats = none;
+  lit.places = {{first.rate.counts, none, 0.3, 1.0}, {second.rate.counts, none, 0.3, 1.0}};
+  const alignment::UncertainTime blind = press_onset(lit).time;
+
+  const auto all_repeat = [](std::vector<std::uint32_t> counts) {
+    std::fill_n(counts.begin(), 2'000, 0U);  // the noise before the touch does not
+    return counts;
+  };
+  lit.repeats = lit.places[1].repeats = all_repeat(second.rate.counts);
+  EXPECT_EQ(press_onset(lit).time.low, blind.low) << "the second place says nothing of the first";
+
+  for (std::size_t i = 2'000; i < 5'000; ++i) lit.repeats[i] += first.rate.counts[i];
+  lit.places[0].repeats = all_repeat(first.rate.counts);
+  const alignment::UncertainTime at_once = press_onset(lit).time;
+  EXPECT_EQ(at_once.at, blind.at);
+  // 0.6 of the 15 ms for which pixels are blind at most, instead of the latency of 0.4 ms.
+  EXPECT_NEAR(static_cast<double>(between(blind.low, at_once.low).count()), 8'600, 500);
+}
+
 TEST(SlipOnset, IsTheJumpAfterTheRingingAndNotTheRinging) {
   const auto ringing_then_jump = [](double u) {
     const double since = u + 10'000;  // the arm starts 10 ms ahead

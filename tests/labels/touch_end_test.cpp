@@ -81,6 +81,15 @@ TEST(PressEnd, IsDoubtedWhereTheTipsCreepOnAtAPercentOfThePeak) {
   EXPECT_FALSE(press_end(lit, exactly(touch_onset_us)).doubt.empty());
 }
 
+TEST(PressEnd, IsDoubtedWhereItsIntervalIsTooWide) {
+  const LitRate lit = test::lit_rate_of(
+      5'000, [](double t_us) { return press_rate(t_us, 1.0, 40.0, 0.1); }, 1, 1'000, 2'260, 0.2);
+  EXPECT_EQ(press_end(lit, exactly(touch_onset_us)).doubt.words, "");
+  // It is 6 ms wide at least: creep shifts an end by 3 ms either way.
+  const std::string words = press_end(lit, exactly(touch_onset_us), {.too_wide_ms = 5.0}).doubt.words;
+  EXPECT_EQ(words.find("its end is only known to within "), 0U) << words;
+}
+
 TEST(PressEnd, IsThatOfTheMotionBeforeTheStillHold) {
   // 60 ms after the still hold some tips spring back: more events for an instant than the press ever has.
   const LitRate lit = test::lit_rate_of(

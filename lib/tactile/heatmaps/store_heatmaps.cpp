@@ -23,18 +23,18 @@ namespace {
 /// Executes steps in order that are prepared in parallel.
 class InTurn {
  public:
-  /// Calls `step` after the steps with lower numbers. @throws what `step` throws; waiting calls then return
+  /// Calls `step` after the steps with lower numbers. @throws what `step` throws; then call `fail`
   template <class Step>
   void call(std::size_t number, const Step& step) {
     std::unique_lock lock(guard_);
     done_.wait(lock, [&] { return failed_ || next_ == number; });
     if (failed_) return;
-    failed_ = true;
     step();
-    failed_ = false;
     ++next_;
     done_.notify_all();
   }
+
+  /// Waiting calls return, and later ones do nothing.
   void fail() {
     const std::scoped_lock lock(guard_);
     failed_ = true;

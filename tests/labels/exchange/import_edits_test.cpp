@@ -150,6 +150,21 @@ TEST_F(WithEdits, EndsThatMeetExceptForTheRoundingMeet) {
   EXPECT_EQ(labels.intervals[2].start.at, in_run(1'484'400));
 }
 
+TEST_F(WithEdits, TwoThatBeginTogetherOverlapHoweverShortTheFirstIs) {
+  ImportedLabels imported = in_milliseconds();
+  for (const std::int64_t end_us : {2'100'800, 2'300'000}) {
+    imported.intervals.push_back({.id = "",
+                                  .touch = Touch::press,
+                                  .start_us = 2'100'000,
+                                  .end_us = end_us,
+                                  .start_rounding_us = 1000,
+                                  .end_rounding_us = 1000,
+                                  .where = "labels.eaf"});
+  }
+  EXPECT_EQ(test::error_of([&] { edited(imported); }),
+            "labels.eaf: a new press and a new press overlap by 0.000800 s; expected intervals without overlap");
+}
+
 TEST_F(WithEdits, WhatCannotBeALabelIsNamed) {
   const auto refused = [&](const auto& change) {
     ImportedLabels imported = in_milliseconds();
