@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
 """Measures what the live page costs: `tactile record` of 10 million events/s and `tactile detect` of 0.3 million, each without a page,
-with a page without a viewer, and with one viewer. Prints two tables.
+with a page without a viewer, and with one viewer, in turn. Prints two tables: the median of the turns [the lowest, the highest].
 
-    viewer_load.py PROGRAMS RECORDING MODEL SECONDS FOLDER     FOLDER takes the recorded runs; each row takes SECONDS
+    viewer_load.py PROGRAMS RECORDING MODEL SECONDS FOLDER     FOLDER takes the recorded runs; each measurement takes SECONDS
+
+TACTILE_BENCH_TURNS is the number of turns (3).
 
 The viewer takes what a browser takes: every message, and after each new number both pictures. It draws nothing.
 """
 
 import http.client
 import json
+import os
 import pathlib
 import re
 import shutil
+import statistics
 import subprocess
 import sys
 import threading
@@ -19,6 +23,7 @@ import time
 
 from loads import StreamGenerator
 
+TURNS = int(os.environ.get("TACTILE_BENCH_TURNS", "3"))
 PAGES = ["no page", "page, no viewer", "page, one viewer"]
 
 
@@ -81,10 +86,9 @@ def run(command, page, option):
     return json.loads(out), time.monotonic() - begin, viewer
 
 
-def words_of(viewer, seconds):
-    if viewer is None:
-        return "- | - | -"
-    return f"{viewer.messages / seconds:.1f} | {viewer.pictures / seconds:.1f} | {viewer.bytes / seconds / 1e6:.1f}"
+def seen_by(viewer, seconds):
+    """Messages, pictures and MB per second; nothing without a viewer."""
+    return (None,) * 3 if viewer is None else (viewer.messages / seconds, viewer.pictures / seconds, viewer.bytes / seconds / 1e6)
 
 
 def record_row(programs, recording, seconds, folder, page):
@@ -98,8 +102,8 @@ def record_row(programs, recording, seconds, folder, page):
     recorded = sum(stream["elements"] for stream in json.loads(
         subprocess.run([f"{programs}/tactile", "info", "--json", run_folder], stdout=subprocess.PIPE).stdout)["recordings"][0]["streams"])
     shutil.rmtree(run_folder.parent)
-    print(f"| {page} | {sent['events'] / sent['seconds'] / 1e6:.2f} | {sent['latest_ms']} | {sent['events'] - recorded} | "
-          f"{info['dropped'].get('events', 0)} | {words_of(viewer, passed)} |", flush=True)
+    return (sent["events"] / sent["seconds"] / 1e6, sent["latest_ms"], sent["events"] - recorded, info["dropped"].get("events", 0),
+            *seen_by(viewer, passed))
 
 
 def detect_row(programs, recording, model, seconds, page):
@@ -107,21 +111,38 @@ def detect_row(programs, recording, model, seconds, page):
         found, passed, viewer = run([f"{programs}/tactile", "detect", "--model", model, "--from", f"tcp://127.0.0.1:{generator.port}", "--reconnect", "0",
                                      "--json"], page, "--page")
         generator.sent()
-    work, answer, ticks = found["latency_us"]["work"], found["latency_us"]["answer"], found["ticks"]
-    print(f"| {page} | {work['p50']:.0f} | {work['p99']:.0f} | {work['p999']:.0f} | {answer['p99']:.0f} | {100 * ticks['missed_share']:.3f} | "
-          f"{100 * found['cpu_s'] / found['elapsed_s']:.1f} | {words_of(viewer, passed)} |", flush=True)
+    work, answer = found["latency_us"]["work"], found["latency_us"]["answer"]
+    return (work["p50"], work["p99"], work["p999"], answer["p99"], 100 * found["ticks"]["missed_share"], 100 * found["cpu_s"] / found["elapsed_s"],
+            *seen_by(viewer, passed))
+
+
+def words_of(values, digits):
+    """The median of the turns, and the lowest and the highest where they differ."""
+    if values[0] is None:
+        return "-"
+    low, middle, high = (f"{value:.{digits}f}" for value in (min(values), statistics.median(values), max(values)))
+    return middle if low == high else f"{middle} [{low}, {high}]"
+
+
+def table(title, columns, digits, row_of):
+    """Measures each page in turn, TURNS times, so that other load meets all of them."""
+    rows = {page: [] for page in PAGES}
+    for _ in range(TURNS):
+        for page in PAGES:
+            rows[page].append(row_of(page))
+    print(f"| {title} | " + " | ".join(columns) + " |\n| --- |" + " ---: |" * len(columns))
+    for page, turns in rows.items():
+        print(f"| {page} | " + " | ".join(words_of(values, places) for values, places in zip(zip(*turns), digits)) + " |", flush=True)
 
 
 def main():
     programs, recording, model, seconds, folder = sys.argv[1:6]
-    print("| `record`, 10 million events/s | sent [million/s] | latest [ms] | missing | dropped | messages/s | pictures/s | MB/s |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |", flush=True)
-    for page in PAGES:
-        record_row(programs, recording, int(seconds), pathlib.Path(folder), page)
-    print("\n| `detect`, 0.3 million events/s | work p50 [µs] | p99 | p99.9 | closed to reported p99 | missed [%] | CPU [%] | messages/s | pictures/s | MB/s |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |", flush=True)
-    for page in PAGES:
-        detect_row(programs, recording, model, int(seconds), page)
+    table("`record`, 10 million events/s", ["sent [million/s]", "latest [ms]", "missing", "dropped", "messages/s", "pictures/s", "MB/s"],
+          [2, 1, 0, 0, 1, 1, 1], lambda page: record_row(programs, recording, int(seconds), pathlib.Path(folder), page))
+    print()
+    table("`detect`, 0.3 million events/s",
+          ["work p50 [µs]", "p99", "p99.9", "closed to reported p99", "missed [%]", "CPU [%]", "messages/s", "pictures/s", "MB/s"],
+          [0, 0, 0, 0, 3, 1, 1, 1, 1], lambda page: detect_row(programs, recording, model, int(seconds), page))
 
 
 main()

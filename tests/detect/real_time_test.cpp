@@ -1,16 +1,41 @@
 #include "tactile/detect/real_time.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace tactile::detect {
 namespace {
+
+/// How the calling thread is scheduled, such as SCHED_FIFO.
+int policy_here() { return ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
+
+TEST(RealTimePriority, IsGivenToTheCallingThreadOrRefusedForAReason) {
+  const int before = policy_here();
+  std::string refused;
+  int policy = -1;
+  sched_param got{};
+  std::thread([&] {
+    refused = use_real_time_priority(3);
+    policy = policy_here();
+    ::sched_getparam(0, &got);
+  }).join();
+  if (refused.empty()) {
+    EXPECT_EQ(policy, SCHED_FIFO);
+    EXPECT_EQ(got.sched_priority, 3);
+  } else {
+    EXPECT_EQ(policy, before) << refused;
+    EXPECT_NE(refused.find("CAP_SYS_NICE"), std::string::npos) << refused;
+  }
+  EXPECT_EQ(policy_here(), before) << "other threads keep their own";
+}
 
 TEST(AwakeProcessors, ReportWhyTheyMaySleep) {
   const bool permitted = ::access("/dev/cpu_dma_latency", W_OK) == 0;

@@ -129,6 +129,15 @@ TEST(Logistic, GivesTheSharesOfEachGroup) {
   EXPECT_EQ(baseline.verdict(with_mean(0.6)), Touch::press);
 }
 
+TEST(Logistic, StandardisesByTheMeanAndTheDeviationOfItsSamples) {
+  const std::vector<Features> moments{with_mean(0.2), with_mean(0.4), with_mean(0.6), with_mean(0.8)};
+  const LogisticBaseline baseline = fit_logistic(moments, verdict_row(".p.s"));
+  EXPECT_NEAR(baseline.mean[1], 0.5, 1e-12);
+  EXPECT_NEAR(baseline.deviation[1], std::sqrt(0.05), 1e-12);
+  EXPECT_DOUBLE_EQ(baseline.mean[0], 0);
+  EXPECT_DOUBLE_EQ(baseline.deviation[0], 1) << "it never varies";
+}
+
 TEST(Logistic, PartsSeparableSamplesWithFiniteWeights) {
   Random random(11);
   std::vector<Features> moments;

@@ -64,7 +64,7 @@ TEST_F(PacketChecksumsOf, CoverEachPacketOfARecordingThatIsWritten) {
 
 TEST_F(PacketChecksumsOf, FindAFlippedBitThatOtherChecksMiss) {
   const auto there = test::packets_of(killed);
-  flip(killed, test::event_offset(there.at(7), 50) + 13, 0);  // an event's polarity
+  flip(killed, test::event_offset(there.at(7), 50) + 12, 0);  // an event's polarity
   EXPECT_TRUE(examine_recording(killed).healthy());
   const RecordingHealth health = examine_recording(killed, {.checksums = true});
   ASSERT_EQ(health.checksums->damaged, 1U);
@@ -75,6 +75,25 @@ TEST_F(PacketChecksumsOf, FindAFlippedBitThatOtherChecksMiss) {
                                       ", at 0.070000 s"),
             std::string::npos)
       << health.reasons.at(0);
+}
+
+TEST_F(PacketChecksumsOf, GiveNoTimeForAPacketThatCannotBeRead) {
+  const PacketRecord packet = test::packets_of(killed).at(7);
+  test::overwrite(killed, packet.payload_offset + 28, std::uint32_t{1'000'000});  // it claims more events than it has room for
+  const RecordingHealth health = examine_recording(killed, {.checksums = true});
+  ASSERT_FALSE(health.reasons.empty());
+  const std::string place = "packet 7 of stream 0 at byte " + std::to_string(packet.payload_offset - 8);
+  EXPECT_EQ(health.reasons.back(), "1 packet has a wrong checksum: " + place);
+}
+
+TEST_F(PacketChecksumsOf, CountAllDamagedPacketsAndListTheFirst) {
+  const auto there = test::packets_of(killed);
+  for (const std::size_t i : {3U, 9U, 20U}) flip(killed, test::event_offset(there.at(i), 50) + 13);
+  const ChecksumHealth health = examine_recording(killed, {.listed = 2, .checksums = true}).checksums.value();
+  EXPECT_EQ(health.damaged, 3U);
+  ASSERT_EQ(health.first_damaged.size(), 2U);
+  EXPECT_EQ(health.first_damaged[0].index, 3U);
+  EXPECT_EQ(health.first_damaged[1].index, 9U);
 }
 
 TEST_F(PacketChecksumsOf, FindEveryBitOfAPacketAndOfTheHeader) {

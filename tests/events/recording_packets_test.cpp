@@ -199,6 +199,19 @@ TEST(RecordingPackets, KeepEveryFieldOfTheOtherStreams) {
   for (const PacketRecord& packet : recording.packets()) EXPECT_LT(packet.last - packet.first, 10ms);
 }
 
+TEST(RecordingPackets, OfAFrameAreInTheFileAtOnce) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "a.aedat4";
+  Frame frame;
+  frame.width = 2;
+  frame.height = 1;
+  frame.pixels = {10, 20};
+  RecordingWriter writer(file, {other_stream(1, StreamType::frames, "frames")});
+  writer.write_frame(1, frame);
+  EXPECT_EQ(writer.written().at(0).packets, 1U);
+  EXPECT_TRUE(test::same(test::contents_of(file).frames, std::vector<Frame>{frame}));
+}
+
 TEST(RecordingPackets, OfTwoCamerasStayApart) {
   const test::TemporaryFolder folder;
   const auto file = folder / "a.aedat4";

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "events/made_recording.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -101,6 +102,36 @@ TEST(LitRate, OfTwoMarkersInOneBurstIsOfTwoPlaces) {
     ASSERT_EQ(lit[0].places[0].counts[i] + lit[0].places[1].counts[i], lit[0].rate.counts[i]);
 }
 
+/// A thousand bins of 200 us from time 0 on.
+alignment::EventRate rate_of_thousand_bins() {
+  alignment::EventRate rate;
+  rate.begin = camera_time(0);
+  rate.bin = 200us;
+  rate.counts.resize(1'000);
+  rate.last = rate.begin_of(1'000);
+  return rate;
+}
+
+TEST(LitRate, CountsTheEventsThatRepeatTheLastOneOfTheirPixel) {
+  const test::TemporaryFolder folder;
+  std::vector<events::Event> events;
+  const auto add = [&](std::int64_t bin, int x, int on) { events.push_back(test::event_at(200 * bin, x, 0, on)); };
+  for (const int x : {0, 1, 2, 3}) add(430, x, x < 2 ? 1 : 0);
+  add(440, 0, 1);  // repeats
+  add(440, 1, 0);  // has the other polarity
+  add(450, 1, 1);  // has that of the last but one
+  add(630, 2, 0);  // repeats, after exactly 40 ms
+  add(631, 3, 0);  // comes later than that
+  test::write_plain_recording(folder / "events.aedat4", events, {16, 16});
+  const alignment::EventRate rate = rate_of_thousand_bins();
+  events::RecordingReader recording(folder / "events.aedat4");
+  const auto lit = lit_rates(recording, 0, rate, std::vector<alignment::Burst>{{400, 700, 9}});
+  ASSERT_EQ(lit.size(), 1U);
+  std::vector<std::uint32_t> repeats(1'000);
+  repeats[440] = repeats[630] = 1;
+  EXPECT_EQ(lit[0].repeats, repeats);
+}
+
 TEST(LitRate, HasTheDispersionOfTheNoiseBeforeItsBurst) {
   const test::TemporaryFolder folder;
   std::vector<events::Event> events;
@@ -121,11 +152,7 @@ TEST(LitRate, HasTheDispersionOfTheNoiseBeforeItsBurst) {
     writer.write_events(0, events);
     writer.close();
   }
-  alignment::EventRate rate;
-  rate.begin = camera_time(0);
-  rate.bin = 200us;
-  rate.counts.resize(1'000);
-  rate.last = rate.begin_of(1'000);
+  const alignment::EventRate rate = rate_of_thousand_bins();
   events::RecordingReader recording(folder / "events.aedat4");
   const auto lit = lit_rates(recording, 0, rate, std::vector<alignment::Burst>{{425, 525, 100}});
   ASSERT_EQ(lit.size(), 1U);
