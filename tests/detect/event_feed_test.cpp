@@ -176,6 +176,26 @@ TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
   EXPECT_EQ(faults.kinds(), "broken ");
 }
 
+TEST_P(EventFeedBothWays, DoesNotTryToReopenASourceForNoTime) {
+  capture::PacketQueue queue(std::size_t{1} << 20);
+  Faults faults;
+  EventFeedOptions options;
+  options.receives_ahead = GetParam();
+  options.fault = faults.report();
+  options.reconnect = std::chrono::milliseconds(0);
+  options.open = []() -> std::unique_ptr<capture::CameraSource> {
+    ADD_FAILURE() << "there is no time for it";
+    throw Error("nobody is there");
+  };
+  EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);
+  feed.start();
+  all_of(feed);
+  EXPECT_TRUE(comes_true([&] { return feed.error() == "made: broke"; }));
+  EXPECT_FALSE(feed.gave_up_after());
+  EXPECT_EQ(faults.kinds(), "broken ");
+  EXPECT_EQ(faults.all.at(0).text, "made: broke");
+}
+
 TEST_P(EventFeedBothWays, GivesUpAfterAWhile) {
   capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;

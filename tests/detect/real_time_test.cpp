@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -80,6 +83,24 @@ TEST(LockMemory, LocksWhatIsAllocatedLaterOrSaysWhyNot) {
     EXPECT_EQ(locked, 0U);
     EXPECT_NE(refused.find("CAP_IPC_LOCK"), std::string::npos) << refused;
   }
+}
+
+TEST(LockMemory, IsRefusedToAUserWhoMayLockOnlyPartOfIt) {
+  const uid_t user = ::geteuid();
+  if (user == 0 && ::seteuid(65'534) != 0) GTEST_SKIP() << "there is no user but root";
+  rlimit before{};
+  EXPECT_EQ(::getrlimit(RLIMIT_MEMLOCK, &before), 0);
+  // A limit above what this process has so far, where the system permits it.
+  const rlimit limited{.rlim_cur = std::min<rlim_t>(before.rlim_max, rlim_t{1} << 40), .rlim_max = before.rlim_max};
+  EXPECT_EQ(::setrlimit(RLIMIT_MEMLOCK, &limited), 0);
+  const std::string refused = lock_memory();
+  const std::size_t locked = locked_bytes();
+  ::munlockall();
+  EXPECT_EQ(::setrlimit(RLIMIT_MEMLOCK, &before), 0);
+  EXPECT_EQ(::seteuid(user), 0);
+  ::prctl(PR_SET_DUMPABLE, 1);  // the change of user ended this, and the leak sanitizer needs it
+  EXPECT_NE(refused.find("only part of the memory may be locked"), std::string::npos) << refused;
+  EXPECT_EQ(locked, 0U);
 }
 
 TEST(RealTimeRefusals, KeepEachReasonOnce) {

@@ -189,6 +189,22 @@ TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
   EXPECT_EQ(slip.objects.count("box"), 0U);
 }
 
+TEST(DelayTable, HasAnIntervalAboveZeroUnlessADelayIsZero) {
+  const std::vector<results::RunDetections> from_the_onset{
+      {{"fan"}, {detected(Touch::slip, 2ms)}}, {{"box"}, {detected(Touch::slip, 4ms)}}, {{"hub"}, {detected(Touch::slip, 6ms)}}};
+  const results::Figure above = delay_summary(from_the_onset, Touch::slip).mean_ms;
+  ASSERT_TRUE(above.has_interval());
+  EXPECT_GT(*above.low, 0);
+
+  const std::vector<results::RunDetections> from_a_later_onset{
+      {{"fan"}, {detected(Touch::slip, 0ms)}}, {{"box"}, {detected(Touch::slip, 2ms)}}, {{"hub"}, {detected(Touch::slip, 4ms)}}};
+  const results::Figure any = delay_summary(from_a_later_onset, Touch::slip).mean_ms;
+  ASSERT_TRUE(any.has_interval());
+  // The jackknife's deviation is 1.15 ms, and t of two degrees of freedom is 5.2.
+  EXPECT_LT(*any.low, 0) << "such delays may be negative";
+  EXPECT_GT(*any.high, 4);
+}
+
 TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
   const std::vector<results::RunDetections> runs{{{"fan"}, {without_delay(Touch::slip, results::DetectionOutcome::missed)}}};
   const nlohmann::json json = delay_table(runs, Touch::slip);

@@ -68,6 +68,20 @@ TEST(Readout, FindsRowsThatAreStampedFromTopToBottom) {
   EXPECT_NEAR(readout.step_us.value, 25.1, 5e-3);
 }
 
+TEST(Readout, FindsRowsAlsoWhereEveryStampIsAMultipleOfTheStep) {
+  const MadeSensor sensor{.period_us = 1600, .step_us = 25, .scan = Scan::rows};
+  for (const int first_row : {0, 7}) {
+    std::vector<Event> events = events_of(sensor, 10);
+    events.insert(events.begin(), test::event(1000 + 25 * first_row, 0, first_row, 1));
+    const Readout readout = readout_of(events, sensor.size);
+    ASSERT_EQ(readout.kind, Kind::steady);
+    EXPECT_EQ(readout.scan, Scan::rows) << "all pixels, read out each 25 us, would have such stamps too, but not by row";
+    EXPECT_NEAR(readout.period_us.value, 1600, 1e-3);
+    EXPECT_NEAR(readout.step_us.value, 25, 1e-3);
+    EXPECT_EQ(readout.stamp_step_us, 25);
+  }
+}
+
 TEST(Readout, FindsReadoutsWhosePixelsShareAStamp) {
   const MadeSensor sensor{.period_us = 200, .step_us = 0, .scan = Scan::none};
   const Readout readout = readout_of(events_of(sensor, 3), sensor.size);

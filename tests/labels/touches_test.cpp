@@ -60,6 +60,22 @@ TEST(KindsOf, DoesNotTakeTipsThatSpringBackDuringAPressForAnother) {
             (Kinds{BurstKind::press, BurstKind::press, BurstKind::slip}));
 }
 
+TEST(KindsOf, TakesABurstOfTheShortestLengthForAPress) {
+  const auto second = [](std::size_t end_ms) {
+    const std::vector<alignment::Burst> bursts = {burst(300, 500), burst(700, end_ms, 20'000), burst(1'200, 1'800)};
+    return kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, other, other})[1];
+  };
+  EXPECT_EQ(second(799), BurstKind::brief);
+  EXPECT_EQ(second(800), BurstKind::press);
+  const auto slow_first = [](std::size_t end_ms) {
+    alignment::Burst slow = burst(900, end_ms, 1'000);
+    slow.slow = true;
+    return kinds({slow, burst(1'200, 1'800)}, Moves{move_between(1'190, 1'800)}, {inward, other})[0];
+  };
+  EXPECT_EQ(slow_first(1'049), BurstKind::brief);
+  EXPECT_EQ(slow_first(1'050), BurstKind::press);
+}
+
 TEST(KindsOf, SetsTapsAndWhatFollowsTheSlipAside) {
   const std::vector<alignment::Burst> bursts = {burst(100, 150), burst(500, 700), burst(1'200, 1'800), burst(2'400, 2'500)};
   EXPECT_EQ(kinds(bursts, Moves{move_between(1'190, 1'800)}, {inward, inward, other, other}, {move_between(80, 200)}),

@@ -1,16 +1,23 @@
 #include "tactile/windows/write_dataset.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <functional>
+#include <optional>
 #include <set>
+#include <span>
 
 #include "support/run_command.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/file_descriptor.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/verify_dataset.hpp"
@@ -346,6 +353,43 @@ TEST(HeatmapsWriter, RefusesTooFewHeatmapsAndAnotherDataset) {
   EXPECT_TRUE(Dataset(folder / "dataset.h5").heatmaps().empty());
 }
 
+struct RenamedFiles {
+  std::set<std::string> all, changed_later;
+};
+
+/// The files that `work` renames into a folder, and those of them that it changes after that. Nothing if this machine cannot
+/// watch folders.
+std::optional<RenamedFiles> renamed_files(const fs::path& folder, const std::function<void()>& work) {
+  const events::FileDescriptor watch(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  if (!watch.is_open() || ::inotify_add_watch(watch.number(), folder.c_str(), IN_MOVED_TO | IN_MODIFY) < 0) return std::nullopt;
+  work();
+  std::array<char, 65'536> bytes{};
+  const ssize_t count = ::read(watch.number(), bytes.data(), bytes.size());
+  RenamedFiles renamed;
+  for (std::size_t at = 0; count > 0 && at < static_cast<std::size_t>(count);) {
+    inotify_event event;
+    std::memcpy(&event, &bytes[at], sizeof event);
+    const std::string name(event.len > 0 ? &bytes[at + sizeof event] : "");
+    if ((event.mask & IN_MOVED_TO) != 0) renamed.all.insert(name);
+    if ((event.mask & IN_MODIFY) != 0 && renamed.all.contains(name)) renamed.changed_later.insert(name);
+    at += sizeof event + event.len;
+  }
+  return renamed;
+}
+
+TEST(HeatmapsWriter, ChangesNoFileOnceItHasItsName) {
+  const test::TemporaryFolder folder;
+  test::make_three_runs(folder.path());
+  write_dataset(folder.path(), folder / "dataset.h5");
+  const Dataset dataset(folder / "dataset.h5");
+  HeatmapsWriter writer(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
+  writer.append(writer.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
+  const auto renamed = renamed_files(folder.path(), [&] { writer.commit(); });
+  if (!renamed) GTEST_SKIP() << "this machine cannot watch folders";
+  EXPECT_EQ(renamed->all, (std::set<std::string>{"dataset.h5", "dataset.th_002.h5"}));
+  EXPECT_TRUE(renamed->changed_later.empty()) << "a kill leaves half of " << *renamed->changed_later.begin();
+}
+
 TEST(Heatmaps, AreReadInAnyOrder) {
   const test::TemporaryFolder folder;
   test::make_three_runs(folder.path());
@@ -367,6 +411,9 @@ TEST(Heatmaps, AreReadInAnyOrder) {
   EXPECT_EQ(dataset.heatmaps()[0].width, 2);
   EXPECT_EQ(dataset.read_heatmaps("th_002", std::vector<std::uint32_t>{269, 0, 1, 2, 2}),
             (std::vector<std::uint8_t>{18, 1, 0, 0, 1, 0, 2, 0, 2, 0}));
+  const std::vector<std::uint32_t> last_and_none{268, 269, 270};
+  EXPECT_EQ(dataset.read_heatmaps("th_002", std::span(last_and_none).first(2)), (std::vector<std::uint8_t>{17, 1, 18, 1}));
+  EXPECT_THROW(dataset.read_heatmaps("th_002", last_and_none), Error);
   EXPECT_THROW(dataset.read_heatmaps("th_002", std::vector<std::uint32_t>{270}), Error);
   EXPECT_THROW(dataset.read_heatmaps("th_004", std::vector<std::uint32_t>{0}), Error);
   std::filesystem::remove(folder / "dataset.th_002.h5");
