@@ -8,7 +8,6 @@
 #include <deque>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -159,18 +158,6 @@ void parallel_for(std::size_t count, unsigned threads, const std::function<void(
     job.take_work();
   }
   if (job.first_failure) std::rethrow_exception(job.first_failure);
-}
-
-std::future<void> start_beside(unsigned threads, std::function<void()> work) {
-  if (threads_or_all(threads) > 1) {
-    try {
-      return std::async(std::launch::async, work);
-    } catch (const std::system_error&) {
-      // No thread can be made.
-    }
-  }
-  work();
-  return {};
 }
 
 }  // namespace tactile

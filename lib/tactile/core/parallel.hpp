@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <future>
 
 namespace tactile {
 
@@ -13,10 +12,5 @@ unsigned threads_or_all(unsigned threads);
 /// calls not yet begun and is thrown again here. Where `work` calls parallel_for itself, the calls within share the
 /// threads of the outermost one, which are never more than its `threads`.
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work);
-
-/// Starts `work` beside the caller, if there may be more than one thread (0: one per core). Otherwise, or if no thread can be
-/// made, `work` is done here, and what it throws is thrown here.
-/// @return  waits for `work` and throws what it throws; not valid if it is done
-std::future<void> start_beside(unsigned threads, std::function<void()> work);
 
 }  // namespace tactile

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/parallel.hpp"
+#include "tactile/core/start_beside.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/file_descriptor.hpp"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/start_beside.hpp"
 
 namespace tactile::windows {
 namespace h5 = hdf5;
