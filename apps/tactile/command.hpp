@@ -14,7 +14,7 @@
 namespace tactile::cli {
 
 /// The options of every command.
-struct CommonArguments {
+struct CommonArguments {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::string config;
   bool json = false;
   bool quiet = false;

@@ -51,7 +51,7 @@ std::vector<CameraTime> picture_times(const TickRange& range, const ViewRequest&
   }
   std::vector<CameraTime> times;
   for (std::int64_t i = 0; i < static_cast<std::int64_t>(count); ++i) {
-    const std::int64_t index = static_cast<std::int64_t>(static_cast<double>(i) * step_us + 0.5) / range.tick.count();
+    const std::int64_t index = std::llround(static_cast<double>(i) * step_us) / range.tick.count();
     const CameraTime t = range.at(std::min(index, range.count - 1));
     // Where ticks are further apart than pictures, a film repeats a picture; a folder has one for each tick.
     if (form == FilmForm::mp4 || times.empty() || times.back() < t) times.push_back(t);

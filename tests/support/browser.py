@@ -62,6 +62,7 @@ class Browser:
         self._buffer = b""
         self._number = 0
         self.events = []
+        self.left = set()  # sessions whose console no longer counts
 
     def _message(self):
         end = time.monotonic() + PATIENCE_S
@@ -127,7 +128,8 @@ class Browser:
         return [
             json.dumps(e["params"])[:600]
             for e in self.events
-            if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
+            if e.get("sessionId") not in self.left
+            and e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
         ]
 
     def wait_for(self, method, session):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "tactile/core/robust_statistics.hpp"
 
@@ -29,7 +30,9 @@ Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& s
   Medians medians;
   std::vector<double> values;
   std::size_t begin = 0, end = 0;
-  for (double at = 0; at <= t_s.back() + median_every_s; at += median_every_s) {
+  const auto step_of = [](double t) { return static_cast<std::int64_t>(std::floor(t / median_every_s)); };
+  for (std::int64_t step = 0; step <= step_of(t_s.back()) + 1; ++step) {
+    const double at = median_every_s * static_cast<double>(step);
     // At the ends the window is as long as elsewhere: a motion there must not fill it.
     const double from = std::clamp(at - 0.5 * median_over_s, 0.0, std::max(0.0, t_s.back() - median_over_s));
     while (begin < t_s.size() && t_s[begin] < from) ++begin;
@@ -37,7 +40,7 @@ Medians medians_of(const std::vector<double>& t_s, const std::vector<Vector3>& s
     while (end < t_s.size() && t_s[end] <= from + median_over_s) ++end;
     if (begin == end) {  // a gap: continue at the next sample, since a recording may lack hours
       if (begin == t_s.size()) break;
-      at = std::max(at, std::floor(t_s[begin] / median_every_s) * median_every_s - median_every_s);
+      step = std::max(step, step_of(t_s[begin]) - 1);
       continue;
     }
     values.clear();
@@ -60,7 +63,8 @@ ImuMotion imu_motion(std::span<const events::ImuSample> samples) {
     motion.t.push_back(sample.t);
     t_s.push_back(motion.seconds(motion.t.size() - 1));
     Vector3 acceleration;
-    for (std::size_t k = 0; k < 3; ++k) acceleration[k] = events::standard_gravity * static_cast<double>(sample.acceleration_g[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      acceleration[k] = events::standard_gravity * static_cast<double>(sample.acceleration_g[k]);
     motion.acceleration.push_back(acceleration);
   }
   if (motion.t.empty()) return motion;

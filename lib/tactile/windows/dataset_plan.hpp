@@ -38,7 +38,7 @@ struct PlannedRun {
   std::vector<Sample> samples;           ///< `run_index` counts planned runs
 };
 
-struct DatasetPlan {
+struct DatasetPlan {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::vector<PlannedRun> runs;  ///< in the dataset
   std::vector<WindowedRun> left_out;
   std::size_t passed_over = 0;                     ///< left out because they are simulated and others are real

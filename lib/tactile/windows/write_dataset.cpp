@@ -98,6 +98,7 @@ std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const
 template <class T, class Rows, class Get>
 void write_column(hid_t file, const std::string& name, const Rows& rows, const std::string& where, Get get) {
   std::vector<T> values;
+  values.reserve(rows.size());
   for (const auto& row : rows) values.push_back(get(row));
   h5::write_table(file, name, values, where);
 }

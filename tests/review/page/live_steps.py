@@ -36,8 +36,9 @@ class Live:
 
 def leave(world, live, tab):
     live.end()
+    world.browser.left.add(tab.session)  # it may have asked for a picture after its program had ended
     tab.close()
-    world.browser.events = []  # a tab may have asked for a picture after its program had ended
+    world.browser.events = []
     world.allowed = []
 
 

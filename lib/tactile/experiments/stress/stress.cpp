@@ -27,6 +27,7 @@ results::StressCurve curve_of(const StressPlan& plan, const StressGroup& group, 
   const StressSeries& series = *curve.series;
   const std::vector<double> severities = severities_of(series);
   std::vector<std::vector<RunOutcome>> outcomes;
+  outcomes.reserve(severities.size());
   for (const double severity : severities) outcomes.push_back(outcomes_of(plan, judgements_at(group, curve, severity)));
   const results::BootstrapOptions& bootstrap = plan.options.judging.bootstrap;
   return {.name = series.name,

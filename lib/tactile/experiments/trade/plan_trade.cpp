@@ -113,7 +113,7 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network, microsec
   setting.engine = engine;
   setting.precision = precision;
   usual.rendering.tick = prediction_tick(network_of(plan, usual, 0), usual.rendering.tick);
-  const std::string text = setting == usual ? "the usual network" : text_of(setting, usual);
+  std::string text = setting == usual ? "the usual network" : text_of(setting, usual);
   if (plan.options.trainings == 1) return text;
   return fmt::format("{}, run {}, seed {}", text, network.settings.split.train_run, network.settings.training.seed);
 }
