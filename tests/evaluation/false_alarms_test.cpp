@@ -118,7 +118,7 @@ struct LongRun {
     return false_alarms_of(ticks_of(verdicts), verdicts, {intervals, releases, unlabelled, 100ms}, detections);
   }
   /// One class from tick to tick, in milliseconds; else none.
-  static std::vector<Touch> only(Touch touch, std::vector<std::pair<std::size_t, std::size_t>> stretches_ms) {
+  static std::vector<Touch> only(Touch touch, const std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>>& stretches_ms) {
     std::vector<Touch> verdicts(ticks, Touch::none);
     for (const auto& [from, to] : stretches_ms) std::fill(verdicts.begin() + from / 2, verdicts.begin() + to / 2, touch);
     return verdicts;
@@ -144,7 +144,7 @@ TEST(FalseAlarmForms, OfADetectorStuckOnOneClassAreManyInAll) {
 }
 
 TEST(FalseAlarmForms, DistinguishANervousDetectorFromAStuckOneByTheirTime) {
-  std::vector<std::pair<std::size_t, std::size_t>> flickers;
+  std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> flickers;
   for (std::size_t ms = 0; ms < 2 * LongRun::ticks; ms += 500) flickers.emplace_back(ms, ms + 10);
   const results::FalseAlarms nervous = LongRun().alarms_of(LongRun::only(Touch::slip, flickers));
   EXPECT_NEAR(*nervous.outside_labels_per_min(), 120, 10) << "as many as of a stuck one";
@@ -177,7 +177,7 @@ TEST(FalseAlarmForms, OfOneFlickerAreOneAndItsTime) {
 }
 
 TEST(FalseAlarmForms, CountAnEpisodeAgainForEachFurtherHalfSecond) {
-  const auto count = [](std::size_t held_ms) {
+  const auto count = [](std::ptrdiff_t held_ms) {
     return LongRun().alarms_of(LongRun::only(Touch::press, {{10'000, 10'000 + held_ms}})).outside_labels;
   };
   EXPECT_EQ(count(498), 1U);

@@ -41,9 +41,9 @@ TEST(DrawnLabels, LieInTheirIntervalInNineteenOfTwentyDraws) {
     in_end += drawn.end >= camera_time(1'490'000) && drawn.end <= camera_time(1'580'000) ? 1 : 0;
   }
   // One in forty on each side; the standard error of these counts is 22, and 31 of the last.
-  EXPECT_NEAR(low, draws / 40, 100);
-  EXPECT_NEAR(high, draws / 40, 100);
-  EXPECT_NEAR(in_end, draws * 19 / 20, 140);
+  EXPECT_NEAR(low, draws / 40.0, 100);
+  EXPECT_NEAR(high, draws / 40.0, 100);
+  EXPECT_NEAR(in_end, draws * 0.95, 140);
 }
 
 TEST(DrawnLabels, NeverOverlap) {

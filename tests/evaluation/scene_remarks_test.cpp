@@ -18,9 +18,11 @@ namespace {
 void write_noise(const std::filesystem::path& file, double hz) {
   Random random(3);
   std::vector<events::Event> events;
-  for (double t = 0; t < 1e6; t += random.exponential() * 1e6 / hz) {
+  double t = 0;  // [us]
+  while (t < 1e6) {
     events.push_back({camera_time(static_cast<std::int64_t>(t)), static_cast<std::int16_t>(random.below(80)),
                       static_cast<std::int16_t>(random.below(60)), 1});
+    t += random.exponential() * 1e6 / hz;
   }
   events::RecordingWriter writer(file, {events::event_stream_declaration({80, 60}, "DVXplorer_TEST")});
   writer.write_events(0, events);

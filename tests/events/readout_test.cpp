@@ -27,7 +27,9 @@ struct MadeSensor {
 std::vector<Event> events_of(const MadeSensor& sensor, std::uint64_t seed) {
   Random random(seed);
   std::vector<Event> events;
-  for (double t = 1000.3; t < 1e6 * sensor.seconds; t += sensor.period_us) {
+  const auto periods = static_cast<int>(std::ceil((1e6 * sensor.seconds - 1000.3) / sensor.period_us));
+  for (int period = 0; period < periods; ++period) {
+    const double t = 1000.3 + period * sensor.period_us;
     const std::uint64_t n = random.poisson(sensor.events_per_readout);
     for (std::uint64_t i = 0; i < n; ++i) {
       const auto x = static_cast<int>(random.below(static_cast<std::uint64_t>(sensor.size.width)));

@@ -180,7 +180,7 @@ TEST(RecordingPackets, KeepEveryFieldOfTheOtherStreams) {
     frame.position_x = 3;
     frame.position_y = -4;
     const std::size_t bytes = format == 16 ? 3 : format == 24 ? 4 : format == 2 ? 2 : format == 5 ? 4 : 1;
-    for (std::size_t i = 0; i < 31 * 17 * bytes; ++i) frame.pixels.push_back(static_cast<std::uint8_t>(i * 7 + 1));
+    for (std::size_t i = 0; i < std::size_t{31} * 17 * bytes; ++i) frame.pixels.push_back(static_cast<std::uint8_t>(i * 7 + 1));
     frames.push_back(frame);
   }
   {
