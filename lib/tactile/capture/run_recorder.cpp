@@ -116,13 +116,18 @@ struct RunRecorder::State {
 
 /// What is called with each packet of a source; empty: nothing.
 std::function<void(const CameraPacket&)> RunRecorder::State::sight_of(std::size_t source_index) const {
-  const auto first_id = [&](events::StreamType type) -> std::optional<std::int32_t> {
-    const auto first = std::find_if(streams.begin(), streams.end(), [&](const auto& s) { return s.stream.type == type; });
-    if (first == streams.end() || first->source_index != source_index) return std::nullopt;
-    return first->source_stream;
+  const RecordedStream& first = streams.front();  // events come first
+  // The IMU of the same camera, which may be another source; else of any.
+  const auto find_imu = [&](bool of_same_camera) {
+    return std::find_if(streams.begin(), streams.end(), [&](const RecordedStream& stream) {
+      return stream.stream.type == events::StreamType::imu && (!of_same_camera || stream.stream.source == first.stream.source);
+    });
   };
-  const auto events = options.see_events ? first_id(events::StreamType::events) : std::nullopt;
-  const auto imu = options.see_imu ? first_id(events::StreamType::imu) : std::nullopt;
+  auto felt = find_imu(true);
+  if (felt == streams.end()) felt = find_imu(false);
+  std::optional<std::int32_t> events, imu;  // their ids in the source
+  if (options.see_events && first.source_index == source_index) events = first.source_stream;
+  if (options.see_imu && felt != streams.end() && felt->source_index == source_index) imu = felt->source_stream;
   if (!events && !imu) return {};
   return [this, events, imu](const CameraPacket& packet) {
     if (events == packet.stream_id && !packet.events.empty()) options.see_events(packet.events);

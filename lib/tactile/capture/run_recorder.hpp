@@ -29,7 +29,7 @@ struct RunRecorderOptions {
   /// Called with the events of the first event stream as they arrive, on its source's thread, also between runs. It must return
   /// soon: what takes long delays the recording. Events may lie outside the sensor.
   std::function<void(std::span<const events::Event>)> see_events = {};
-  /// The same for the samples of the first IMU stream.
+  /// The same for the samples of the IMU of that camera, or of another one if it has none.
   std::function<void(std::span<const events::ImuSample>)> see_imu = {};
 };
 

@@ -18,7 +18,7 @@ namespace {
 struct Team {
   const std::size_t limit;                         ///< of threads that work
   std::size_t working = 1;                         ///< the caller
-  std::condition_variable* idle_caller = nullptr;  ///< while the caller has no work of its own call left
+  std::condition_variable* idle_caller = nullptr;  ///< from when the caller has no work of its own call left
 };
 
 thread_local Team* current_team = nullptr;
@@ -54,7 +54,8 @@ struct Job {
 
 /// Threads that help in calls of parallel_for. They are made when first needed, and sleep between calls: starting threads again
 /// takes longer than a step of a training. A call never waits for a helper to come, so it ends even where no thread can be made.
-/// Calls within a call share its threads: who finds no work left in one of them helps in another.
+/// Calls within a call share its threads: a helper, or the outermost caller, who finds no work left in one of them helps in
+/// another. The caller of a call within waits for its helpers.
 class Pool {
  public:
   /// Never destroyed, because its threads run until the program ends.
@@ -62,7 +63,10 @@ class Pool {
     static Pool* pool = nullptr;
     static const int registered = [] {
       pool = new Pool;
-      return ::pthread_atfork(nullptr, nullptr, [] { pool = new Pool; });  // a child has none of the threads
+      return ::pthread_atfork(nullptr, nullptr, [] {  // a child has none of the threads
+        pool = new Pool;
+        current_team = nullptr;
+      });
     }();
     static_cast<void>(registered);
     return *pool;
@@ -73,9 +77,7 @@ class Pool {
     std::unique_lock lock(guard_);
     job.places = helpers;
     open_.push_back(&job);
-    std::size_t wanted = 0;
-    for (const Job* each : open_) wanted += std::min(each->places, each->team.limit - each->team.working);
-    while (idle_ < wanted && add_thread()) {
+    while (idle_ < wanted() && add_thread()) {
     }
     const std::size_t free = std::min(helpers, job.team.limit - job.team.working);
     if (job.team.idle_caller != nullptr) job.team.idle_caller->notify_one();
@@ -96,6 +98,20 @@ class Pool {
   }
 
  private:
+  /// The number of threads that open jobs can still use: of each team no more than it may have.
+  std::size_t wanted() const {
+    std::size_t wanted = 0;
+    for (auto first = open_.begin(); first != open_.end(); ++first) {
+      const Team& team = (*first)->team;
+      const auto is_of_team = [&](const Job* job) { return &job->team == &team; };
+      if (std::any_of(open_.begin(), first, is_of_team)) continue;  // is counted
+      std::size_t places = 0;
+      for (const Job* job : open_) places += is_of_team(job) ? job->places : 0;
+      wanted += std::min(places, team.limit - team.working);
+    }
+    return wanted;
+  }
+
   bool add_thread() {
     try {
       std::thread([this] { help(); }).detach();
@@ -131,7 +147,7 @@ class Pool {
       Team& team = job->team;
       --idle_;
       ++team.working;
-      help_in(*job, lock);
+      for (; job != nullptr; job = open_job_of(&team)) help_in(*job, lock);
       --team.working;
       ++idle_;
     }
@@ -139,7 +155,7 @@ class Pool {
 
   std::mutex guard_;
   std::condition_variable wake_;
-  std::deque<Job*> open_;  ///< calls with work that nobody has begun
+  std::deque<Job*> open_;  ///< calls whose caller still works; some have no place or no work left
   std::size_t idle_ = 0;   ///< threads that sleep, or are about to look for a job
 };
 

@@ -10,7 +10,8 @@ unsigned threads_or_all(unsigned threads);
 
 /// Calls `work(i)` once for every i in [0, count), on up to `threads` threads (0: one per core). The first exception ends the
 /// calls not yet begun and is thrown again here. Where `work` calls parallel_for itself, the calls within share the
-/// threads of the outermost one, which are never more than its `threads`.
+/// threads of the outermost one, which are never more than its `threads`. A
+/// thread that is started within a call is not one of them.
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work);
 
 }  // namespace tactile

@@ -13,13 +13,15 @@ namespace tactile::windows {
 
 /// The columns of /events while they are written. Chunk k of every column is written before chunk k + 1 of any. So the bytes of
 /// the file follow from the events alone: not from the pieces in which they come, the threads, or the file that chunks are copied
-/// from.
+/// from, unless another version has packed that.
 class EventColumns {
  public:
   static constexpr hsize_t rows_per_chunk = hsize_t{1} << 16;
 
-  /// @param threads  that pack chunks, beside the caller; 0: one per core
+  /// @param threads  that pack chunks, beside the caller if it is not 1; 0: one per core
   EventColumns(hid_t group, std::string where, unsigned threads);
+  EventColumns(const EventColumns&) = delete;
+  EventColumns& operator=(const EventColumns&) = delete;
 
   /// Copies the first chunks of another dataset as they are stored. Call it before `append`.
   /// @param older  its group /events  @throws hdf5::Damaged  if a chunk is damaged
