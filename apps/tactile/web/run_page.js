@@ -28,6 +28,7 @@ export class RunPage {
   constructor({ name, at_us }) {
     this.name = name;
     this.asked_us = at_us;
+    this.address = location.hash;
     this.abort = new AbortController();
     this.element = el("main", { id: "main", class: "run-page", tabindex: -1 });
     this.title = name;
@@ -193,10 +194,12 @@ export class RunPage {
       announce("The labels were changed by another page or by tactile label. You see the new ones.");
   }
 
+  /// Puts the cursor into the address, unless somebody goes to another place: that address must not be lost.
   #rememberPlace() {
-    if (this.state.playing) return;
+    if (this.state.playing || location.hash !== this.address) return;
     const address = runAddress(this.name, this.state.at_us);
-    if (location.hash !== address && location.hash.startsWith(runAddress(this.name))) history.replaceState(null, "", address);
+    if (this.address !== address) history.replaceState(null, "", address);
+    this.address = location.hash;
   }
 
   #failed(error) {
