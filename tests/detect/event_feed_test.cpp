@@ -145,17 +145,23 @@ TEST_P(EventFeedBothWays, ReopensAStreamWhoseClockOf31BitsStartedAgain) {
   EXPECT_EQ(feed.reopened(), 1U);
 }
 
+/// Options of a feed that must not open its source again, and why not.
+EventFeedOptions opening_nothing(bool receives_ahead, Faults& faults, std::chrono::seconds reconnect, const char* why) {
+  EventFeedOptions options;
+  options.receives_ahead = receives_ahead;
+  options.fault = faults.report();
+  options.reconnect = reconnect;
+  options.open = [why]() -> std::unique_ptr<capture::CameraSource> {
+    ADD_FAILURE() << why;
+    throw Error("the source was opened");
+  };
+  return options;
+}
+
 TEST_P(EventFeedBothWays, DoesNotReopenASourceThatHasEnded) {
   capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
-  EventFeedOptions options;
-  options.receives_ahead = GetParam();
-  options.fault = faults.report();
-  options.reconnect = std::chrono::seconds(600);
-  options.open = []() -> std::unique_ptr<capture::CameraSource> {
-    ADD_FAILURE() << "it had ended";
-    throw Error("nobody is there");
-  };
+  const EventFeedOptions options = opening_nothing(GetParam(), faults, std::chrono::seconds(600), "it had ended");
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1, 2}), queue, options);
   feed.start();
   EXPECT_EQ(all_of(feed).size(), 2U);
@@ -179,14 +185,7 @@ TEST_P(EventFeedBothWays, ReportsWhyASourceIsLostThatCannotBeReopened) {
 TEST_P(EventFeedBothWays, DoesNotTryToReopenASourceForNoTime) {
   capture::PacketQueue queue(std::size_t{1} << 20);
   Faults faults;
-  EventFeedOptions options;
-  options.receives_ahead = GetParam();
-  options.fault = faults.report();
-  options.reconnect = std::chrono::milliseconds(0);
-  options.open = []() -> std::unique_ptr<capture::CameraSource> {
-    ADD_FAILURE() << "there is no time for it";
-    throw Error("nobody is there");
-  };
+  const EventFeedOptions options = opening_nothing(GetParam(), faults, std::chrono::seconds(0), "there is no time for it");
   EventFeed feed(std::make_unique<MadeSource>(std::vector<std::int64_t>{1}, "made: broke"), queue, options);
   feed.start();
   all_of(feed);
