@@ -13,9 +13,19 @@ namespace tactile {
 std::string csv_number(double number, int digits = 9);
 std::string csv_number(const std::optional<double>& number, int digits = 9);
 
-/// Cells with commas between them. Texts are cells of `csv_cell`.
+/// Cells with commas between them: each argument is a text, a whole number, or several texts in a row, such as a figure and its
+/// interval. Texts are cells of `csv_cell`.
 class CsvCells {
  public:
+  template <class... Cells>
+  explicit CsvCells(const Cells&... cells) {
+    (add(cells), ...);
+  }
+
+  std::size_t count() const { return count_; }
+  const std::string& text() const { return text_; }
+
+ private:
   void add(std::string_view text);
   void add(std::span<const std::string> texts);
   template <std::integral Whole>
@@ -27,21 +37,14 @@ class CsvCells {
     number ? add(*number) : add(std::string_view());
   }
 
-  std::size_t count() const { return count_; }
-  const std::string& text() const { return text_; }
-
- private:
   std::size_t count_ = 0;
   std::string text_;
 };
 
-/// A row without its end, for a file that is written row by row. Each argument is a text, a whole number, or several texts in a
-/// row, such as a figure and its interval.
+/// A row without its end, for a file that is written row by row. @param cells  as of `CsvCells`
 template <class... Cells>
 std::string csv_row(const Cells&... cells) {
-  CsvCells row;
-  (row.add(cells), ...);
-  return row.text();
+  return CsvCells(cells...).text();
 }
 
 /// A table as CSV text: the names of its columns, then rows of as many cells.
@@ -50,12 +53,10 @@ class CsvTable {
   /// @param columns  "x,y,kind"
   explicit CsvTable(std::string_view columns);
 
-  /// Adds a row. @param cells  as of `csv_row`
+  /// Adds a row. @param cells  as of `CsvCells`
   template <class... Cells>
   void add_row(const Cells&... cells) {
-    CsvCells row;
-    (row.add(cells), ...);
-    add(row);
+    add(CsvCells(cells...));
   }
 
   const std::string& text() const { return text_; }
