@@ -23,8 +23,8 @@
 
 // engine_benchmark heatmaps DATASET MODEL FOLDER
 //   Writes groups of heatmaps, one file each, and FOLDER/groups.json.
-// engine_benchmark int8-accuracy DATASET MODEL
-//   Compares int8 with float32 on the test runs of the dataset.
+// engine_benchmark accuracy DATASET MODEL
+//   Compares bf16 and int8 with float32 on the test runs of the dataset.
 // engine_benchmark ENGINE MODEL FOLDER
 //   For each line "GROUP CALLS" of standard input: classifies CALLS heatmaps of the group one at a time, and prints the
 //   microseconds per heatmap and the first logit of the first one.
@@ -132,37 +132,49 @@ void write_heatmaps(const fs::path& dataset_file, const fs::path& bundle, const 
               nlohmann::json{{"height", model.input.height}, {"width", model.input.width}, {"groups", groups}}.dump(2) + "\n");
 }
 
-/// Prints the accuracies of int8 and float32 on the samples of the test runs, and how far they differ.
-void print_int8_accuracy(const fs::path& dataset_file, const fs::path& bundle) {
+/// Prints the accuracies of each precision on the samples of the test runs, and how far they differ from float32.
+void print_accuracies(const fs::path& dataset_file, const fs::path& bundle) {
   const windows::Dataset dataset(dataset_file);
   const model::ModelDescription model = model::read_description({bundle});
   const model::Weights weights = model::read_bundle_weights({bundle}, model);
+  struct Rounded {
+    model::Precision precision;
+    model::LeNetEngine engine;
+    std::size_t right = 0, other = 0;
+    double largest_difference = 0;
+  };
   model::LeNetEngine exact(model.input, weights, model.settings.network);
-  model::LeNetEngine bytes(model.input, weights, model.settings.network, {.precision = model::Precision::int8});
-  std::size_t samples = 0, right = 0, right_in_bytes = 0, other = 0;
-  double largest_difference = 0;
+  std::vector<Rounded> rounded;
+  for (const auto precision : {model::Precision::bf16, model::Precision::int8})
+    rounded.push_back({precision, {model.input, weights, model.settings.network, {.precision = precision}}});
+  std::size_t samples = 0, right = 0;
   for (const std::uint32_t run : model::split_of(dataset, model.settings.split).test_runs) {
     const auto indexes = model::samples_of_runs(dataset, {&run, 1});
     const auto heatmaps = model::sample_heatmaps(dataset, model.settings.rendering, indexes, 1);
     const std::size_t cells = indexes.empty() ? 0 : heatmaps.size() / indexes.size();
     for (std::size_t i = 0; i < indexes.size(); ++i) {
       const auto heatmap = std::span(heatmaps).subspan(i * cells, cells);
-      const model::Logits of_exact = exact.classify(heatmap), of_bytes = bytes.classify(heatmap);
+      const model::Logits of_exact = exact.classify(heatmap);
       const Touch truth = dataset.samples()[indexes[i]].touch;
       ++samples;
       right += model::verdict_of(of_exact) == truth ? 1 : 0;
-      right_in_bytes += model::verdict_of(of_bytes) == truth ? 1 : 0;
-      other += model::verdict_of(of_exact) != model::verdict_of(of_bytes) ? 1 : 0;
-      for (std::size_t k = 0; k < touch_count; ++k)
-        largest_difference =
-            std::max(largest_difference, std::abs(static_cast<double>(of_exact[k]) - static_cast<double>(of_bytes[k])));
+      for (Rounded& one : rounded) {
+        const model::Logits of_one = one.engine.classify(heatmap);
+        one.right += model::verdict_of(of_one) == truth ? 1 : 0;
+        one.other += model::verdict_of(of_exact) != model::verdict_of(of_one) ? 1 : 0;
+        for (std::size_t k = 0; k < touch_count; ++k)
+          one.largest_difference =
+              std::max(one.largest_difference, std::abs(static_cast<double>(of_exact[k]) - static_cast<double>(of_one[k])));
+      }
     }
   }
-  fmt::print(
-      "int8 on {} balanced samples of test runs: {:.3f} % predicted correctly, {:.3f} % in float32; {} predictions differ; "
-      "logits differ by up to {:.3f}\n",
-      samples, 100.0 * static_cast<double>(right_in_bytes) / static_cast<double>(samples),
-      100.0 * static_cast<double>(right) / static_cast<double>(samples), other, largest_difference);
+  for (const Rounded& one : rounded) {
+    fmt::print(
+        "{} on {} balanced samples of test runs: {:.3f} % predicted correctly, {:.3f} % in float32; {} predictions differ; "
+        "logits differ by up to {:.4f}\n",
+        model::name_of(one.precision), samples, 100.0 * static_cast<double>(one.right) / static_cast<double>(samples),
+        100.0 * static_cast<double>(right) / static_cast<double>(samples), one.other, one.largest_difference);
+  }
 }
 
 using Work = std::function<float(const Heatmap&, const std::vector<float>&)>;
@@ -175,7 +187,7 @@ Work work_of(const std::string& kind, const model::ModelDescription& model, cons
   };
   if (kind == "fast") return engine({});
   if (kind == "dense") return engine({.skip_empty = false});
-  if (kind == "int8") return engine({.precision = model::Precision::int8});
+  if (kind == "bf16" || kind == "int8") return engine({.precision = model::precision_named(kind)});
   if (kind.starts_with("fast-")) return engine({.target = kind.substr(5)});
   if (kind == "libtorch") {
     const auto network = std::make_shared<model::LeNet>(model.input, weights, model.settings.network);
@@ -247,8 +259,8 @@ int main(int argc, char** argv) {
       write_heatmaps(argv[2], argv[3], argv[4]);
       return 0;
     }
-    if (argc == 4 && argv[1] == std::string("int8-accuracy")) {
-      print_int8_accuracy(argv[2], argv[3]);
+    if (argc == 4 && argv[1] == std::string("accuracy")) {
+      print_accuracies(argv[2], argv[3]);
       return 0;
     }
     if (argc == 4) return classify_each_line(argv[1], argv[2], argv[3]);
@@ -257,6 +269,6 @@ int main(int argc, char** argv) {
     return 1;
   }
   fmt::print(stderr,
-             "engine_benchmark: expected heatmaps DATASET MODEL FOLDER, int8-accuracy DATASET MODEL, or ENGINE MODEL FOLDER\n");
+             "engine_benchmark: expected heatmaps DATASET MODEL FOLDER, accuracy DATASET MODEL, or ENGINE MODEL FOLDER\n");
   return 1;
 }

@@ -18,13 +18,14 @@ ROUNDS = 15
 CALLS = {"action": 64, "empty": 64}
 GROUP = 16
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
-NAMES = {"fast": "tactile", "dense": "tactile, nothing skipped", "int8": "tactile, int8", "libtorch": "libtorch (`--engine libtorch`)",
+NAMES = {"fast": "tactile", "dense": "tactile, nothing skipped", "bf16": "tactile, bf16",
+         "int8": "tactile, int8", "libtorch": "libtorch (`--engine libtorch`)",
          "onednn": "oneDNN", "onnxruntime": "ONNX Runtime", "openvino": "OpenVINO, f32", "openvino-bf16": "OpenVINO, bf16",
          "reading": "only reading the big layer's weights", "multiply-adds": "only the multiply-adds"}
-IN_TACTILE = ("fast", "dense", "int8", "libtorch", "onednn", "reading", "multiply-adds")
+IN_TACTILE = ("fast", "dense", "bf16", "int8", "libtorch", "onednn", "reading", "multiply-adds")
 IN_PYTHON = ("onnxruntime", "openvino", "openvino-bf16")
 LIMITS = ("reading", "multiply-adds")  # which classify nothing
-TOLERANCES = {"int8": 0.05, "openvino-bf16": 0.05}  # of a logit; 1e-4 for float32
+TOLERANCES = {"bf16": 0.05, "int8": 0.05, "openvino-bf16": 0.05}  # of a logit; 1e-4 for float32
 
 
 def onnxruntime_engine(model):

@@ -71,7 +71,7 @@ model::Classifier opened(const DetectArguments& args, const model::ModelBundle& 
   const model::EngineKind kind = model::engine_named(args.engine);
   const model::Precision precision = model::precision_named(args.precision);
   if (kind == model::EngineKind::libtorch && precision != model::Precision::fp32)
-    throw Error("--precision int8: libtorch supports only fp32; expected --engine fast");
+    throw Error("--precision " + args.precision + ": libtorch supports only fp32; expected --engine fast");
   return model::open_classifier(bundle.folder, 1, kind, {.precision = precision});
 }
 
@@ -202,7 +202,7 @@ void add_model_options(Command& command, DetectArguments& args) {
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
-      .check(one_of({"fp32", "int8"}))
+      .check(one_of({"fp32", "bf16", "int8"}))
       .show_default();
   command.add_option("--tick-us", args.tick_us, "Time between two verdicts [us]; t_h must be a multiple of it")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))

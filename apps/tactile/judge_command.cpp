@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -46,7 +45,7 @@ void add_judge_command(CLI::App& app) {
       .required();
   command.add_option("--out", args->out, "File of the result").type_name("FILE.json").required();
   command.add_option("--engine", args->engine, "Engine: fast or libtorch").check(one_of({"fast", "libtorch"})).show_default();
-  app.get_subcommand("judge")->group("");  // not in the help: only 'reproduce --executor slurm' starts it
+  command.hide();  // only 'reproduce --executor slurm' starts it
 }
 
 }  // namespace tactile::cli

@@ -105,6 +105,8 @@ Option Command::add_ordered_option(const std::string& names, const std::function
   return Option(*command_->add_option_function(names, keep_all, meaning)->trigger_on_parse()->allow_extra_args(false));
 }
 
+void Command::hide() { command_->group(""); }
+
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
 template Option Command::add_option(const std::string&, double&, const std::string&);
 template Option Command::add_option(const std::string&, int&, const std::string&);

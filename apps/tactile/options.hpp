@@ -60,6 +60,8 @@ class Command {
   Option add_ordered_option(const std::string& names, const std::function<void(const std::string&)>& keep,
                             const std::string& meaning);
 
+  void hide();  ///< from the help: few people need it, or only another command
+
  private:
   CLI::App* command_;
 };

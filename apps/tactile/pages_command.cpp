@@ -35,7 +35,7 @@ void add_pages_command(CLI::App& app) {
   Command command = add_command(app, "pages", "Write man pages, and completions of bash, zsh and fish, for an installation",
                                 [folder, &app](const CommonArguments&) { write_pages(app, *folder); });
   command.add_option("folder", *folder, "Folder to write them into").type_name("DIR").required();
-  app.get_subcommand("pages")->group("");  // not in the help: it is for those who install tactile
+  command.hide();  // it is for those who install tactile
 }
 
 }  // namespace tactile::cli

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -382,7 +381,7 @@ void add_stress_step_command(CLI::App& app) {
                                 });
   command.add_option("step", *step, "Name of the step").required();
   add_options(command, args);
-  app.get_subcommand("stress-step")->group("");  // not in the help: only 'stress --executor slurm' starts it
+  command.hide();  // only 'stress --executor slurm' starts it
 }
 
 }  // namespace tactile::cli

@@ -318,8 +318,8 @@ void add_trade_command(CLI::App& app) {
   add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
   add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling to try: 2, 4").check(one_of({"2", "4"}));
   add_list("--engine", args->engines, "Inference engines to try: fast, libtorch").check(one_of({"fast", "libtorch"}));
-  add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, int8")
-      .check(one_of({"fp32", "int8"}));
+  add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, bf16, int8")
+      .check(one_of({"fp32", "bf16", "int8"}));
   add_list("--pass", args->passes, "Passes of the network to try: sparse (it skips empty regions), dense (it does not)")
       .check(one_of({"sparse", "dense"}));
   add_list("--confirm", args->confirmations, "Confirmations K/N to try").type_name("K/N").check(is_confirmation());

@@ -35,7 +35,7 @@ class Engine:
     """
 
     def __init__(self, bundle: str | os.PathLike[str], *, precision: str = "fp32", threads: int = 0) -> None:
-        """Opens the folder models/NAME. `precision`: "fp32" or "int8"; `threads`: of `classify`, 0 is one per core. Raises Error."""
+        """Opens the folder models/NAME. `precision`: "fp32", "bf16" or "int8"; `threads`: of `classify`, 0 is one per core. Raises Error."""
         self.path = os.fspath(bundle)
         self._classifier = _tactile.Classifier(self.path, precision, threads)
         self.description: dict[str, Any] = json.loads(self._classifier.description)

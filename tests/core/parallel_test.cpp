@@ -4,9 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <set>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -42,6 +44,16 @@ TEST(ParallelFor, UsesAsManyThreadsAsAsked) {
 
 TEST(ParallelFor, OneThreadIsTheCallersAlone) {
   parallel_for(50, 1, [caller = std::this_thread::get_id()](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
+}
+
+TEST(ParallelFor, GivesEachThreadAMemoryOfItsOwn) {
+  std::vector<std::vector<std::size_t>> memories(3);
+  parallel_for(1000, std::span(memories), [](std::size_t i, std::vector<std::size_t>& own) { own.push_back(i); });
+  std::vector<std::size_t> all;
+  for (const auto& own : memories) all.insert(all.end(), own.begin(), own.end());
+  std::sort(all.begin(), all.end());
+  ASSERT_EQ(all.size(), 1000U);
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], i);
 }
 
 TEST(ParallelFor, CallsWithinCallsAndBesideThemEnd) {

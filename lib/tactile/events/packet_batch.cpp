@@ -1,7 +1,6 @@
 #include "tactile/events/packet_batch.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <utility>
 
@@ -24,13 +23,10 @@ void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::si
 }
 
 void PacketBatch::compress() {
-  std::atomic<std::size_t> next{0};
-  parallel_for(compressors_.size(), static_cast<unsigned>(compressors_.size()), [&](std::size_t thread) {
-    for (std::size_t i = next++; i < count_; i = next++) {
-      Packet& packet = packets_[i];
-      const std::span<const std::byte> content(packet.content.data() + packet_header_size, packet.content_size);
-      packet.stored_size = compressors_[thread].compress(compression_, content, packet.stored, packet_header_size);
-    }
+  parallel_for(count_, std::span(compressors_), [this](std::size_t i, auto& compressor) {
+    Packet& packet = packets_[i];
+    const std::span<const std::byte> content(packet.content.data() + packet_header_size, packet.content_size);
+    packet.stored_size = compressor.compress(compression_, content, packet.stored, packet_header_size);
   });
 }
 

@@ -46,6 +46,7 @@ namespace tactile::model {
 namespace {
 
 constexpr events::SensorSize usual{128, 96};
+constexpr std::array precisions{Precision::fp32, Precision::bf16, Precision::int8};
 /// The smallest, odd ones each way, narrower and wider than a vector, those that leave rows and columns unread.
 constexpr std::array<events::SensorSize, 9> sizes{
     {{16, 16}, {17, 16}, {16, 19}, {23, 31}, {36, 16}, {45, 37}, {69, 52}, {128, 96}, {200, 17}}};
@@ -160,7 +161,7 @@ TEST(LeNetEngine, PredictsLikeLibtorchWithEverySmallerNetwork) {
 TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBitsInSmallerNetworks) {
   for (const LeNetOptions& network : smaller) {
     for (const std::string& target : LeNetEngine::targets()) {
-      for (const Precision precision : {Precision::fp32, Precision::int8}) {
+      for (const Precision precision : precisions) {
         for (const events::SensorSize size : {events::SensorSize{45, 37}, usual}) {
           const Weights weights = random_weights(size, 5, network);
           LeNetEngine sparse(size, weights, network, {precision, true, target});
@@ -192,7 +193,7 @@ TEST(LeNetEngine, DistinguishesHeatmaps) {
 
 TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBits) {
   for (const std::string& target : LeNetEngine::targets()) {
-    for (const Precision precision : {Precision::fp32, Precision::int8}) {
+    for (const Precision precision : precisions) {
       for (const events::SensorSize size : sizes) {
         const Weights weights = random_weights(size, 5);
         LeNetEngine sparse(size, weights, {}, {precision, true, target}), dense(size, weights, {}, {precision, false, target});
@@ -222,7 +223,7 @@ TEST(LeNetEngine, FollowsAPixelThatWanders) {
 }
 
 TEST(LeNetEngine, AllocatesNothingToClassify) {
-  for (const Precision precision : {Precision::fp32, Precision::int8}) {
+  for (const Precision precision : precisions) {
     LeNetEngine engine(usual, random_weights(usual, 1), {}, {.precision = precision});
     const auto heatmaps = heatmaps_of(usual, 1);
     const std::size_t before = allocations;
@@ -273,6 +274,36 @@ TEST(LeNetEngine, KeepsNineTenthsOfItsWeightsInBytesWhereAsked) {
   EXPECT_GT(largest, 1e-5) << "weights of 8 bits cannot be that exact";
 }
 
+TEST(LeNetEngine, RoundsTheBigLayerToTheNearestBfloat16) {
+  // 8 bits of each number, by the rounding of double to whole numbers: to the nearest, of two the even one.
+  const auto rounded = [](float value) {
+    int exponent = 0;
+    const double bits = std::nearbyint(std::frexp(static_cast<double>(value), &exponent) * 256);
+    return static_cast<float>(std::ldexp(bits, exponent - 8));
+  };
+  ASSERT_EQ(rounded(1 + 1.0F / 256), 1.0F);
+  ASSERT_EQ(rounded(1 + 3.0F / 256), 1 + 4.0F / 256);
+  for (const LeNetOptions& network : {LeNetOptions{}, LeNetOptions{.width = 0.25}}) {
+    Weights exact = random_weights(usual, 12, network);
+    std::vector<float>& big = exact[4].values;
+    ASSERT_EQ(exact[4].shape.name, "fc1.weight");
+    big[0] = 1 + 1.0F / 256, big[1] = -1 - 3.0F / 256, big[2] = 0;
+    Weights coarse = exact;
+    std::transform(big.begin(), big.end(), coarse[4].values.begin(), rounded);
+    for (const std::string& target : LeNetEngine::targets()) {
+      LeNetEngine halves(usual, exact, network, {.precision = Precision::bf16, .target = target});
+      LeNetEngine floats(usual, coarse, network, {.target = target}), unrounded(usual, exact, network, {.target = target});
+      double largest = 0;
+      for (const Heatmap& heatmap : heatmaps_of(usual, 12)) {
+        ASSERT_EQ(halves.classify(heatmap), floats.classify(heatmap)) << target;
+        largest = std::max(largest, difference(halves.classify(heatmap), unrounded.classify(heatmap)));
+      }
+      EXPECT_GT(largest, 1e-5) << "nothing was rounded";
+      EXPECT_LT(largest, 0.01);
+    }
+  }
+}
+
 TEST(LeNetEngine, KnowsWeightsThatAreWholeNumbersOfAByteExactly) {
   Weights weights = random_weights(usual, 8);
   Random random(8);
@@ -305,9 +336,11 @@ TEST(LeNetEngine, TakesOneLayerOfHugeOrTinyWeights) {
       scale(weights, layer, by);
       for (const std::string& target : LeNetEngine::targets())
         expect_like_libtorch(usual, weights, heatmaps_of(usual, 5), target, std::string(layer) + " alone scaled");
-      LeNetEngine bytes(usual, weights, {}, {.precision = Precision::int8});
-      for (const Heatmap& heatmap : heatmaps_of(usual, 5)) {
-        for (const float logit : bytes.classify(heatmap)) ASSERT_TRUE(std::isfinite(logit)) << layer;
+      for (const Precision precision : precisions) {
+        LeNetEngine engine(usual, weights, {}, {.precision = precision});
+        for (const Heatmap& heatmap : heatmaps_of(usual, 5)) {
+          for (const float logit : engine.classify(heatmap)) ASSERT_TRUE(std::isfinite(logit)) << layer;
+        }
       }
     }
   }
@@ -328,7 +361,7 @@ TEST(LeNetEngine, TakesTinyWeightsEverywhere) {
 TEST(LeNetEngine, TakesWeightsThatAreAllZero) {
   Weights weights = random_weights(usual, 3);
   for (Parameter& parameter : weights) std::fill(parameter.values.begin(), parameter.values.end(), 0.0F);
-  for (const Precision precision : {Precision::fp32, Precision::int8}) {
+  for (const Precision precision : precisions) {
     LeNetEngine engine(usual, weights, {}, {.precision = precision});
     for (const Heatmap& heatmap : heatmaps_of(usual, 3)) EXPECT_EQ(engine.classify(heatmap), Logits{});
   }
@@ -380,7 +413,7 @@ TEST(LeNetEngine, RefusesAHeatmapOfAnotherSize) {
 }
 
 TEST(PrecisionNames, AreReadBack) {
-  for (const Precision precision : {Precision::fp32, Precision::int8}) EXPECT_EQ(precision_named(name_of(precision)), precision);
+  for (const Precision precision : precisions) EXPECT_EQ(precision_named(name_of(precision)), precision);
   EXPECT_THROW(precision_named("int4"), Error);
 }
 

@@ -278,13 +278,17 @@ constexpr int to_second_level = 2;
 template <class N>
 HWY_INLINE void fetch_row(const Ahead& ahead, std::size_t i) {
   if (i >= ahead.count) return;
-  constexpr std::size_t lines_of_bytes = std::max(N::hidden_row / cache_line, std::size_t{1});
   const char* row = ahead.weights + ahead.rows[i] * ahead.row_bytes;
-  if (ahead.row_bytes == N::hidden_row) {
-    each<lines_of_bytes>([&](auto line) HWY_ATTR { __builtin_prefetch(row + line * cache_line, 0, to_second_level); });
-  } else {
-    each<N::hidden_row * sizeof(float) / cache_line>(
+  const auto fetch = [row](auto weight_bytes) HWY_ATTR {
+    each<std::max(N::hidden_row * weight_bytes / cache_line, std::size_t{1})>(
         [&](auto line) HWY_ATTR { __builtin_prefetch(row + line * cache_line, 0, to_second_level); });
+  };
+  if (ahead.row_bytes == N::hidden_row) {
+    fetch(std::integral_constant<std::size_t, 1>{});
+  } else if (ahead.row_bytes == 2 * N::hidden_row) {
+    fetch(std::integral_constant<std::size_t, 2>{});
+  } else {
+    fetch(std::integral_constant<std::size_t, 4>{});
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tactile/model/inference/lenet_engine.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -104,7 +105,7 @@ void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Par
 }
 
 /// The first fully connected layer, with its inputs in channel-last order.
-void set_hidden(LeNetPlan& plan, const Parameter& weight, Precision precision) {
+void set_hidden(LeNetPlan& plan, const Parameter& weight) {
   const std::size_t out_channels = plan.layers.second_channels, pixels = plan.layers.flat / out_channels;
   plan.hidden_weights.assign(plan.layers.flat * plan.hidden_row, 0.0F);
   for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
@@ -114,18 +115,35 @@ void set_hidden(LeNetPlan& plan, const Parameter& weight, Precision precision) {
         plan.hidden_weights[(pixel * out_channels + channel) * plan.hidden_row + out] = in[channel * pixels + pixel];
     }
   }
-  if (precision == Precision::fp32) return;
-  plan.hidden_bytes.resize(plan.hidden_weights.size());
-  plan.hidden_scale.assign(plan.hidden_row, 0.0F);
-  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
-    float largest = 0;
-    for (std::size_t in = out; in < plan.hidden_weights.size(); in += plan.hidden_row)
-      largest = std::max(largest, std::abs(plan.hidden_weights[in]));
-    const double unit = static_cast<double>(largest) / largest_byte;
-    plan.hidden_scale[out] = static_cast<float>(unit);
-    if (unit == 0) continue;
-    for (std::size_t in = out; in < plan.hidden_weights.size(); in += plan.hidden_row)
-      plan.hidden_bytes[in] = static_cast<std::int8_t>(std::lround(static_cast<double>(plan.hidden_weights[in]) / unit));
+}
+
+/// The nearest bfloat16, the one with an even last bit of two.
+std::uint16_t nearest_half(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return static_cast<std::uint16_t>((bits + 0x7FFF + (bits >> 16 & 1)) >> 16);
+}
+
+/// Stores the first fully connected layer's weights in another format, too. With bfloat16 those in float32 are rounded alike.
+void set_precision(LeNetPlan& plan, Precision precision) {
+  AlignedValues<float>& weights = plan.hidden_weights;
+  if (precision == Precision::bf16) {
+    plan.hidden_halves.resize(weights.size());
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      plan.hidden_halves[i] = nearest_half(weights[i]);
+      weights[i] = std::bit_cast<float>(std::uint32_t{plan.hidden_halves[i]} << 16);
+    }
+  } else if (precision == Precision::int8) {
+    plan.hidden_bytes.resize(weights.size());
+    plan.hidden_scale.assign(plan.hidden_row, 0.0F);
+    for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
+      float largest = 0;
+      for (std::size_t in = out; in < weights.size(); in += plan.hidden_row) largest = std::max(largest, std::abs(weights[in]));
+      const double unit = static_cast<double>(largest) / largest_byte;
+      plan.hidden_scale[out] = static_cast<float>(unit);
+      if (unit == 0) continue;
+      for (std::size_t in = out; in < weights.size(); in += plan.hidden_row)
+        plan.hidden_bytes[in] = static_cast<std::int8_t>(std::lround(static_cast<double>(weights[in]) / unit));
+    }
   }
 }
 
@@ -144,7 +162,7 @@ void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
   }
 }
 
-constexpr std::array<std::string_view, 2> precision_names{"fp32", "int8"};
+constexpr std::array<std::string_view, 3> precision_names{"fp32", "bf16", "int8"};
 
 LeNetKernel kernel_named(const std::string& name) {
   if (name.empty()) return best_kernel();
@@ -182,7 +200,8 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
   check_range(weights);
   set_sizes(*plan);
   set_convolutions(*plan, weights);
-  set_hidden(*plan, weights[4], options.precision);
+  set_hidden(*plan, weights[4]);
+  set_precision(*plan, options.precision);
   set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], plan->hidden_row);
   set_dense(plan->last_weights, plan->last_bias, weights[8], weights[9], Sizes::lanes);
 
@@ -195,7 +214,7 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
   run(*plan, memory, empty.data(), false, nullptr, second.data());
   plan->second_empty.assign(second.begin(), second.begin() + static_cast<std::ptrdiff_t>(plan->layers.second_channels));
   set_hidden_empty(*plan, weights[5]);
-  if (!plan->hidden_bytes.empty()) plan->hidden_weights = {};
+  if (options.precision != Precision::fp32) plan->hidden_weights = {};
   run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
   state_ = std::make_unique<State>(State{plan, kernel.name, run, options.skip_empty, memory_for(*plan)});
 }

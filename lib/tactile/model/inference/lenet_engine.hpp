@@ -17,10 +17,11 @@ namespace tactile::model {
 /// The number format of the first fully connected layer's weights, which are nine tenths of all.
 enum class Precision : std::uint8_t {
   fp32,
+  bf16,  ///< bfloat16, float32 without the last 16 bits, rounded; half the memory. Sums are float32
   int8,  ///< integers from -127 to 127 with a float32 scale per output; sums are float32
 };
 
-std::string_view name_of(Precision precision);     ///< "fp32", "int8"
+std::string_view name_of(Precision precision);     ///< "fp32", "bf16", "int8"
 Precision precision_named(std::string_view name);  ///< @throws Error
 
 struct EngineOptions {

@@ -36,10 +36,24 @@ HWY_INLINE std::size_t append(typename N::ChannelVector difference, std::size_t 
 
 HWY_INLINE Vector weights_at(const float* weights) { return hn::Load(floats, weights); }
 
+HWY_INLINE Vector weights_at(const std::uint16_t* weights) {
+  const hn::Rebind<std::uint16_t, Floats> halves;
+  const hn::Rebind<std::uint32_t, Floats> bits;
+  return hn::BitCast(floats, hn::ShiftLeft<16>(hn::PromoteTo(bits, hn::Load(halves, weights))));
+}
+
 HWY_INLINE Vector weights_at(const std::int8_t* weights) {
   const hn::Rebind<std::int8_t, Floats> bytes;
   const hn::Rebind<std::int32_t, Floats> whole;
   return hn::ConvertTo(floats, hn::PromoteTo(whole, hn::Load(bytes, weights)));
+}
+
+/// use(weights of the first fully connected layer), in the format that this network has them in
+template <class Use>
+HWY_INLINE void with_hidden(const LeNetPlan& plan, const Use& use) {
+  if (!plan.hidden_bytes.empty()) return use(plan.hidden_bytes.data());
+  if (!plan.hidden_halves.empty()) return use(plan.hidden_halves.data());
+  use(plan.hidden_weights.data());
 }
 
 /// sums += value of each input times its row of weights, in their order.
@@ -60,11 +74,7 @@ HWY_INLINE void add_rows(const Weight* weights, const float* values, const std::
 
 template <class N>
 HWY_ATTR void add_hidden(const LeNetPlan& plan, const float* values, const std::uint32_t* rows, std::size_t count, float* sums) {
-  if (plan.hidden_bytes.empty()) {
-    add_rows<N::hidden_row>(plan.hidden_weights.data(), values, rows, count, sums);
-  } else {
-    add_rows<N::hidden_row>(plan.hidden_bytes.data(), values, rows, count, sums);
-  }
+  with_hidden(plan, [&](const auto* weights) HWY_ATTR { add_rows<N::hidden_row>(weights, values, rows, count, sums); });
 }
 
 /// Adds the sum of a few inputs, so that rounding errors of thousands of inputs do not add up.
@@ -104,9 +114,10 @@ HWY_ATTR void second_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip
   const auto columns = static_cast<std::size_t>(plan.layers.second_pooled.width);
   Ahead ahead;
   if (second == nullptr) {
-    ahead.weights = plan.hidden_bytes.empty() ? reinterpret_cast<const char*>(plan.hidden_weights.data())
-                                              : reinterpret_cast<const char*>(plan.hidden_bytes.data());
-    ahead.row_bytes = N::hidden_row * (plan.hidden_bytes.empty() ? sizeof(float) : 1);
+    with_hidden(plan, [&](const auto* weights) HWY_ATTR {
+      ahead.weights = reinterpret_cast<const char*>(weights);
+      ahead.row_bytes = N::hidden_row * sizeof(*weights);
+    });
   }
   std::size_t turn = 0, appended = 0;
   ahead.rows = memory.rows[1].data();

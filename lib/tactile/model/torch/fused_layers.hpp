@@ -4,7 +4,6 @@
 #include <torch/torch.h>
 
 #include <algorithm>
-#include <atomic>
 #include <span>
 #include <vector>
 
@@ -63,12 +62,8 @@ class FusedBatch {
   /// Each slice runs on any free thread; the result does not depend on it.
   template <class Work>
   void for_slices(const Work& work) {
-    std::atomic<std::size_t> next{0};
-    parallel_for(workspaces_.size(), threads(), [&](std::size_t thread) {
-      for (std::size_t slice = next++; slice < slices(); slice = next++) {
-        for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i)
-          work(slice, i, workspaces_[thread]);
-      }
+    parallel_for(slices(), std::span(workspaces_), [&](std::size_t slice, FusedConvolutions::Workspace& workspace) {
+      for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i) work(slice, i, workspace);
     });
   }
 
