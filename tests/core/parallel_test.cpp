@@ -48,7 +48,7 @@ TEST(ParallelFor, OneThreadIsTheCallersAlone) {
 
 TEST(ParallelFor, GivesEachThreadAMemoryOfItsOwn) {
   std::vector<std::vector<std::size_t>> memories(3);
-  parallel_for(1000, std::span(memories), [](std::size_t i, std::vector<std::size_t>& own) { own.push_back(i); });
+  parallel_for_with(std::span(memories), 1000, [](std::size_t i, std::vector<std::size_t>& own) { own.push_back(i); });
   std::vector<std::size_t> all;
   for (const auto& own : memories) all.insert(all.end(), own.begin(), own.end());
   std::sort(all.begin(), all.end());

@@ -18,7 +18,7 @@ void parallel_for(std::size_t count, unsigned threads, const std::function<void(
 /// Calls `work(i, memory)` once for every i in [0, count), on up to one thread for each of `memories` (at least one). No two calls
 /// use the same memory at the same time.
 template <class Memory, class Work>
-void parallel_for(std::size_t count, std::span<Memory> memories, const Work& work) {
+void parallel_for_with(std::span<Memory> memories, std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};
   parallel_for(memories.size(), static_cast<unsigned>(memories.size()), [&](std::size_t memory) {
     for (std::size_t i = next++; i < count; i = next++) work(i, memories[memory]);

@@ -23,7 +23,7 @@ void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::si
 }
 
 void PacketBatch::compress() {
-  parallel_for(count_, std::span(compressors_), [this](std::size_t i, auto& compressor) {
+  parallel_for_with(std::span(compressors_), count_, [this](std::size_t i, auto& compressor) {
     Packet& packet = packets_[i];
     const std::span<const std::byte> content(packet.content.data() + packet_header_size, packet.content_size);
     packet.stored_size = compressor.compress(compression_, content, packet.stored, packet_header_size);

@@ -62,7 +62,7 @@ class FusedBatch {
   /// Each slice runs on any free thread; the result does not depend on it.
   template <class Work>
   void for_slices(const Work& work) {
-    parallel_for(slices(), std::span(workspaces_), [&](std::size_t slice, FusedConvolutions::Workspace& workspace) {
+    parallel_for_with(std::span(workspaces_), slices(), [&](std::size_t slice, FusedConvolutions::Workspace& workspace) {
       for (std::size_t i = slice * slice_size; i < std::min(count(), (slice + 1) * slice_size); ++i) work(slice, i, workspace);
     });
   }
