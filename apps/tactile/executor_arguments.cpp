@@ -40,7 +40,7 @@ bool asked_to_cancel() {
 void add_executor_options(Command& command, ExecutorArguments& args) {
   command
       .add_option("--executor", args.executor,
-                  "Where trainings and judgements run: local, on this machine; slurm, as jobs of a Slurm cluster; "
+                  "Where tasks run: local, on this machine; slurm, as jobs of a Slurm cluster; "
                   "slurm:PARTITION. Data, models and output must then be in folders that all nodes share")
       .check(Check{check_executor, ""})
       .show_default();

@@ -34,6 +34,11 @@ std::string entry(const std::string& typed, const std::string& meaning) {
   return text + wrapped(meaning, text_column, columns()) + '\n';
 }
 
+/// Whether the option may be given alone, without a value. It is no flag.
+bool has_optional_value(const CLI::Option& option) {
+  return option.get_expected_min() == 0 && !value_text(option).name.empty();
+}
+
 /// "; not with --a, --b or --c"; empty if the option goes with all others.
 std::string excluded_by(const CLI::Option& option) {
   std::vector<std::string> others;
@@ -94,7 +99,7 @@ ValueText value_text(const CLI::Option& option) {
 }
 
 std::string typed_of(const CLI::Option& option) {
-  const std::string value = value_text(option).name;
+  const std::string name = value_text(option).name, value = has_optional_value(option) ? "[" + name + "]" : name;
   std::string text = option.get_positional()         ? value
                      : option.get_name() == "--help" ? "-h, --help"
                      : value.empty()                 ? option.get_name()
@@ -109,7 +114,7 @@ std::string meaning_of(const CLI::Option& option) {
   text += excluded_by(option);
   std::string usual = option.get_default_str();
   if (usual.size() > 1 && usual.front() == '[' && usual.back() == ']') usual = usual.substr(1, usual.size() - 2);
-  if (!usual.empty()) text += " (default " + usual + ")";
+  if (!usual.empty()) text += (has_optional_value(option) ? " (without a value: " : " (default ") + usual + ")";
   return text;
 }
 

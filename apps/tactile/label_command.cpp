@@ -256,7 +256,7 @@ void add_label_command(CLI::App& app) {
       command.add_flag("--compare-truth", arguments->compare_truth, "Print errors against truth.json, for simulated runs");
   const Option summary = command.add_flag(
       "--summary", arguments->summary, "Only print tables of the existing labels and of the differences between their sources");
-  command.add_flag("--strict", arguments->strict, "Exit with 2 if a run is flagged");
+  command.add_flag("--strict", arguments->strict, "Exit with 2 if a run has an unconfirmed flag");
   command.add_flag("--no-pictures", arguments->no_pictures, "Do not draw labels.png").excludes(summary);
   command.add_option("--roi", arguments->roi, "Part of the video that shows press and slip")
       .type_name("X,Y,W,H")
@@ -266,13 +266,13 @@ void add_label_command(CLI::App& app) {
   add_mask_option(command, arguments->mask).excludes(summary);
   command
       .add_option("--session", arguments->session,
-                  "Write this session into run.json of the runs: they share their clocks, so one clock is fitted to all")
+                  "Write this session into run.json of the runs of DATA: they share their clocks, so one clock is fitted to all")
       .type_name("NAME")
-      .check(Check{[](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, "a name"})
+      .check(Check{[](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, ""})
       .needs(data)  // without it, all runs would get one session
       .excludes(summary);
   const Option force =
-      command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits")
+      command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits; with --export, replace existing files")
           .excludes(summary);
   add_camera_time_option(command, arguments->camera_time);
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);

@@ -157,7 +157,7 @@ void wait_for_clients(const std::vector<Served>& served, LiveLine& line) {
   const auto all_have = [&] {
     return std::all_of(served.begin(), served.end(), [](const Served& one) { return one.server->clients() > 0; });
   };
-  line.draw("waiting for a client");
+  line.draw(served.size() > 1 ? "waiting for a client of each stream" : "waiting for a client");
   SteadyClock::time_point ready = SteadyClock::now() + settling;
   while (!interrupted() && SteadyClock::now() < ready) {
     if (!all_have()) ready = SteadyClock::now() + settling;
@@ -264,7 +264,7 @@ void add_serve_command(CLI::App& app) {
       .check(in_range(0.0, 1e6))
       .show_default();
   command.add_flag("--loop", args->loop, "Repeat the recording without end; timestamps continue");
-  command.add_flag("--no-wait", args->no_wait, "Start at once; default: wait for a client");
+  command.add_flag("--no-wait", args->no_wait, "Start at once; default: wait for a client of each stream");
   command.add_option("--compression", args->compression, "Compression of the packets")
       .check(one_of({"none", "lz4", "lz4-high", "zstd", "zstd-high"}))
       .show_default();
