@@ -52,6 +52,7 @@ struct TradeArguments {
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
   std::vector<double> widths{1, 0.5, 0.25};
   std::vector<int> last_pools{2, 4};
+  std::vector<std::string> augmentations{"none", "flip"};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
   std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, filters{"off", "0.01"}, gates{"off", "on"};
   std::uint64_t timed_ticks = 20'000;
@@ -89,6 +90,7 @@ trade::TradeLevels levels_of(const TradeArguments& args) {
                                 }),
           .widths = each_once(args.widths, [](double width) { return width; }),
           .last_pools = each_once(args.last_pools, [](int last_pool) { return last_pool; }),
+          .augmentations = each_once(args.augmentations, [](const auto& text) { return trade::joined_augmentation_named(text); }),
           .engines = each_once(args.engines, [](const auto& name) { return model::engine_named(name); }),
           .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
           .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
@@ -112,6 +114,7 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.rendering.denoise, levels.denoises);
   take_usual(usual.width, levels.widths);
   take_usual(usual.last_pool, levels.last_pools);
+  take_usual(usual.augmentation, levels.augmentations);
   take_usual(usual.engine, levels.engines);
   take_usual(usual.precision, levels.precisions);
   take_usual(usual.sparse, levels.sparse);
@@ -120,6 +123,18 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.gate, levels.gate);
   take_usual(usual.kind, levels.kinds);
   return without_idle_values(usual);
+}
+
+Check is_augmentation() {
+  return Check{[](std::string& text) {
+                 try {
+                   trade::joined_augmentation_named(text);
+                   return std::string();
+                 } catch (const Error& error) {
+                   return std::string(error.what());
+                 }
+               },
+               ""};
 }
 
 Check is_filter() {
@@ -317,6 +332,9 @@ void add_trade_command(CLI::App& app) {
       .check(one_of({"mean", "literal", "none"}));
   add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
   add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling to try: 2, 4").check(one_of({"2", "4"}));
+  add_list("--augment", args->augmentations, "Augmentations of the training to try: as for 'train', joined by +")
+      .type_name("NAME")
+      .check(is_augmentation());
   add_list("--engine", args->engines, "Inference engines to try: fast, libtorch").check(one_of({"fast", "libtorch"}));
   add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, bf16, int8")
       .check(one_of({"fp32", "bf16", "int8"}));

@@ -55,7 +55,8 @@ TEST(TradedSetting, ComesBackAsItWasWritten) {
                                    .pass = "dense",
                                    .confirm = "2/3",
                                    .filter = "0.1",
-                                   .gate = true},
+                                   .gate = true,
+                                   .augment = "flip"},
                         .models = {"a", "b"},
                         .trainings = 5,
                         .choice = result_from(0),
@@ -84,6 +85,7 @@ TEST(TradedSetting, OfAnEarlierVersionLacksWhatWasNotMeasured) {
   EXPECT_EQ(usual.values.kind, "lenet");
   EXPECT_EQ(usual.values.width, 1);
   EXPECT_EQ(usual.values.last_pool, 2);
+  EXPECT_EQ(usual.values.augment, "none");
   EXPECT_FALSE(usual.difference);
   EXPECT_FALSE(usual.front_probability.accuracy);
   EXPECT_TRUE(std::isnan(usual.reported.figures.us_p999.value));

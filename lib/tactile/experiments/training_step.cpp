@@ -48,6 +48,7 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
   if (settings.network.width != model::LeNetOptions{}.width) add("--width", fmt::format("{:g}", settings.network.width));
   if (settings.network.last_pool != model::LeNetOptions{}.last_pool)
     add("--last-pool", std::to_string(settings.network.last_pool));
+  if (settings.training.augmentation != model::Augmentation{}) add("--augment", text_of(settings.training.augmentation));
   if (settings.training.engine != model::EngineKind::fast) add("--engine", std::string(name_of(settings.training.engine)));
   if (settings.split.train_run != "01") add("--train-run", settings.split.train_run);
   if (settings.split.kind == windows::SplitKind::unseen) {

@@ -69,7 +69,8 @@ void to_json(nlohmann::json& json, const SettingValues& values) {
           {"width", values.width},     {"last_pool", values.last_pool},
           {"engine", values.engine},   {"precision", values.precision},
           {"pass", values.pass},       {"confirm", values.confirm},
-          {"filter", values.filter},   {"gate", values.gate}};
+          {"filter", values.filter},   {"gate", values.gate},
+          {"augment", values.augment}};
 }
 
 void from_json(const JsonView& json, SettingValues& values) {
@@ -88,7 +89,8 @@ void from_json(const JsonView& json, SettingValues& values) {
             .pass = json["pass"].text(),
             .confirm = json["confirm"].text(),
             .filter = or_usual(json["filter"].text(), usual.filter),
-            .gate = json["gate"].truth()};
+            .gate = json["gate"].truth(),
+            .augment = or_usual(json["augment"].text(), usual.augment)};
 }
 
 void to_json(nlohmann::json& json, const TradedSetting& setting) {

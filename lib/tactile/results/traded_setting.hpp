@@ -61,10 +61,11 @@ struct SettingValues {
   std::string engine, precision, pass, confirm;
   std::string filter = "off";  ///< or its alarm cost
   bool gate = false;
+  std::string augment = "none";  ///< in its training, joined by +
 };
 
 /// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
-/// "filter", "gate"}
+/// "filter", "gate", "augment"}
 void to_json(nlohmann::json& json, const SettingValues& values);
 void from_json(const JsonView& json, SettingValues& values);
 

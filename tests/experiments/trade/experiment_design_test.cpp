@@ -19,8 +19,8 @@ TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
   // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
-  // confirmations, 2 widths, 1 last pooling, 2 other kinds.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 2);
+  // confirmations, 2 widths, 1 last pooling, 1 augmentation, 2 other kinds.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 1 + 2);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -55,6 +55,7 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.denoises = {heatmaps::Denoise::mean};
   levels.widths = {1};
   levels.last_pools = {2};
+  levels.augmentations = {{}};
   levels.confirmations = {{1, 1}};
   levels.alarm_costs = {std::nullopt};
   levels.gate = {false};
@@ -116,6 +117,7 @@ TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {
   levels.denoises = {heatmaps::Denoise::mean};
   levels.widths = {1, 0.5};
   levels.last_pools = {2};
+  levels.augmentations = {{}};
   levels.engines = {model::EngineKind::fast};
   levels.precisions = {model::Precision::fp32};
   levels.sparse = {true};

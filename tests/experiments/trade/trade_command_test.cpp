@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 /// Three objects of three simulated runs, an epoch, and few values of few settings.
 const std::string small =
     "trade --kind lenet --th 20,40 --tick-us 2000,3000,4000,5000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool "
-    "2 --engine "
-    "fast --pass sparse "
+    "2 --augment none --engine fast --pass sparse "
     "--confirm 1/1,2/3 --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ";
 
 void simulate_runs(const fs::path& folder, const std::string& objects) {
@@ -55,10 +54,15 @@ TEST(TradeCommand, TriesTreesAndNamesThem) {
   simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
   const nlohmann::json trade = traded(
       folder.path(), "--no-growth",
-      "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --pass "
-      "sparse --precision fp32,int8 --confirm 1/1 --filter off --gate off --epochs 1 --trainings 2 --timed-ticks 600 "
+      "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment "
+      "none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off --gate off --epochs 1 --trainings 2 --timed-ticks 600 "
       "--corners 2 --no-trial --threads 2 ");
   ASSERT_TRUE(trade.is_object());
+  const nlohmann::json* moved = point_of(trade, "augment flip+shift");
+  ASSERT_NE(moved, nullptr);
+  EXPECT_EQ(moved->at("setting").at("augment"), "flip+shift");
+  const fs::path model = folder.path() / "trade" / "models" / moved->at("models").at(0).get<std::string>();
+  EXPECT_EQ(read_json(model / "model.json").at("training").at("augment"), "flip,shift");
   const nlohmann::json* trees = point_of(trade, "trees");
   ASSERT_NE(trees, nullptr);
   EXPECT_EQ(trees->at("setting").at("kind"), "trees");
@@ -78,7 +82,7 @@ TEST(TradeCommand, TriesTreesAndNamesThem) {
   const nlohmann::json again =
       traded(folder.path(), "--no-growth",
              "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 "
-             "--last-pool 2 --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off "
+             "--last-pool 2 --augment none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off "
              "--gate off --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ");
   EXPECT_EQ(again.at("steps_done"), 0);
 }
@@ -183,7 +187,7 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const auto windows = test::run_tactile("windows --history-ms 400", folder.path());
   ASSERT_EQ(windows.exit_code, 0) << windows.err;
   const std::string long_ticks =
-      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast "
+      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast "
       "--precision fp32 --pass "
       "sparse --confirm 1/1 --filter 0.02 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us "
       "60000000 "
@@ -215,7 +219,7 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "plastic-container,water-bottle");
   const std::string few =
-      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --engine fast --precision fp32 "
+      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast --precision fp32 "
       "--pass sparse --confirm 1/1 "
       "--kind lenet --filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());

@@ -15,7 +15,7 @@ namespace {
 template <class T, class Set>
 TradeFactor factor_of(const std::string& name, const std::vector<T>& values, Set set) {
   TradeFactor factor{name, {}};
-  for (const T value : values) {
+  for (const auto& value : values) {
     TradeSetting setting;
     set(setting, value);
     const nlohmann::json json = nlohmann::json(setting).at(name);
@@ -68,7 +68,8 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
       factor_of("resize", levels.resizes, [](TradeSetting& s, heatmaps::Resize resize) { s.rendering.resize = resize; }),
       factor_of("denoise", levels.denoises, [](TradeSetting& s, heatmaps::Denoise denoise) { s.rendering.denoise = denoise; }),
       factor_of("width", levels.widths, [](TradeSetting& s, double width) { s.width = width; }),
-      factor_of("last_pool", levels.last_pools, [](TradeSetting& s, int last_pool) { s.last_pool = last_pool; })};
+      factor_of("last_pool", levels.last_pools, [](TradeSetting& s, int last_pool) { s.last_pool = last_pool; }),
+      factor_of("augment", levels.augmentations, [](TradeSetting& s, const model::Augmentation& a) { s.augmentation = a; })};
 }
 
 std::vector<LeftOutPair> left_out_pairs(const TradeLevels& levels) {

@@ -19,6 +19,7 @@ struct TradeLevels {
   std::vector<heatmaps::Denoise> denoises{heatmaps::Denoise::mean, heatmaps::Denoise::literal, heatmaps::Denoise::none};
   std::vector<double> widths{1, 0.5, 0.25};
   std::vector<int> last_pools{2, 4};
+  std::vector<model::Augmentation> augmentations{{}, {.flip = true}};
   std::vector<model::EngineKind> engines{model::EngineKind::fast, model::EngineKind::libtorch};
   std::vector<model::Precision> precisions{model::Precision::fp32, model::Precision::int8};
   std::vector<bool> sparse{true, false};

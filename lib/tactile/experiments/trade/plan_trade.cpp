@@ -90,6 +90,7 @@ TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsi
   network.settings.kind = setting.kind;
   network.settings.network.width = setting.width;
   network.settings.network.last_pool = setting.last_pool;
+  network.settings.training.augmentation = setting.augmentation;
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
   network.settings.split.train_run = plan.trainings[training].train_run;
@@ -109,6 +110,7 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network, microsec
   setting.rendering = network.settings.rendering;
   setting.width = network.settings.network.width;
   setting.last_pool = network.settings.network.last_pool;
+  setting.augmentation = network.settings.training.augmentation;
   setting.rendering.tick = tick;
   setting.engine = engine;
   setting.precision = precision;

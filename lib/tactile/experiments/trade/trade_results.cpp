@@ -148,7 +148,7 @@ std::string trade_csv(const results::Trade& trade) {
       "runs,"
       "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
       "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
-      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay");
+      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay,augment");
   for (const results::TradedSetting& point : trade.points) {
     for (const auto& [runs, result] : {std::pair("choice", &point.choice), std::pair("reported", &point.reported)}) {
       const results::SettingValues& values = point.values;
@@ -161,7 +161,7 @@ std::string trade_csv(const results::Trade& trade) {
                     results::figure_cells(figures.episodes_per_min), results::figure_cells(figures.us_p50),
                     results::figure_cells(figures.us_p99), csv_number(figures.us_p999.value), point.on_accuracy_front ? 1 : 0,
                     point.on_delay_front ? 1 : 0, csv_number(point.front_probability.accuracy),
-                    csv_number(point.front_probability.delay));
+                    csv_number(point.front_probability.delay), values.augment);
     }
   }
   return table.text();

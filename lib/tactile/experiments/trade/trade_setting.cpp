@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "tactile/core/duration_units.hpp"
@@ -30,6 +31,7 @@ std::vector<SettingWords> words_of(const TradeSetting& setting) {
           {"denoise", values.denoise, "denoise " + values.denoise},
           {"width", "", fmt::format("width {:g}", values.width)},
           {"last_pool", "", fmt::format("last pooling {0} x {0}", values.last_pool)},
+          {"augment", "", values.augment == "none" ? "no augmentation" : "augment " + values.augment},
           {"engine", values.engine, "engine " + values.engine},
           {"precision", values.precision, values.precision},
           {"pass", values.pass, values.pass},
@@ -53,6 +55,17 @@ TradeSetting without_idle_values(TradeSetting setting) {
   return plain;
 }
 
+std::string joined_text_of(const model::Augmentation& augmentation) {
+  std::string text = text_of(augmentation);
+  std::replace(text.begin(), text.end(), ',', '+');
+  return text;
+}
+
+model::Augmentation joined_augmentation_named(std::string text) {
+  std::replace(text.begin(), text.end(), '+', ',');
+  return model::augmentation_named(text);
+}
+
 results::SettingValues values_of(const TradeSetting& setting) {
   const nlohmann::json rendering = setting.rendering;
   return {.kind = std::string(name_of(setting.kind)),
@@ -68,7 +81,8 @@ results::SettingValues values_of(const TradeSetting& setting) {
           .pass = setting.sparse ? "sparse" : "dense",
           .confirm = text_of(setting.confirmation),
           .filter = setting.alarm_cost ? fmt::format("{:g}", *setting.alarm_cost) : "off",
-          .gate = setting.gate};
+          .gate = setting.gate,
+          .augment = joined_text_of(setting.augmentation)};
 }
 
 void to_json(nlohmann::json& json, const TradeSetting& setting) { json = values_of(setting); }
@@ -80,6 +94,7 @@ std::string id_of(const TradeSetting& setting) {
   }
   if (setting.width != TradeSetting{}.width) parts.push_back(fmt::format("w{:g}", setting.width));
   if (setting.last_pool != TradeSetting{}.last_pool) parts.push_back(fmt::format("p{}", setting.last_pool));
+  if (setting.augmentation != model::Augmentation{}) parts.push_back(joined_text_of(setting.augmentation));
   if (setting.alarm_cost) parts.push_back(fmt::format("filter{:g}", *setting.alarm_cost));
   if (setting.kind != TradeSetting{}.kind) parts.emplace_back(name_of(setting.kind));
   return fmt::format("{}", fmt::join(parts, "-"));

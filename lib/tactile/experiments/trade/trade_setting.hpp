@@ -21,6 +21,7 @@ struct TradeSetting {
   heatmaps::HeatmapOptions rendering{};        ///< its tick is the detector's; the model may have another
   double width = model::LeNetOptions{}.width;  ///< of the network, as its `last_pool`
   int last_pool = model::LeNetOptions{}.last_pool;
+  model::Augmentation augmentation{};  ///< in its training
   model::EngineKind engine = model::EngineKind::fast;
   model::Precision precision = model::Precision::fp32;
   bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
@@ -32,15 +33,19 @@ struct TradeSetting {
 };
 
 /// The same with the defaults of all parameters that only a network on heatmaps has, if the kind reads none: factor, resize,
-/// denoise, width, last pooling, engine, precision and pass.
+/// denoise, width, last pooling, augmentation, engine, precision and pass.
 TradeSetting without_idle_values(TradeSetting setting);
+
+/// "none", "flip+stress:noise:200": as `model::text_of`, but joined by +, so that commas separate values of an option.
+std::string joined_text_of(const model::Augmentation& augmentation);
+model::Augmentation joined_augmentation_named(std::string text);  ///< @throws Error
 
 /// The same setting, as options name it.
 results::SettingValues values_of(const TradeSetting& setting);
 void to_json(nlohmann::json& json, const TradeSetting& setting);  ///< as `values_of`
 
 /// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
-/// "-p4", a filter "-filter0.01", another kind than LeNet "-trees".
+/// "-p4", an augmentation "-flip+stress:noise:200", a filter "-filter0.01", another kind than LeNet "-trees".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.
