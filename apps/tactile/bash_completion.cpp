@@ -118,7 +118,7 @@ _tactile() {
   fi
   options=$(_tactile_options "$command")
   for word in "${before[@]:2}"; do
-    if [[ -n $option ]]; then
+    if [[ -n $option && $word != --* ]]; then
       option=
     elif [[ " $options " == *" $word= "* ]]; then
       option=$word
@@ -129,7 +129,7 @@ _tactile() {
   if [[ -z $option && $token == --*=* ]]; then
     option=${token%%=*}
     current=${token#*=}
-  elif [[ -z $option && $token == -* ]]; then
+  elif [[ $token == --* || ( -z $option && $token == -* ) ]]; then
     read -ra options <<<"$options"
     _tactile_offer "${options[@]%=}"
     return

@@ -373,12 +373,18 @@ void add_convert_command(CLI::App& app) {
       .suggest(recipe_names());
   command.add_option("--seed", args->seed, "Seed of --stress").check(is_seed()).show_default();
   command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
-  command.add_option("--joints-topic", args->bag.joints_topic, "Topic of the joint states, if a bag has several; none leaves them out")
+  command
+      .add_option("--joints-topic", args->bag.joints_topic,
+                  "Topic of the joint states, if a bag has several; none leaves them out")
       .type_name("TOPIC");
-  command.add_option("--pose-topic", args->bag.pose_topic, "Topic with the poses of the robot's tool, if a bag has several; none leaves them out")
+  command
+      .add_option("--pose-topic", args->bag.pose_topic,
+                  "Topic with the poses of the robot's tool, if a bag has several; none leaves them out")
       .type_name("TOPIC");
-  command.add_option("--video-topic", args->bag.video_topic, "Topic of the video, if a bag has several; none leaves it out").type_name("TOPIC");
-  command.add_option("--imu-topic", args->bag.imu_topic, "Topic of the IMU samples, if a bag has several; none leaves them out").type_name("TOPIC");
+  command.add_option("--video-topic", args->bag.video_topic, "Topic of the video, if a bag has several; none leaves it out")
+      .type_name("TOPIC");
+  command.add_option("--imu-topic", args->bag.imu_topic, "Topic of the IMU samples, if a bag has several; none leaves them out")
+      .type_name("TOPIC");
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");
 }
 

@@ -195,8 +195,11 @@ void detect(DetectArguments args, const CommonArguments& common) {
 void add_model_options(Command& command, DetectArguments& args) {
   command.add_option("--model", args.model, default_model_help);
   command.add_option("--models", args.models, "Folder of models").type_name("DIR").show_default();
-  command.add_option("--from", args.from, "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]. Default: the only camera, "
-                  "else tcp://127.0.0.1:7777")
+  command
+      .add_option(
+          "--from", args.from,
+          "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]. Default: the only camera, "
+          "else tcp://127.0.0.1:7777")
       .type_name("SOURCE");
   add_decision_options(command, args.decision);
   add_gate_options(command, args.gate);

@@ -284,7 +284,8 @@ void add_eval_command(CLI::App& app) {
       .needs(unseen);
   command
       .add_option("--trainings", args->trainings,
-                  "With --unseen: trainings with the objects, and without them, each on another run and with another seed; default: 2 for runs of the "
+                  "With --unseen: trainings with the objects, and without them, each on another run and with another seed; "
+                  "default: 2 for runs of the "
                   "preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N")

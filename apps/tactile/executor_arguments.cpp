@@ -13,16 +13,6 @@
 namespace tactile::cli {
 namespace {
 
-std::string check_executor(const std::string& name) {
-  if (name == "local") return "";
-  try {
-    experiments::slurm_named(name);
-    return "";
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
 bool asked_to_cancel() {
   if (::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0) {
     fmt::print(stderr,
@@ -42,7 +32,9 @@ void add_executor_options(Command& command, ExecutorArguments& args) {
       .add_option("--executor", args.executor,
                   "Where tasks run: local, on this machine; slurm, as jobs of a Slurm cluster; "
                   "slurm:PARTITION. Data, models and output must then be in folders that all nodes share")
-      .check(Check{check_executor, ""})
+      .check(readable_by([](const std::string& name) {
+        if (name != "local") experiments::slurm_named(name);
+      }))
       .show_default();
   command.add_option("--sbatch", args.sbatch, "Further options for sbatch, such as \"--time=2:00:00 --account=lab\"")
       .type_name("WORDS");

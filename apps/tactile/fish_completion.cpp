@@ -109,7 +109,7 @@ std::string line_of(const CLI::App& command, CLI::Option& option) {
     return fmt::format("{} {}\n", line, offer);
   }
   line += option.get_name() == "--help" ? " -s h -l help" : " -l " + option.get_name().substr(2);
-  if (!value_text(option).name.empty()) line += " " + fish_offer_of(value);
+  if (!value_text(option).name.empty() && !has_optional_value(option)) line += " " + fish_offer_of(value);
   return fmt::format("{} -d {}\n", line, quoted(option.get_description()));
 }
 

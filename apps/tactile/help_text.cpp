@@ -34,11 +34,6 @@ std::string entry(const std::string& typed, const std::string& meaning) {
   return text + wrapped(meaning, text_column, columns()) + '\n';
 }
 
-/// Whether the option may be given alone, without a value. It is no flag.
-bool has_optional_value(const CLI::Option& option) {
-  return option.get_expected_min() == 0 && !value_text(option).name.empty();
-}
-
 /// "; not with --a, --b or --c"; empty if the option goes with all others.
 std::string excluded_by(const CLI::Option& option) {
   std::vector<std::string> others;
@@ -97,6 +92,8 @@ ValueText value_text(const CLI::Option& option) {
   }
   return text;
 }
+
+bool has_optional_value(const CLI::Option& option) { return option.get_expected_min() == 0 && !value_text(option).name.empty(); }
 
 std::string typed_of(const CLI::Option& option) {
   const std::string name = value_text(option).name, value = has_optional_value(option) ? "[" + name + "]" : name;

@@ -21,10 +21,13 @@ struct ValueText {
 
 ValueText value_text(const CLI::Option& option);
 
+/// Whether the option may be given alone, without a value. A flag is not such an option.
+bool has_optional_value(const CLI::Option& option);
+
 /// "tactile convert [OPTIONS] IN OUT"
 std::string usage_text(const CLI::App& app);
 
-/// An option with its value: "--th X", "-h, --help", "FILE|RUN ...".
+/// An option with its value: "--th X", "-h, --help", "FILE|RUN ...", "--page [PORT]".
 std::string typed_of(const CLI::Option& option);
 
 /// What an option means, its right values, what it excludes, and its default.

@@ -272,7 +272,9 @@ void add_label_command(CLI::App& app) {
       .needs(data)  // without it, all runs would get one session
       .excludes(summary);
   const Option force =
-      command.add_flag("--force", arguments->force, "Also label unchanged runs again, and discard a person's edits; with --export, replace existing files")
+      command
+          .add_flag("--force", arguments->force,
+                    "Also label unchanged runs again, and discard a person's edits; with --export, replace existing files")
           .excludes(summary);
   add_camera_time_option(command, arguments->camera_time);
   add_label_exchange_options(command, arguments->exchange, compare_truth, force);

@@ -50,17 +50,7 @@ std::filesystem::path dataset_file(const std::string& data) {
   return std::filesystem::is_regular_file(data) ? std::filesystem::path(data) : std::filesystem::path(data) / "dataset.h5";
 }
 
-Check is_confirmation() {
-  return Check{[](std::string& text) -> std::string {
-                 try {
-                   confirmation_in(text);
-                   return "";
-                 } catch (const Error& e) {
-                   return e.what();
-                 }
-               },
-               ""};
-}
+Check is_confirmation() { return readable_by(confirmation_in); }
 
 std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "options.hpp"
+#include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
 
 // Checks of option values. The help shows a check's description ("1 to 1024"), and an error shows it after "expected".
@@ -24,6 +25,20 @@ Check is_seed();
 
 /// A run's id: two digits from 01 on.
 Check is_run();
+
+/// A text that `read` reads without an Error.
+template <class Read>
+Check readable_by(const Read& read) {
+  return Check{[read](std::string& text) {
+                 try {
+                   read(text);
+                   return std::string();
+                 } catch (const Error& error) {
+                   return std::string(error.what());
+                 }
+               },
+               ""};
+}
 
 /// The name of an existing file, not of a folder.
 Check is_existing_file();

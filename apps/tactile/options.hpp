@@ -9,7 +9,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-// How commands declare their options. These handles hide CLI11, whose headers take seven seconds to compile.
+// How commands declare their options. These handles hide CLI11, whose headers take three seconds to compile.
 namespace tactile::cli {
 
 /// A check of a value. `wrong` returns what is wrong with a text, or nothing. The help shows `right`: "1 to 1024".
@@ -60,7 +60,7 @@ class Command {
   Option add_ordered_option(const std::string& names, const std::function<void(const std::string&)>& keep,
                             const std::string& meaning);
 
-  void hide();  ///< from the help: few people need it, or only another command
+  void hide();  ///< from help, man pages and completions: few people need it, or only another command
 
  private:
   CLI::App* command_;

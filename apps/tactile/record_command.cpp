@@ -242,9 +242,10 @@ void add_record_command(CLI::App& app) {
       [args](const CommonArguments& common) { record(*args, common); }, CtrlC::is_the_end);
   const auto is_object = Check{[](std::string& text) { return why_not_an_object_name(text); }, ""};
   command
-      .add_option("--from", args->from,
-                  "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams. "
-                  "Default: the only camera, else tcp://127.0.0.1:7777")
+      .add_option(
+          "--from", args->from,
+          "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]; repeat for more streams. "
+          "Default: the only camera, else tcp://127.0.0.1:7777")
       .type_name("SOURCE");
   command.add_option("--robot", args->robot, "UR controller to log").type_name("HOST[:PORT]");
   command.add_option("--video", args->video, "Video source").type_name("DEVICE|FILE|URL");

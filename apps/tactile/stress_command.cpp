@@ -322,7 +322,9 @@ std::vector<std::string> world_names() {
 }
 
 void add_options(Command& command, const std::shared_ptr<StressArguments>& args) {
-  command.add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made, unless --quiet-recording is given").show_default();
+  command
+      .add_option("data", args->data, "Data folder with dataset.h5; a missing dataset is made, unless --quiet-recording is given")
+      .show_default();
   command
       .add_option("--recipe", args->recipes,
                   "A recipe of 'convert --stress' with severities: noise, noise:50,200, vibration:1,3:hz=120; or a JSON file of "

@@ -125,18 +125,6 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   return without_idle_values(usual);
 }
 
-Check is_augmentation() {
-  return Check{[](std::string& text) {
-                 try {
-                   trade::joined_augmentation_named(text);
-                   return std::string();
-                 } catch (const Error& error) {
-                   return std::string(error.what());
-                 }
-               },
-               ""};
-}
-
 Check is_filter() {
   return Check{[](std::string& text) {
                  const std::optional<double> cost = text == "off" ? std::optional(1.0) : number_in(text);
@@ -332,9 +320,10 @@ void add_trade_command(CLI::App& app) {
       .check(one_of({"mean", "literal", "none"}));
   add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
   add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling to try: 2, 4").check(one_of({"2", "4"}));
-  add_list("--augment", args->augmentations, "Augmentations of the training to try: as for 'train', joined by +")
+  add_list("--augment", args->augmentations,
+           "Augmentations of the training to try, with + where 'train' has commas: none, flip, flip+shift")
       .type_name("NAME")
-      .check(is_augmentation());
+      .check(readable_by(trade::joined_augmentation_named));
   add_list("--engine", args->engines, "Inference engines to try: fast, libtorch").check(one_of({"fast", "libtorch"}));
   add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, bf16, int8")
       .check(one_of({"fp32", "bf16", "int8"}));

@@ -317,15 +317,6 @@ void add_split_options(Command& command, TrainArguments& args) {
   add_strict_option(command, args.strict);
 }
 
-std::string check_augmentation(const std::string& name) {
-  try {
-    model::augmentation_named(name);
-    return {};
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
 void add_training_options(Command& command, TrainArguments& args) {
   command.add_option("--seed", args.training.seed, "Seed of the initial weights and of the sample order")
       .check(is_seed())
@@ -356,7 +347,7 @@ void add_training_options(Command& command, TrainArguments& args) {
                   "Random augmentation: none, or flip, shift and stress:RECIPE[:SEVERITY] of 'convert', separated by commas")
       .delimiter(',')
       .type_name("NAME,...")
-      .check(Check{check_augmentation, ""})
+      .check(readable_by(model::augmentation_named))
       .show_default();
   command
       .add_option("--class-weights", args.class_weights,

@@ -244,7 +244,7 @@ std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
   return "\n" +
          text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
          wrapped(
-             "Symmetric anchors: the IMU, sync taps or the arm's ring-down. The others follow from the times of touches and "
+             "Symmetric anchors: the IMU, sync taps or the arm's ringing. The others follow from the times of touches and "
              "drags; their intervals are wider.") +
          "\n";
 }

@@ -78,7 +78,9 @@ std::string action_of(const CompletedValue& value) {
 /// What _arguments reads: '--preset=[tiny: ...]:NAME:(paper quick tiny)'.
 std::string argument_of(CLI::Option& option, int& number) {
   const std::string value = value_text(option).name;
-  const std::string of_value = value.empty() ? "" : ":" + with_backslashes(value, ":") + ":" + action_of(completed_value(option));
+  const std::string of_value = value.empty() ? ""
+                                             : (has_optional_value(option) ? "::" : ":") + with_backslashes(value, ":") + ":" +
+                                                   action_of(completed_value(option));
   if (option.get_positional()) {
     const std::string place = option.get_expected_max() > 1 ? "*" : std::to_string(number++);
     return fmt::format("'{}{}'", place, of_value);

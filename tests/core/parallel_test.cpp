@@ -56,6 +56,17 @@ TEST(ParallelFor, GivesEachThreadAMemoryOfItsOwn) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], i);
 }
 
+TEST(ParallelFor, WithMemoriesBeginsNoCallAfterAFailure) {
+  std::vector<int> memories(2);
+  std::atomic<int> calls{0};
+  const auto fail = [&](std::size_t, int&) {
+    ++calls;
+    throw Error("broken");
+  };
+  EXPECT_THROW(parallel_for_with(std::span(memories), 1000, fail), Error);
+  EXPECT_LE(calls, 2);
+}
+
 TEST(ParallelFor, CallsWithinCallsAndBesideThemEnd) {
   std::atomic<int> calls{0};
   const auto nested = [&] {

@@ -82,16 +82,19 @@ class Completion : public testing::Test {
 using Words = std::vector<std::string>;
 
 TEST_F(Completion, OfBashOffersCommandsOptionsAndValues) {
-  const std::vector<std::pair<std::string, Words>> cases{{"tactile tr", {"trade", "train"}},
-                                                         {"tactile help rep", {"repair", "report", "reproduce"}},
-                                                         {"tactile label --com", {"--compare-truth"}},
-                                                         {"tactile simulate --preset ", {"paper", "quick", "tiny"}},
-                                                         {"tactile simulate --seed 1 --preset t", {"tiny"}},
-                                                         {"tactile simulate --preset=q", {"quick"}},
-                                                         {"tactile simulate --seed ", {}},
-                                                         {"tactile simulate --objects fan,water", {"fan,water-bottle"}},
-                                                         {"tactile stress --recipe hot", {"hot-pixels"}},
-                                                         {"tactile pages", {}}};
+  const std::vector<std::pair<std::string, Words>> cases{
+      {"tactile tr", {"trade", "train"}},
+      {"tactile help rep", {"repair", "report", "reproduce"}},
+      {"tactile label --com", {"--compare-truth"}},
+      {"tactile simulate --preset ", {"paper", "quick", "tiny"}},
+      {"tactile simulate --seed 1 --preset t", {"tiny"}},
+      {"tactile simulate --preset=q", {"quick"}},
+      {"tactile simulate --seed ", {}},
+      {"tactile record --preview --out data/f", {"data/fan/"}},
+      {"tactile record --preview --st", {"--start-on", "--stop-on", "--stream"}},
+      {"tactile simulate --objects fan,water", {"fan,water-bottle"}},
+      {"tactile stress --recipe hot", {"hot-pixels"}},
+      {"tactile pages", {}}};
   for (const auto& [line, offered] : cases) EXPECT_EQ(bash(line), offered) << line;
 }
 

@@ -60,9 +60,10 @@ def test_other_kinds_and_precisions_are_models_too(lab, engine):
     assert tactile.Engine(trees).predict(tactile.Recording(lab.recording)).logits.shape[1] == 3
     with pytest.raises(tactile.Error):
         tactile.Engine(trees).classify(np.zeros((1, 96, 128), np.uint8))
-    int8 = tactile.Engine(lab.bundle, precision="int8").predict(tactile.Recording(lab.recording))
     exact = engine.predict(tactile.Recording(lab.recording))
-    assert 0 < np.abs(int8.logits - exact.logits).max() < 0.1 * np.abs(exact.logits).max()
+    for precision in ("bf16", "int8"):
+        rounded = tactile.Engine(lab.bundle, precision=precision).predict(tactile.Recording(lab.recording))
+        assert 0 < np.abs(rounded.logits - exact.logits).max() < 0.1 * np.abs(exact.logits).max()
 
 
 def test_what_cannot_be_used_is_named(lab, engine, tmp_path):

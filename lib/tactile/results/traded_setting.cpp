@@ -63,14 +63,11 @@ void from_json(const JsonView& json, TradeDifference& difference) {
 }
 
 void to_json(nlohmann::json& json, const SettingValues& values) {
-  json = {{"kind", values.kind},       {"th_ms", values.th_ms},
-          {"tick_ms", values.tick_ms}, {"factor", values.factor},
-          {"resize", values.resize},   {"denoise", values.denoise},
-          {"width", values.width},     {"last_pool", values.last_pool},
-          {"engine", values.engine},   {"precision", values.precision},
-          {"pass", values.pass},       {"confirm", values.confirm},
-          {"filter", values.filter},   {"gate", values.gate},
-          {"augment", values.augment}};
+  json = {{"kind", values.kind},           {"th_ms", values.th_ms},         {"tick_ms", values.tick_ms},
+          {"factor", values.factor},       {"resize", values.resize},       {"denoise", values.denoise},
+          {"width", values.width},         {"last_pool", values.last_pool}, {"engine", values.engine},
+          {"precision", values.precision}, {"pass", values.pass},           {"confirm", values.confirm},
+          {"filter", values.filter},       {"gate", values.gate},           {"augment", values.augment}};
 }
 
 void from_json(const JsonView& json, SettingValues& values) {

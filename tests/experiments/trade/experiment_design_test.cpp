@@ -15,6 +15,18 @@ std::size_t differing(const TradeSetting& a, const TradeSetting& b) {
   return count;
 }
 
+TEST(TradeSetting, HasAnIdThatFileNamesMayContain) {
+  TradeSetting flipped, worsened;
+  flipped.augmentation = joined_augmentation_named("flip+shift");
+  worsened.augmentation = joined_augmentation_named("stress:noise:200+stress:vibration:2:hz=120+stress:loss:40+stress:shift:4");
+  EXPECT_TRUE(id_of(flipped).ends_with("-flip+shift")) << id_of(flipped);
+  EXPECT_EQ(id_of(worsened).find_first_of(":=,"), std::string::npos) << id_of(worsened);
+  EXPECT_EQ(text_of(flipped), "augment flip+shift");
+  TradeSetting other = worsened;
+  other.augmentation.stress.pop_back();
+  EXPECT_NE(id_of(other), id_of(worsened));
+}
+
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});

@@ -52,11 +52,12 @@ nlohmann::json without_times(nlohmann::json trade) {
 TEST(TradeCommand, TriesTreesAndNamesThem) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "plastic-container,sprayer,water-bottle");
-  const nlohmann::json trade = traded(
-      folder.path(), "--no-growth",
-      "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment "
-      "none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off --gate off --epochs 1 --trainings 2 --timed-ticks 600 "
-      "--corners 2 --no-trial --threads 2 ");
+  const nlohmann::json trade =
+      traded(folder.path(), "--no-growth",
+             "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment "
+             "none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off --gate off --epochs 1 "
+             "--trainings 2 --timed-ticks 600 "
+             "--corners 2 --no-trial --threads 2 ");
   ASSERT_TRUE(trade.is_object());
   const nlohmann::json* moved = point_of(trade, "augment flip+shift");
   ASSERT_NE(moved, nullptr);
@@ -79,11 +80,11 @@ TEST(TradeCommand, TriesTreesAndNamesThem) {
   EXPECT_TRUE(csv.starts_with("id,design,trainings,kind,th_ms,")) << csv.substr(0, 60);
   EXPECT_NE(csv.find("-trees,one,2,trees,40,"), std::string::npos) << csv;
   // The same again keeps all.
-  const nlohmann::json again =
-      traded(folder.path(), "--no-growth",
-             "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 "
-             "--last-pool 2 --augment none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off "
-             "--gate off --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ");
+  const nlohmann::json again = traded(
+      folder.path(), "--no-growth",
+      "trade --th 40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 "
+      "--last-pool 2 --augment none,flip+shift --engine fast --pass sparse --precision fp32,int8 --confirm 1/1 --filter off "
+      "--gate off --epochs 1 --trainings 2 --timed-ticks 600 --corners 2 --no-trial --threads 2 ");
   EXPECT_EQ(again.at("steps_done"), 0);
 }
 
@@ -187,7 +188,8 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   const auto windows = test::run_tactile("windows --history-ms 400", folder.path());
   ASSERT_EQ(windows.exit_code, 0) << windows.err;
   const std::string long_ticks =
-      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast "
+      "trade --th 400 --tick-us 200000,400000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none "
+      "--engine fast "
       "--precision fp32 --pass "
       "sparse --confirm 1/1 --filter 0.02 --gate off --epochs 1 --trainings 1 --timed-ticks 100 --threads 2 --at-most-us "
       "60000000 "
@@ -219,7 +221,8 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
   const test::TemporaryFolder folder;
   simulate_runs(folder.path(), "plastic-container,water-bottle");
   const std::string few =
-      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast --precision fp32 "
+      "trade --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast "
+      "--precision fp32 "
       "--pass sparse --confirm 1/1 "
       "--kind lenet --filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   const auto none = test::run_tactile(few + "--th 20,40 --budget-minutes 0", folder.path());

@@ -1,6 +1,7 @@
 #include "tactile/model/inference/lenet_engine.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +21,12 @@
 namespace {
 
 std::atomic<std::size_t> allocations{0};
+
+/// Of the process, as the allocator knows them.
+std::size_t bytes_held() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
 
 void* counted(std::size_t bytes, std::size_t alignment) {
   ++allocations;
@@ -302,6 +309,33 @@ TEST(LeNetEngine, RoundsTheBigLayerToTheNearestBfloat16) {
       EXPECT_LT(largest, 0.01);
     }
   }
+}
+
+TEST(LeNetEngine, RoundsTheLargestWeightsToFiniteOnes) {
+  Weights weights = random_weights(usual, 13);
+  scale(weights, "conv2", 1e-4F);
+  std::fill(weights[3].values.begin(), weights[3].values.end(), 0.0F);
+  weights[4].values[0] = std::numeric_limits<float>::max();
+  weights[4].values[1] = -std::numeric_limits<float>::max();
+  scale(weights, "fc2", 1e-30F);
+  for (const std::string& target : LeNetEngine::targets()) {
+    LeNetEngine rounded(usual, weights, {}, {.precision = Precision::bf16, .target = target}), exact(usual, weights);
+    for (const Heatmap& heatmap : heatmaps_of(usual, 13))
+      EXPECT_LE(difference(rounded.classify(heatmap), exact.classify(heatmap)), 0.01) << target;
+  }
+}
+
+TEST(LeNetEngine, HoldsOnlyTheWeightsOfItsPrecision) {
+  const Weights weights = random_weights(usual, 1);
+  std::array<std::size_t, 3> held{};
+  for (std::size_t i = 0; i < precisions.size(); ++i) {
+    const std::size_t before = bytes_held();
+    const LeNetEngine engine(usual, weights, {}, {.precision = precisions[i]});
+    held[i] = bytes_held() - before;
+  }
+  const std::size_t big_layer = std::size_t{9744} * 128;
+  EXPECT_NEAR(static_cast<double>(held[0] - held[1]), 2.0 * big_layer, 0.05 * big_layer);
+  EXPECT_NEAR(static_cast<double>(held[0] - held[2]), 3.0 * big_layer, 0.05 * big_layer);
 }
 
 TEST(LeNetEngine, KnowsWeightsThatAreWholeNumbersOfAByteExactly) {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "tactile/core/duration_units.hpp"
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -62,8 +64,13 @@ std::string joined_text_of(const model::Augmentation& augmentation) {
 }
 
 model::Augmentation joined_augmentation_named(std::string text) {
+  const std::string given = text;
   std::replace(text.begin(), text.end(), '+', ',');
-  return model::augmentation_named(text);
+  try {
+    return model::augmentation_named(text);
+  } catch (const Error& error) {
+    throw Error(given == text ? error.what() : fmt::format("augmentation '{}', joined by +: {}", given, error.what()));
+  }
 }
 
 results::SettingValues values_of(const TradeSetting& setting) {
@@ -94,7 +101,11 @@ std::string id_of(const TradeSetting& setting) {
   }
   if (setting.width != TradeSetting{}.width) parts.push_back(fmt::format("w{:g}", setting.width));
   if (setting.last_pool != TradeSetting{}.last_pool) parts.push_back(fmt::format("p{}", setting.last_pool));
-  if (setting.augmentation != model::Augmentation{}) parts.push_back(joined_text_of(setting.augmentation));
+  if (setting.augmentation != model::Augmentation{}) {
+    // The id is a part of file names.
+    const std::string text = joined_text_of(setting.augmentation);
+    parts.push_back(setting.augmentation.stress.empty() ? text : "augment-" + hash_of(text).substr(0, 8));
+  }
   if (setting.alarm_cost) parts.push_back(fmt::format("filter{:g}", *setting.alarm_cost));
   if (setting.kind != TradeSetting{}.kind) parts.emplace_back(name_of(setting.kind));
   return fmt::format("{}", fmt::join(parts, "-"));

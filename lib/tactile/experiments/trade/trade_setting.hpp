@@ -45,7 +45,8 @@ results::SettingValues values_of(const TradeSetting& setting);
 void to_json(nlohmann::json& json, const TradeSetting& setting);  ///< as `values_of`
 
 /// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
-/// "-p4", an augmentation "-flip+stress:noise:200", a filter "-filter0.01", another kind than LeNet "-trees".
+/// "-p4", an augmentation "-flip+shift" or, with recipes, "-augment-" and a hash, a filter "-filter0.01", another kind than LeNet
+/// "-trees".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.

@@ -117,20 +117,23 @@ void set_hidden(LeNetPlan& plan, const Parameter& weight) {
   }
 }
 
-/// The nearest bfloat16, the one with an even last bit of two.
-std::uint16_t nearest_half(float value) {
+/// The nearest finite bfloat16, the one with an even last bit of two. Highway's conversion truncates.
+std::uint16_t nearest_bf16(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
-  return static_cast<std::uint16_t>((bits + 0x7FFF + (bits >> 16 & 1)) >> 16);
+  const auto nearest = static_cast<std::uint16_t>((bits + 0x7FFF + (bits >> 16 & 1)) >> 16);
+  constexpr std::uint16_t infinity = 0x7F80;
+  return (nearest & 0x7FFF) == infinity ? static_cast<std::uint16_t>(nearest - 1) : nearest;
 }
 
-/// Stores the first fully connected layer's weights in another format, too. With bfloat16 those in float32 are rounded alike.
+/// Stores the first fully connected layer's weights in another format. With bfloat16 those in float32 are rounded alike, because
+/// `set_hidden_empty` reads them.
 void set_precision(LeNetPlan& plan, Precision precision) {
   AlignedValues<float>& weights = plan.hidden_weights;
   if (precision == Precision::bf16) {
-    plan.hidden_halves.resize(weights.size());
+    plan.hidden_bf16.resize(weights.size());
     for (std::size_t i = 0; i < weights.size(); ++i) {
-      plan.hidden_halves[i] = nearest_half(weights[i]);
-      weights[i] = std::bit_cast<float>(std::uint32_t{plan.hidden_halves[i]} << 16);
+      plan.hidden_bf16[i] = nearest_bf16(weights[i]);
+      weights[i] = std::bit_cast<float>(std::uint32_t{plan.hidden_bf16[i]} << 16);
     }
   } else if (precision == Precision::int8) {
     plan.hidden_bytes.resize(weights.size());
@@ -214,7 +217,7 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
   run(*plan, memory, empty.data(), false, nullptr, second.data());
   plan->second_empty.assign(second.begin(), second.begin() + static_cast<std::ptrdiff_t>(plan->layers.second_channels));
   set_hidden_empty(*plan, weights[5]);
-  if (options.precision != Precision::fp32) plan->hidden_weights = {};
+  if (options.precision != Precision::fp32) plan->hidden_weights = AlignedValues<float>();  // frees them, which {} does not
   run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
   state_ = std::make_unique<State>(State{plan, kernel.name, run, options.skip_empty, memory_for(*plan)});
 }

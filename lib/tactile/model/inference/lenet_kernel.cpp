@@ -37,9 +37,9 @@ HWY_INLINE std::size_t append(typename N::ChannelVector difference, std::size_t 
 HWY_INLINE Vector weights_at(const float* weights) { return hn::Load(floats, weights); }
 
 HWY_INLINE Vector weights_at(const std::uint16_t* weights) {
-  const hn::Rebind<std::uint16_t, Floats> halves;
+  const hn::Rebind<std::uint16_t, Floats> upper_halves;
   const hn::Rebind<std::uint32_t, Floats> bits;
-  return hn::BitCast(floats, hn::ShiftLeft<16>(hn::PromoteTo(bits, hn::Load(halves, weights))));
+  return hn::BitCast(floats, hn::ShiftLeft<16>(hn::PromoteTo(bits, hn::Load(upper_halves, weights))));
 }
 
 HWY_INLINE Vector weights_at(const std::int8_t* weights) {
@@ -52,7 +52,7 @@ HWY_INLINE Vector weights_at(const std::int8_t* weights) {
 template <class Use>
 HWY_INLINE void with_hidden(const LeNetPlan& plan, const Use& use) {
   if (!plan.hidden_bytes.empty()) return use(plan.hidden_bytes.data());
-  if (!plan.hidden_halves.empty()) return use(plan.hidden_halves.data());
+  if (!plan.hidden_bf16.empty()) return use(plan.hidden_bf16.data());
   use(plan.hidden_weights.data());
 }
 

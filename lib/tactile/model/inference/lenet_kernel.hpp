@@ -46,10 +46,10 @@ struct LeNetPlan {
 
   /// [row][column][channel] of the last pooled layer, each with `hidden_row` outputs: what an input adds lies together.
   AlignedValues<float> hidden_weights;
-  AlignedValues<std::uint16_t> hidden_halves;  ///< the same in bfloat16, the upper half of float32, in place of them
-  AlignedValues<std::int8_t> hidden_bytes;     ///< the same as whole numbers, in place of them
-  AlignedValues<float> hidden_scale;           ///< of each output's whole numbers; empty without them
-  AlignedValues<float> hidden_empty;           ///< the first fully connected layer's sums for an empty heatmap
+  AlignedValues<std::uint16_t> hidden_bf16;  ///< the same in bfloat16, the upper half of float32, in place of them
+  AlignedValues<std::int8_t> hidden_bytes;   ///< the same as whole numbers, in place of them
+  AlignedValues<float> hidden_scale;         ///< of each output's whole numbers; empty without them
+  AlignedValues<float> hidden_empty;         ///< the first fully connected layer's sums for an empty heatmap
 
   AlignedValues<float> inner_weights;  ///< [input][hidden_row outputs]
   AlignedValues<float> inner_bias;
