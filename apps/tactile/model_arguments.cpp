@@ -121,7 +121,7 @@ void TrainingEstimate::begin(unsigned epoch, double done) {
 void TrainingEstimate::see(const Progress& progress) {
   const std::uint64_t of_an_epoch = progress.total / epochs_;
   const auto epoch = static_cast<unsigned>(of_an_epoch > 0 ? progress.done / of_an_epoch : 0);
-  const bool ends_an_epoch = epoch > measured_from_epochs_ && progress.done % of_an_epoch == 0;
+  const bool ends_an_epoch = of_an_epoch > 0 && epoch > measured_from_epochs_ && progress.done % of_an_epoch == 0;
   if (has_begun_ && ends_an_epoch) {
     using Seconds = std::chrono::duration<double>;
     const Clock::time_point now = Clock::now();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -189,7 +190,7 @@ double harm_of(const results::StressCurve& curve, bool quiet) {
   const results::StressPoint &clean = curve.points.front(), &worst = curve.points.back();
   const double harm = quiet ? worst.false_alarms.outside_labels_per_min.value - clean.false_alarms.outside_labels_per_min.value
                             : clean.accuracy.value - worst.accuracy.value;
-  return std::isfinite(harm) ? harm : -INFINITY;
+  return std::isfinite(harm) ? harm : -std::numeric_limits<double>::infinity();
 }
 
 /// The first model's recipes that harm it most, the worst first: at most 13 lines.

@@ -9,7 +9,7 @@
 namespace tactile::cli {
 
 /// Errors of labels over all simulated runs, and over groups of them with different sources for labels.
-struct TruthTables {
+struct TruthTables {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   nlohmann::json json;
   std::string text;
   std::vector<std::string> errors;  ///< why runs could not be compared, a sentence each

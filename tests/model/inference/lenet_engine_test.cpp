@@ -248,6 +248,7 @@ TEST(LeNetEngine, CopiesAnswerOnThreadsOfTheirOwn) {
   const auto heatmaps = heatmaps_of(usual, 9);
   LeNetEngine engine(usual, random_weights(usual, 9));
   std::vector<Logits> expected;
+  expected.reserve(heatmaps.size());
   for (const Heatmap& heatmap : heatmaps) expected.push_back(engine.classify(heatmap));
   std::array<std::size_t, 2> wrong{};
   {
