@@ -321,6 +321,20 @@ void convert(ConvertArguments args, const CommonArguments& common) {
   print_result(common, json_of(args, options, summary), text_of(args, options, summary));
 }
 
+void add_topic_options(Command& command, conversion::BagImportOptions& bag) {
+  command.add_option("--events-topic", bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
+  command.add_option("--joints-topic", bag.joints_topic, "Topic of the joint states, if a bag has several; none leaves them out")
+      .type_name("TOPIC");
+  command
+      .add_option("--pose-topic", bag.pose_topic,
+                  "Topic with the poses of the robot's tool, if a bag has several; none leaves them out")
+      .type_name("TOPIC");
+  command.add_option("--video-topic", bag.video_topic, "Topic of the video, if a bag has several; none leaves it out")
+      .type_name("TOPIC");
+  command.add_option("--imu-topic", bag.imu_topic, "Topic of the IMU samples, if a bag has several; none leaves them out")
+      .type_name("TOPIC");
+}
+
 }  // namespace
 
 void add_convert_command(CLI::App& app) {
@@ -372,19 +386,7 @@ void add_convert_command(CLI::App& app) {
       .type_name("RECIPE,...")
       .suggest(recipe_names());
   command.add_option("--seed", args->seed, "Seed of --stress").check(is_seed()).show_default();
-  command.add_option("--events-topic", args->bag.events_topic, "Topic of the events, if a bag has several").type_name("TOPIC");
-  command
-      .add_option("--joints-topic", args->bag.joints_topic,
-                  "Topic of the joint states, if a bag has several; none leaves them out")
-      .type_name("TOPIC");
-  command
-      .add_option("--pose-topic", args->bag.pose_topic,
-                  "Topic with the poses of the robot's tool, if a bag has several; none leaves them out")
-      .type_name("TOPIC");
-  command.add_option("--video-topic", args->bag.video_topic, "Topic of the video, if a bag has several; none leaves it out")
-      .type_name("TOPIC");
-  command.add_option("--imu-topic", args->bag.imu_topic, "Topic of the IMU samples, if a bag has several; none leaves them out")
-      .type_name("TOPIC");
+  add_topic_options(command, args->bag);
   command.add_flag("--force", args->force, "Replace OUT if it exists, but never IN and never a run");
 }
 
