@@ -285,8 +285,7 @@ void add_eval_command(CLI::App& app) {
   command
       .add_option("--trainings", args->trainings,
                   "With --unseen: trainings with the objects, and without them, each on another run and with another seed; "
-                  "default: 2 for runs of the "
-                  "preset tiny, else 5")
+                  "default: 2 for runs of the preset tiny, else 5")
       .check(in_range(1U, 1000U))
       .type_name("N")
       .needs(unseen);

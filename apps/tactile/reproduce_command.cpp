@@ -71,15 +71,6 @@ std::size_t number_of_splits(const std::string& text) {
   return number;
 }
 
-std::string check_splits(const std::string& text) {
-  try {
-    number_of_splits(text);
-    return "";
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
 study::StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
   study::StudyOptions options;
   options.data = args.data;
@@ -342,7 +333,7 @@ void add_reproduce_command(CLI::App& app) {
       .check(is_seed())
       .show_default();
   command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
-      .check(Check{check_splits, ""})
+      .check(readable_by(number_of_splits))
       .type_name("N|all");
   add_network_size(command, args->width, args->last_pool);
   command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
