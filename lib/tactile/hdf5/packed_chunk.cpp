@@ -23,18 +23,20 @@ struct FreeDecompressor {
   void operator()(libdeflate_decompressor* decompressor) const { libdeflate_free_decompressor(decompressor); }
 };
 
-/// This thread's own. @throws std::bad_alloc
-libdeflate_compressor* compressor() {
-  thread_local const std::unique_ptr<libdeflate_compressor, FreeCompressor> own(libdeflate_alloc_compressor(packing_level));
-  if (!own) throw std::bad_alloc();
-  return own.get();
+// One for each chunk: where memory lacks, glibc ends the program if a thread keeps an object that must be destroyed with it.
+
+/// @throws std::bad_alloc
+std::unique_ptr<libdeflate_compressor, FreeCompressor> new_compressor() {
+  std::unique_ptr<libdeflate_compressor, FreeCompressor> made(libdeflate_alloc_compressor(packing_level));
+  if (!made) throw std::bad_alloc();
+  return made;
 }
 
-/// This thread's own. @throws std::bad_alloc
-libdeflate_decompressor* decompressor() {
-  thread_local const std::unique_ptr<libdeflate_decompressor, FreeDecompressor> own(libdeflate_alloc_decompressor());
-  if (!own) throw std::bad_alloc();
-  return own.get();
+/// @throws std::bad_alloc
+std::unique_ptr<libdeflate_decompressor, FreeDecompressor> new_decompressor() {
+  std::unique_ptr<libdeflate_decompressor, FreeDecompressor> made(libdeflate_alloc_decompressor());
+  if (!made) throw std::bad_alloc();
+  return made;
 }
 
 /// Fletcher's checksum of 32 bits over big-endian words of 16, the last one padded with 0. A sum of 0 that is not of zeros alone
@@ -75,8 +77,9 @@ std::vector<std::uint8_t> packed_chunk(std::span<const std::uint8_t> values, std
     }
     values = shuffled;
   }
-  std::vector<std::uint8_t> chunk(libdeflate_zlib_compress_bound(compressor(), values.size()));
-  chunk.resize(libdeflate_zlib_compress(compressor(), values.data(), values.size(), chunk.data(), chunk.size()));
+  const auto compressor = new_compressor();
+  std::vector<std::uint8_t> chunk(libdeflate_zlib_compress_bound(compressor.get(), values.size()));
+  chunk.resize(libdeflate_zlib_compress(compressor.get(), values.data(), values.size(), chunk.data(), chunk.size()));
   const std::uint32_t checksum = fletcher_32(chunk);
   for (unsigned shift = 0; shift < 32; shift += 8) chunk.push_back(static_cast<std::uint8_t>(checksum >> shift & 0xff));
   return chunk;
@@ -88,7 +91,7 @@ std::vector<std::uint8_t> unpacked_chunk(std::span<const std::uint8_t> chunk, st
   std::vector<std::uint8_t> unpacked(bytes);
   const std::size_t packed_size = chunk.size() - checksum_size;
   // Without a place for the number of bytes, another number than asked for is an error.
-  if (libdeflate_zlib_decompress(decompressor(), chunk.data(), packed_size, unpacked.data(), bytes, nullptr) !=
+  if (libdeflate_zlib_decompress(new_decompressor().get(), chunk.data(), packed_size, unpacked.data(), bytes, nullptr) !=
       LIBDEFLATE_SUCCESS)
     throw Damaged(where + ": a chunk does not hold " + std::to_string(bytes) + " bytes; expected a sound HDF5 file");
   if (value_size == 1) return unpacked;
