@@ -24,6 +24,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
+#include "windows/written_dataset.hpp"
 
 namespace tactile::heatmaps {
 namespace {
@@ -173,7 +174,7 @@ TEST_F(HeatmapsCommand, TakesKeptRunsFromTheFileOfTheOlderDataset) {
   {
     const windows::Dataset dataset(file);  // heatmaps that no rendering gives
     windows::HeatmapsWriter writer(dataset, history);
-    writer.append(writer.packed(std::vector<std::uint8_t>(size * dataset.samples().size(), 77)));
+    test::append_to(writer, std::vector<std::uint8_t>(size * dataset.samples().size(), 77));
     writer.commit();
   }
   test::make_run(folder / "data", {.object = "fan", .run = "03", .seed = 8});

@@ -21,6 +21,7 @@
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
+#include "windows/written_dataset.hpp"
 
 namespace tactile::windows {
 namespace {
@@ -82,7 +83,7 @@ class DamagedDataset : public testing::Test {
     Random random(5);
     std::vector<std::uint8_t> values(12 * dataset.samples().size());
     for (std::uint8_t& value : values) value = static_cast<std::uint8_t>(random.below(256));
-    heatmaps.append(heatmaps.packed(values));
+    test::append_to(heatmaps, values);
     heatmaps.commit();
   }
 

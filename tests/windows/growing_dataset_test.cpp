@@ -15,6 +15,7 @@
 #include "tactile/windows/run_samples.hpp"
 #include "tactile/windows/write_dataset.hpp"
 #include "windows/made_runs.hpp"
+#include "windows/written_dataset.hpp"
 
 namespace tactile::windows {
 namespace {
@@ -274,7 +275,7 @@ TEST_F(GrowingDataset, KeepsHistoriesFromWhichARunCanBeTaken) {
     HeatmapsWriter writer(dataset, history_of(2000, 1));
     std::vector<std::uint8_t> heatmaps(2 * dataset.samples().size(), 7);
     heatmaps[std::size_t{2} * mug.first] = 9;
-    writer.append(writer.packed(heatmaps));
+    test::append_to(writer, heatmaps);
     writer.commit();
   }
   fs::rename(data() / "fan", folder / "fan");

@@ -97,6 +97,26 @@ TEST_F(WriteDataset, GivesTheSameBytesForAnyThreadsAndInAnyFolder) {
   }
 }
 
+TEST_F(WriteDataset, DividesLongRunsAmongThreads) {
+  const test::LabelledRun dense{.run = "01", .seed = 4, .mean_gap_us = 1}, sparse{.run = "02", .seed = 5};
+  for (const test::LabelledRun& run : {dense, sparse}) test::make_run(data(), run);
+  write_dataset(data(), file(), {}, 1);
+  const Dataset dataset(file());
+  EXPECT_GT(dataset.runs()[0].events, 1'000'000U);  // several pieces of 262 144
+  for (std::uint32_t index = 0; index < 2; ++index) {
+    std::vector<events::Event> expected = random_events(index == 0 ? dense : sparse);
+    std::erase_if(expected, [&](const events::Event& event) {
+      return std::none_of(dataset.samples().begin(), dataset.samples().end(), [&](const Sample& sample) {
+        return sample.run_index == index && event.t < sample.t && event.t >= before(sample.t, dataset.sampling().history);
+      });
+    });
+    EXPECT_EQ(dataset.events(index), expected) << index;
+  }
+  write_dataset(data(), folder / "other/dataset.h5", {}, 3);
+  EXPECT_EQ(sha256_of_file(data() / "dataset.events.h5"), sha256_of_file(folder / "other/dataset.events.h5"));
+  EXPECT_TRUE(verify_dataset(data(), file()).differences.empty());
+}
+
 TEST_F(WriteDataset, KeepsADatasetOfTheSameManifestAndReplacesAnother) {
   test::make_three_runs(data());
   write_dataset(data(), file());
@@ -107,7 +127,7 @@ TEST_F(WriteDataset, KeepsADatasetOfTheSameManifestAndReplacesAnother) {
   {
     const Dataset dataset(file());
     HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
-    heatmaps.append(heatmaps.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
+    test::append_to(heatmaps, std::vector<std::uint8_t>(dataset.samples().size(), 7));
     heatmaps.commit();
   }
   EXPECT_EQ(Dataset(file()).heatmaps().size(), 1U);
@@ -145,7 +165,7 @@ TEST_F(WriteDataset, NotesWhereItsRunsHaveMovedAndKeepsItsHeatmaps) {
   {
     const Dataset dataset(apart);
     HeatmapsWriter heatmaps(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
-    heatmaps.append(heatmaps.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
+    test::append_to(heatmaps, std::vector<std::uint8_t>(dataset.samples().size(), 7));
     heatmaps.commit();
   }
   const auto events_written = fs::last_write_time(folder / "sets/dataset.events.h5");
@@ -341,12 +361,12 @@ TEST(HeatmapsWriter, RefusesTooFewHeatmapsAndAnotherDataset) {
   const StoredHeatmaps description{.name = "th_002", .settings = nlohmann::json::object(), .width = 2, .height = 1};
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(writer.packed(std::vector<std::uint8_t>(std::size_t{2} * 269)));
+    test::append_to(writer, std::vector<std::uint8_t>(std::size_t{2} * 269));
     EXPECT_THROW(writer.commit(), Error);
   }
   {
     HeatmapsWriter writer(dataset, description);
-    writer.append(writer.packed(std::vector<std::uint8_t>(std::size_t{2} * 270)));
+    test::append_to(writer, std::vector<std::uint8_t>(std::size_t{2} * 270));
     write_dataset(folder.path(), folder / "dataset.h5", {.sampling = {.seed = 2}});
     EXPECT_NE(message_of([&] { writer.commit(); }).find("replaced by another dataset"), std::string::npos);
   }
@@ -383,7 +403,7 @@ TEST(HeatmapsWriter, ChangesNoFileOnceItHasItsName) {
   write_dataset(folder.path(), folder / "dataset.h5");
   const Dataset dataset(folder / "dataset.h5");
   HeatmapsWriter writer(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = 1, .height = 1});
-  writer.append(writer.packed(std::vector<std::uint8_t>(dataset.samples().size(), 7)));
+  test::append_to(writer, std::vector<std::uint8_t>(dataset.samples().size(), 7));
   const auto renamed = renamed_files(folder.path(), [&] { writer.commit(); });
   if (!renamed) GTEST_SKIP() << "this machine cannot watch folders";
   EXPECT_EQ(renamed->all, (std::set<std::string>{"dataset.h5", "dataset.th_002.h5"}));
@@ -400,8 +420,8 @@ TEST(Heatmaps, AreReadInAnyOrder) {
     std::vector<std::uint8_t> heatmaps;
     for (int i = 0; i < 270; ++i)
       heatmaps.insert(heatmaps.end(), {static_cast<std::uint8_t>(i % 251), static_cast<std::uint8_t>(i / 251)});
-    writer.append(writer.packed({heatmaps.begin(), heatmaps.begin() + 200}));
-    writer.append(writer.packed({heatmaps.begin() + 200, heatmaps.end()}));
+    test::append_to(writer, {heatmaps.begin(), heatmaps.begin() + 200});
+    test::append_to(writer, {heatmaps.begin() + 200, heatmaps.end()});
     writer.commit();
   }
   const Dataset dataset(folder / "dataset.h5");
@@ -428,7 +448,7 @@ TEST_F(WriteDataset, ReadsNoHistoryWiderOrHigherThanTheLargestSensor) {
       const Dataset dataset(file());
       HeatmapsWriter writer(dataset, {.name = "th_002", .settings = {{"history_us", 2000}}, .width = width, .height = height});
       const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * dataset.samples().size();
-      writer.append(writer.packed(std::vector<std::uint8_t>(values, 7)));
+      test::append_to(writer, std::vector<std::uint8_t>(values, 7));
       writer.commit();
     }
     return Dataset(file()).find_heatmaps("th_002").has_value();

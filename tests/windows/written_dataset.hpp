@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/windows/dataset.hpp"
 
 namespace tactile::test {
 
@@ -28,6 +31,12 @@ inline std::string message_of(const std::function<void()>& call) {
     return e.what();
   }
   return "nothing thrown";
+}
+
+inline void append_to(windows::HeatmapsWriter& writer, std::vector<std::uint8_t> heatmaps) {
+  const windows::HeatmapsWriter::Packed packed = writer.packed(std::move(heatmaps));
+  writer.add_to_digest(packed.heatmaps);
+  writer.append(packed.chunks);
 }
 
 inline bool mentions(const std::vector<std::string>& texts, const std::string& part) {

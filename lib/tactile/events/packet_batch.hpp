@@ -24,8 +24,9 @@ class PacketBatch {
   /// @pre  not full
   void add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size);
 
-  /// Compresses all packets and passes each to `write`: its record, and its bytes with the header. What `write` throws leaves
-  /// this packet and the later ones in the batch. @throws Error  if the library fails
+  /// Compresses all packets and passes each to `write`, one after the other, while others are compressed: its record, and its
+  /// bytes with the header. What `write` throws leaves this packet and the later ones in the batch.
+  /// @throws Error  if the library fails
   void write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write);
 
  private:
@@ -35,7 +36,6 @@ class PacketBatch {
     PacketBuffer content, stored;
     std::size_t content_size = 0, stored_size = 0;  ///< without the header
   };
-  void compress();
 
   Compression compression_;
   std::vector<PacketCompressor> compressors_;  ///< of each thread

@@ -1,9 +1,9 @@
 #include "tactile/heatmaps/store_heatmaps.hpp"
 
 #include <algorithm>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/in_order.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
@@ -19,34 +20,6 @@
 
 namespace tactile::heatmaps {
 namespace {
-
-/// Executes steps in order that are prepared in parallel.
-class InTurn {
- public:
-  /// Calls `step` after the steps with lower numbers. @throws what `step` throws; then call `fail`
-  template <class Step>
-  void call(std::size_t number, const Step& step) {
-    std::unique_lock lock(guard_);
-    done_.wait(lock, [&] { return failed_ || next_ == number; });
-    if (failed_) return;
-    step();
-    ++next_;
-    done_.notify_all();
-  }
-
-  /// Waiting calls return, and later ones do nothing.
-  void fail() {
-    const std::scoped_lock lock(guard_);
-    failed_ = true;
-    done_.notify_all();
-  }
-
- private:
-  std::mutex guard_;
-  std::condition_variable done_;
-  std::size_t next_ = 0;
-  bool failed_ = false;
-};
 
 using Packed = windows::HeatmapsWriter::Packed;
 
@@ -141,7 +114,8 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
   }
 
   const std::vector<windows::RunSamples> runs = windows::samples_by_run(dataset);
-  InTurn in_turn;
+  // The digests and the files both need the runs' order. Each takes so long that they must not wait for each other.
+  InOrder in_digests(threads_or_all(threads)), in_files(threads_or_all(threads));
   std::mutex guard;  // of warnings
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     const windows::RunSamples& run = runs[i];
@@ -149,16 +123,25 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
       auto kept = kept_heatmaps(renderings, windows::source_sha256_of(dataset, run), guard);
       std::vector<bool> is_kept(kept.size());
       std::transform(kept.begin(), kept.end(), is_kept.begin(), [](const auto& each) { return each.has_value(); });
-      const std::vector<Packed> packed = heatmaps_of_run(dataset, run, renderings, std::move(kept));
-      in_turn.call(i, [&] {
+      std::vector<std::vector<std::uint8_t>> heatmaps;
+      std::vector<std::vector<std::vector<std::uint8_t>>> chunks;
+      for (Packed& packed : heatmaps_of_run(dataset, run, renderings, std::move(kept))) {
+        heatmaps.push_back(std::move(packed.heatmaps));
+        chunks.push_back(std::move(packed.chunks));
+      }
+      in_digests.later(i, [&renderings, heatmaps = std::make_shared<decltype(heatmaps)>(std::move(heatmaps))] {
+        for (std::size_t k = 0; k < renderings.size(); ++k) renderings[k].writer.add_to_digest((*heatmaps)[k]);
+      });
+      in_files.later(i, [&, is_kept, chunks = std::make_shared<decltype(chunks)>(std::move(chunks))] {
         for (std::size_t k = 0; k < renderings.size(); ++k) {
-          renderings[k].writer.append(packed[k]);
+          renderings[k].writer.append((*chunks)[k]);
           ++(is_kept[k] ? renderings[k].stored->runs_kept : renderings[k].stored->runs_rendered);
         }
         report_progress(progress, run.first + run.count, dataset.samples().size(), name_of(dataset.runs()[run.run_index]));
       });
     } catch (...) {
-      in_turn.fail();
+      in_digests.fail();
+      in_files.fail();
       throw;
     }
   });

@@ -186,14 +186,14 @@ void Dataset::State::read_runs(const std::string& where) {
   const auto object = h5::read_texts(id, "runs/object", where), run = h5::read_texts(id, "runs/run", where);
   const auto folder = h5::read_texts(id, "runs/folder", where);
   const auto first = h5::read_table<std::uint64_t>(id, "runs/first_event", where);
-  const auto events = h5::read_table<std::uint64_t>(id, "runs/events", where);
+  const auto counts = h5::read_table<std::uint64_t>(id, "runs/events", where);
   const auto events_sha256 = h5::read_texts(id, "runs/events_sha256", where);
   const auto labels_sha256 = h5::read_texts(id, "runs/labels_sha256", where);
   std::uint64_t next = 0;
-  for (std::size_t i = 0; i < common_length(where + ": /runs", object, run, folder, first, events, events_sha256, labels_sha256);
+  for (std::size_t i = 0; i < common_length(where + ": /runs", object, run, folder, first, counts, events_sha256, labels_sha256);
        ++i) {
-    runs.push_back({object[i], run[i], folder[i], first[i], events[i], events_sha256[i], labels_sha256[i], std::nullopt});
-    if (first[i] != next || __builtin_add_overflow(next, events[i], &next))
+    runs.push_back({object[i], run[i], folder[i], first[i], counts[i], events_sha256[i], labels_sha256[i], std::nullopt});
+    if (first[i] != next || __builtin_add_overflow(next, counts[i], &next))
       throw_inconsistent(where, "the events of the runs are not contiguous");
   }
   if (const h5::Id group = h5::open_group(id, "runs", where); !h5::has_member(group, "event_digest"))

@@ -39,7 +39,7 @@ struct DatasetInterval {
 };
 
 /// A rendering stored in a dataset.
-struct StoredHeatmaps {
+struct StoredHeatmaps {     // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::string name;         ///< "th_040", "th_040-1a2b3c4d"
   nlohmann::json settings;  ///< the renderer's
   int width = 0, height = 0;
@@ -122,8 +122,9 @@ class HeatmapsWriter {
   /// @throws Error  if they hold other heatmaps than of this history's size
   Packed unpacked(std::vector<std::vector<std::uint8_t>> chunks) const;
 
-  /// @param heatmaps  in the order of the samples
-  void append(const Packed& heatmaps);
+  /// Both in the order of the samples. One thread may add while another one appends.
+  void add_to_digest(std::span<const std::uint8_t> heatmaps);
+  void append(std::span<const std::vector<std::uint8_t>> chunks);
 
   /// @throws Error  if the number of heatmaps differs from that of the samples, or the dataset was replaced meanwhile
   void commit();

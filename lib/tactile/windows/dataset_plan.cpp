@@ -425,22 +425,18 @@ std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds
   return histories;
 }
 
-void for_stored_events(const PlannedRun& run, microseconds history,
-                       const std::function<void(std::span<const events::Event>)>& use, unsigned threads) {
-  const std::vector<TimeSpan> histories = histories_of(run.samples, history);
-  if (histories.empty()) return;
-  OpenRun open(run.folder, threads);
+void for_stored_events(OpenRun& open, std::span<const TimeSpan> histories, TimeSpan span,
+                       const std::function<void(std::span<const events::Event>)>& use) {
   std::size_t current = 0;
   std::vector<events::Event> kept;
-  events::for_events_between(open.recording, open.stream_id, histories.front().begin, histories.back().end,
-                             [&](std::span<const events::Event> events) {
-                               kept.clear();
-                               for (const events::Event& event : events) {
-                                 while (current < histories.size() && histories[current].end <= event.t) ++current;
-                                 if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
-                               }
-                               use(kept);
-                             });
+  events::for_events_between(open.recording, open.stream_id, span.begin, span.end, [&](std::span<const events::Event> events) {
+    kept.clear();
+    for (const events::Event& event : events) {
+      while (current < histories.size() && histories[current].end <= event.t) ++current;
+      if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
+    }
+    use(kept);
+  });
 }
 
 }  // namespace tactile::windows

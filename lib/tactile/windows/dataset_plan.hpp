@@ -38,7 +38,7 @@ struct PlannedRun {
   std::vector<Sample> samples;           ///< `run_index` counts planned runs
 };
 
-struct DatasetPlan {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
+struct DatasetPlan {             // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
   std::vector<PlannedRun> runs;  ///< in the dataset
   std::vector<WindowedRun> left_out;
   std::size_t passed_over = 0;                     ///< left out because they are simulated and others are real
@@ -57,8 +57,7 @@ struct DatasetPlan {  // NOLINT(bugprone-exception-escape): moving nlohmann::jso
 
 /// Opens a run's recording at its event stream.
 struct OpenRun {
-  explicit OpenRun(const RunFolder& run, unsigned threads = 1)
-      : recording(run.events(), threads), stream_id(events::event_stream(recording).id) {}
+  explicit OpenRun(const RunFolder& run) : recording(run.events()), stream_id(events::event_stream(recording).id) {}
   events::RecordingReader recording;
   std::int32_t stream_id;
 };
@@ -71,8 +70,8 @@ DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesyste
 /// The union of [t - history, t) over a run's samples, as separate spans, ascending.
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
 
-/// Passes the events that a dataset stores of a run to `use`, ascending. @param threads  that read the recording; 0: one per core
-void for_stored_events(const PlannedRun& run, microseconds history,
-                       const std::function<void(std::span<const events::Event>)>& use, unsigned threads = 1);
+/// Passes the events of a run's histories, ascending, within `span` to `use`, in their order.
+void for_stored_events(OpenRun& open, std::span<const TimeSpan> histories, TimeSpan span,
+                       const std::function<void(std::span<const events::Event>)>& use);
 
 }  // namespace tactile::windows

@@ -1,12 +1,8 @@
 #include "tactile/windows/event_columns.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
-
-#include "tactile/core/parallel.hpp"
-#include "tactile/core/start_beside.hpp"
 
 namespace tactile::windows {
 namespace h5 = hdf5;
@@ -14,7 +10,6 @@ namespace h5 = hdf5;
 namespace {
 
 constexpr std::array<const char*, 4> names{"t_us", "x", "y", "on"};
-constexpr std::size_t chunks_at_once = 16;  // enough for all cores; 1 Mi events
 
 template <class T, class Get>
 std::vector<std::uint8_t> packed(std::span<const events::Event> events, Get get) {
@@ -37,7 +32,7 @@ std::vector<std::uint8_t> packed_column(std::size_t column, std::span<const even
 
 }  // namespace
 
-EventColumns::EventColumns(hid_t group, std::string where, unsigned threads) : where_(std::move(where)), threads_(threads) {
+EventColumns::EventColumns(hid_t group, std::string where) : where_(std::move(where)) {
   const std::array<hid_t, names.size()> types{H5T_STD_I64LE, H5T_STD_U16LE, H5T_STD_U16LE, H5T_STD_U8LE};
   for (std::size_t column = 0; column < names.size(); ++column)
     tables_.push_back(h5::create_table(group, names[column], types[column], {}, rows_per_chunk, where_));
@@ -57,43 +52,41 @@ void EventColumns::copy_chunks(hid_t older, std::uint64_t chunks, const std::str
       h5::append_packed_chunk(tables_[column], bytes, rows_per_chunk, where_);
     }
   }
-  appended_ += chunks * rows_per_chunk;
 }
 
-void EventColumns::append(std::span<const events::Event> events) {
-  pending_.insert(pending_.end(), events.begin(), events.end());
-  appended_ += events.size();
-  while (pending_.size() >= chunks_at_once * rows_per_chunk) start_packing(chunks_at_once * rows_per_chunk);
+EventColumns::Chunks EventColumns::next(std::vector<events::Event> events) {
+  Chunks full{.events = std::move(events)};
+  const std::span<const events::Event> all(full.events);
+  if (!rest_.empty() && rest_.size() + all.size() >= rows_per_chunk) {
+    full.begin = rows_per_chunk - rest_.size();
+    full.joined = std::exchange(rest_, {});
+    full.joined.insert(full.joined.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(full.begin));
+  }
+  const std::size_t whole = rest_.empty() ? (all.size() - full.begin) / rows_per_chunk : 0;
+  full.count = whole + (full.joined.empty() ? 0 : 1);
+  const auto left = all.subspan(full.begin + whole * rows_per_chunk);
+  rest_.insert(rest_.end(), left.begin(), left.end());
+  return full;
+}
+
+void EventColumns::pack(Chunks& chunks) {
+  const auto pack_chunk = [&chunks](std::span<const events::Event> events) {
+    for (std::size_t column = 0; column < names.size(); ++column) chunks.packed.push_back(packed_column(column, events));
+  };
+  if (!chunks.joined.empty()) pack_chunk(chunks.joined);
+  const std::span<const events::Event> all(chunks.events);
+  for (std::size_t at = chunks.begin; chunks.packed.size() < chunks.count * names.size(); at += rows_per_chunk)
+    pack_chunk(all.subspan(at, rows_per_chunk));
+}
+
+void EventColumns::write(const Chunks& chunks) {
+  for (std::size_t i = 0; i < chunks.packed.size(); ++i)
+    h5::append_packed_chunk(tables_[i % names.size()], chunks.packed[i], rows_per_chunk, where_);
 }
 
 void EventColumns::finish() {
-  start_packing(pending_.size());
-  write_packed();
-}
-
-/// Packs the first pending events beside the caller, who appends further ones meanwhile.
-void EventColumns::start_packing(std::size_t events) {
-  write_packed();
-  const auto end = pending_.begin() + static_cast<std::ptrdiff_t>(events);
-  being_packed_.assign(pending_.begin(), end);
-  pending_.erase(pending_.begin(), end);
-  packed_.resize((events + rows_per_chunk - 1) / rows_per_chunk * names.size());
-  packing_ = start_beside(threads_, [this] {
-    parallel_for(packed_.size(), threads_, [&](std::size_t i) {
-      const auto rest = std::span<const events::Event>(being_packed_).subspan(i / names.size() * rows_per_chunk);
-      packed_[i] = packed_column(i % names.size(), rest.first(std::min<std::size_t>(rows_per_chunk, rest.size())));
-    });
-  });
-}
-
-/// Waits until chunks are packed, and writes them.
-void EventColumns::write_packed() {
-  if (packing_.valid()) packing_.get();
-  for (std::size_t i = 0; i < packed_.size(); ++i) {
-    const std::size_t rows = std::min<std::size_t>(rows_per_chunk, being_packed_.size() - i / names.size() * rows_per_chunk);
-    h5::append_packed_chunk(tables_[i % names.size()], packed_[i], rows, where_);
-  }
-  packed_.clear();
+  for (std::size_t column = 0; column < names.size() && !rest_.empty(); ++column)
+    h5::append_packed_chunk(tables_[column], packed_column(column, rest_), rest_.size(), where_);
 }
 
 }  // namespace tactile::windows

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <future>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,29 +17,33 @@ class EventColumns {
  public:
   static constexpr hsize_t rows_per_chunk = hsize_t{1} << 16;
 
-  /// @param threads  that pack chunks, beside the caller if it is not 1; 0: one per core
-  EventColumns(hid_t group, std::string where, unsigned threads);
+  /// Full chunks: the first one in `joined`, if that is not empty, the others in `events` from `begin` on.
+  struct Chunks {
+    std::vector<events::Event> joined{}, events{};
+    std::size_t begin = 0, count = 0;                 ///< `count`: of chunks, with the joined one
+    std::vector<std::vector<std::uint8_t>> packed{};  ///< all columns of a chunk, then of the next
+  };
+
+  EventColumns(hid_t group, std::string where);
   EventColumns(const EventColumns&) = delete;
   EventColumns& operator=(const EventColumns&) = delete;
 
-  /// Copies the first chunks of another dataset as they are stored. Call it before `append`.
+  /// Copies the first chunks of another dataset as they are stored. Call it before `next`.
   /// @param older  its group /events  @throws hdf5::Damaged  if a chunk is damaged
   void copy_chunks(hid_t older, std::uint64_t chunks, const std::string& older_where);
-  void append(std::span<const events::Event> events);
-  void finish();  ///< writes all chunks, of which the last need not be full
-  std::uint64_t appended() const { return appended_; }
+
+  /// Takes the next events, and gives the chunks that are full with them. Events that fill no chunk wait for the next call.
+  Chunks next(std::vector<events::Event> events);
+  /// Packs chunks. It needs no Session, so several threads may pack at the same time.
+  static void pack(Chunks& chunks);
+  /// Writes packed chunks, in the order of `next`.
+  void write(const Chunks& chunks);
+  void finish();  ///< writes the last chunk, which need not be full
 
  private:
-  void start_packing(std::size_t events);
-  void write_packed();
-
   std::string where_;
-  unsigned threads_;
-  std::vector<hdf5::Id> tables_;  ///< t_us, x, y, on
-  std::vector<events::Event> pending_, being_packed_;
-  std::vector<std::vector<std::uint8_t>> packed_;  ///< chunks of `being_packed_`: all columns of one, then of the next
-  std::uint64_t appended_ = 0;
-  std::future<void> packing_;  ///< the last member, so that it ends first
+  std::vector<hdf5::Id> tables_;     ///< t_us, x, y, on
+  std::vector<events::Event> rest_;  ///< fewer than fill a chunk
 };
 
 }  // namespace tactile::windows

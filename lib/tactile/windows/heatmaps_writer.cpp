@@ -87,11 +87,12 @@ HeatmapsWriter::Packed HeatmapsWriter::unpacked(std::vector<std::vector<std::uin
   return packed;
 }
 
-void HeatmapsWriter::append(const Packed& packed) {
+void HeatmapsWriter::add_to_digest(std::span<const std::uint8_t> heatmaps) { state_->digest.add(std::as_bytes(heatmaps)); }
+
+void HeatmapsWriter::append(std::span<const std::vector<std::uint8_t>> chunks) {
   const h5::Session session;
-  h5::append_packed_rows(state_->table, packed.chunks, state_->target.string());
-  state_->written += packed.chunks.size();
-  state_->digest.add(std::as_bytes(std::span(packed.heatmaps)));
+  h5::append_packed_rows(state_->table, chunks, state_->target.string());
+  state_->written += chunks.size();
 }
 
 void HeatmapsWriter::commit() {

@@ -40,18 +40,11 @@ std::optional<std::uint32_t> OlderDataset::with_same_events(const std::string& e
   return std::nullopt;
 }
 
-void OlderDataset::for_events(std::uint32_t run_index, std::uint64_t first,
-                              const std::function<void(std::span<const events::Event>)>& use) const {
-  constexpr std::uint64_t events_at_once = 1 << 20;
-  for (const std::uint64_t end = events_of(run_index); first < end;) {
-    std::vector<events::Event> events;
-    try {
-      events = dataset_->events(run_index, first, std::min(events_at_once, end - first));
-    } catch (const Error& e) {
-      throw UnusableDataset(e);
-    }
-    first += events.size();
-    use(events);
+std::vector<events::Event> OlderDataset::events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const {
+  try {
+    return dataset_->events(run_index, first, count);
+  } catch (const Error& e) {
+    throw UnusableDataset(e);
   }
 }
 

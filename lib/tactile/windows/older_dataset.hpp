@@ -44,9 +44,8 @@ class OlderDataset {
 
   std::uint64_t events_of(std::uint32_t run_index) const { return dataset_->runs()[run_index].events; }
 
-  /// Passes the events of a run to `use`, from number `first` on. @throws UnusableDataset  if they cannot be read
-  void for_events(std::uint32_t run_index, std::uint64_t first,
-                  const std::function<void(std::span<const events::Event>)>& use) const;
+  /// `count` events of a run, from number `first` on. @throws UnusableDataset  if they cannot be read
+  std::vector<events::Event> events(std::uint32_t run_index, std::uint64_t first, std::uint64_t count) const;
 
   const Dataset& dataset() const { return *dataset_; }
 

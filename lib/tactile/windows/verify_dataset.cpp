@@ -99,8 +99,11 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   compare_intervals(dataset, stored_index, run, differences);
   StoredEvents events(dataset, stored_index);
   bool same = true;
-  for_stored_events(run, dataset.sampling().history,
-                    [&](std::span<const events::Event> expected) { same = same && events.continue_with(expected); });
+  if (const auto histories = histories_of(run.samples, dataset.sampling().history); !histories.empty()) {
+    OpenRun open(run.folder);
+    for_stored_events(open, histories, {histories.front().begin, histories.back().end},
+                      [&](std::span<const events::Event> expected) { same = same && events.continue_with(expected); });
+  }
   if (!same || !events.at_end()) differences.push_back(name + ": its events differ from those in the histories of its samples");
   return differences;
 }
@@ -110,8 +113,9 @@ void check_histories(const Dataset& dataset, DatasetCheck& check) {
     if (const std::string wrong = dataset.what_is_wrong_with(name); wrong.empty()) {
       check.histories.push_back(name);
     } else {
-      check.differences.push_back(name + ": " + wrong + "; remove " + dataset_layout::file_beside(dataset.file(), name).string() +
-                                  " and run 'tactile heatmaps' again");
+      std::string& difference = check.differences.emplace_back(name);
+      difference.append(": ").append(wrong).append("; remove ");
+      difference.append(dataset_layout::file_beside(dataset.file(), name).string()).append(" and run 'tactile heatmaps' again");
     }
   }
 }

@@ -8,16 +8,15 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/folder_lock.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_layout.hpp"
 #include "tactile/windows/dataset_plan.hpp"
-#include "tactile/windows/event_columns.hpp"
 #include "tactile/windows/older_dataset.hpp"
 #include "tactile/windows/older_heatmaps.hpp"
 #include "tactile/windows/run_samples.hpp"
+#include "tactile/windows/write_events.hpp"
 
 namespace tactile::windows {
 namespace fs = std::filesystem;
@@ -25,74 +24,12 @@ namespace h5 = hdf5;
 
 namespace {
 
-std::string events_file_of(const fs::path& dataset) {
-  const h5::Session session;
-  return h5::linked_file(h5::open_file(dataset, false), "events");
-}
-
-/// The older dataset's run with the same events, for each run of a plan.
-using KeptRuns = std::vector<std::optional<std::uint32_t>>;
-
-KeptRuns kept_runs(const DatasetPlan& plan, const OlderDataset* older, microseconds history) {
-  KeptRuns kept(plan.runs.size());
-  if (older == nullptr) return kept;
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    kept[i] = older->with_same_events(plan.runs[i].events_sha256, plan.runs[i].samples, history);
-  return kept;
-}
-
-/// Copies the chunks before the first run that is not as in the older dataset: later chunks hold other rows than there.
-/// @throws UnusableDataset  if one is damaged
-void copy_first_chunks(EventColumns& columns, const OlderDataset& older, const KeptRuns& kept) {
-  std::uint64_t same_rows = 0;
-  for (std::uint32_t i = 0; i < kept.size() && kept[i] == i; ++i) same_rows += older.events_of(i);
-  try {
-    const fs::path dataset = older.dataset().file(), file = dataset_layout::folder_of(dataset) / events_file_of(dataset);
-    const h5::Id in = h5::open_file(file, false);
-    columns.copy_chunks(h5::open_group(in, "events", file.string()), same_rows / EventColumns::rows_per_chunk, file.string());
-  } catch (const h5::Damaged& e) {
-    throw UnusableDataset(e);
-  }
-}
-
-struct EventSources {
-  const OlderDataset* older = nullptr;  ///< null: there is none
-  KeptRuns kept;
-};
-
-/// Writes the file of events, and their numbers to the plan's rows.
-std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash,
-                           microseconds history, unsigned threads, const ProgressCallback& progress) {
-  const std::string where = file.string();
-  h5::Id out = h5::create_file(file, h5::Structure::checked);
-  std::uint64_t written = 0;
-  {
-    const h5::Id group = h5::create_group(out, "events", where);
-    h5::write_attribute(group, "manifest_sha256", manifest_hash, where);
-    EventColumns columns(group, where, threads);
-    if (sources.older != nullptr) copy_first_chunks(columns, *sources.older, sources.kept);
-    const auto append = [&](std::span<const events::Event> events) { columns.append(events); };
-    std::uint64_t next = 0;  // event
-    for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-      plan.rows[i].first_event = next;
-      if (const auto same = sources.kept[i]) {
-        const std::uint64_t there = columns.appended() > next ? columns.appended() - next : 0,
-                            count = sources.older->events_of(*same);
-        sources.older->for_events(*same, std::min(there, count), append);
-        plan.rows[i].events = count;
-      } else {
-        for_stored_events(plan.runs[i], history, append, threads_or_all(threads));
-        if (!plan.runs[i].samples.empty() && !plan.runs[i].was_read) plan.read_runs.push_back(plan.runs[i].folder.name());
-        plan.rows[i].events = columns.appended() - next;
-      }
-      next += plan.rows[i].events;
-      report_progress(progress, plan.runs.size() + i + 1, 2 * plan.runs.size(), plan.runs[i].folder.name());
-    }
-    columns.finish();
-    written = columns.appended();
-  }
-  out.close(where);
-  return written;
+EventSources sources_of(const DatasetPlan& plan, const OlderDataset* older, microseconds history) {
+  EventSources sources{.older = older, .kept = {}, .history = history};
+  sources.kept.resize(plan.runs.size());
+  for (std::size_t i = 0; older != nullptr && i < plan.runs.size(); ++i)
+    sources.kept[i] = older->with_same_events(plan.runs[i].events_sha256, plan.runs[i].samples, history);
+  return sources;
 }
 
 template <class T, class Rows, class Get>
@@ -288,8 +225,7 @@ DatasetSummary make_dataset(const Making& making, Existing existing, std::option
   const fs::path& file = making.file;
   const microseconds history = making.options.sampling.history;
   const std::optional<OlderDataset> older = old && reuse ? std::optional<OlderDataset>(*old) : std::nullopt;
-  EventSources sources{.older = older ? &*older : nullptr, .kept = {}};
-  DatasetPlan plan = plan_dataset(making.data, file, making.options, making.threads, making.progress, sources.older);
+  DatasetPlan plan = plan_dataset(making.data, file, making.options, making.threads, making.progress, older ? &*older : nullptr);
   DatasetSummary summary = summary_of(plan);
   const fs::path events_file = dataset_layout::file_beside(file, "events");
   remove_leftovers(file);
@@ -305,10 +241,10 @@ DatasetSummary make_dataset(const Making& making, Existing existing, std::option
     remove_stale_files(file);  // an interrupted command may have left some
     return summary;
   }
-  sources.kept = kept_runs(plan, sources.older, history);
-  const h5::Session session;
+  const EventSources sources = sources_of(plan, older ? &*older : nullptr, history);
   WholeFile events(events_file, IfThere::replace);
-  summary.events = write_events(plan, sources, events.path(), summary.manifest_hash, history, making.threads, making.progress);
+  summary.events = write_events(plan, sources, events.path(), summary.manifest_hash, making.threads, making.progress);
+  const h5::Session session;
   if (older) {
     std::vector<bool> same_events;
     for (const auto& same : sources.kept) same_events.push_back(same.has_value());

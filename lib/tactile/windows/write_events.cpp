@@ -1,0 +1,214 @@
+#include "tactile/windows/write_events.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "tactile/core/in_order.hpp"
+#include "tactile/core/parallel.hpp"
+#include "tactile/hdf5/hdf5_objects.hpp"
+#include "tactile/windows/dataset_layout.hpp"
+#include "tactile/windows/event_columns.hpp"
+
+namespace tactile::windows {
+namespace fs = std::filesystem;
+namespace h5 = hdf5;
+
+namespace {
+
+constexpr std::uint64_t piece_events = 1 << 18;  // about; a thread keeps some 20 bytes of each in memory
+
+/// Events of a run that one thread reads at once.
+struct Piece {
+  std::size_t run = 0;
+  std::uint64_t first = 0, count = 0;  ///< in the older dataset's run, if that has the same events
+  TimeSpan span{};                     ///< else in the recording
+};
+
+/// The rows of an older dataset's run that are not in copied chunks.
+std::vector<Piece> pieces_of_rows(std::size_t run, std::uint64_t first, std::uint64_t end) {
+  std::vector<Piece> pieces;
+  for (; first < end; first += pieces.back().count)
+    pieces.push_back({.run = run, .first = first, .count = std::min(piece_events, end - first)});
+  return pieces;
+}
+
+/// The time from the first history to the last one, divided where a packet begins.
+std::vector<Piece> pieces_of_recording(std::size_t index, const PlannedRun& run, microseconds history) {
+  const std::vector<TimeSpan> histories = histories_of(run.samples, history);
+  if (histories.empty()) return {};
+  std::vector<Piece> pieces{{.run = index, .span = {histories.front().begin, histories.back().end}}};
+  const OpenRun open(run.folder);
+  std::uint64_t events = 0;
+  for (const events::PacketRecord& packet : open.recording.packets()) {
+    TimeSpan& last = pieces.back().span;
+    if (packet.stream_id != open.stream_id || packet.elements == 0 || packet.last < last.begin || packet.first >= last.end)
+      continue;
+    if (events >= piece_events && packet.first > last.begin) {
+      const CameraTime end = std::exchange(last.end, packet.first);
+      pieces.push_back({.run = index, .span = {packet.first, end}});
+      events = 0;
+    }
+    events += static_cast<std::uint64_t>(packet.elements);
+  }
+  return pieces;
+}
+
+/// A run's recording that a thread has open.
+struct OpenedRun {
+  std::size_t run = 0;
+  std::unique_ptr<OpenRun> open{};
+};
+
+/// A dataset's file of events while it is written.
+class EventsFile {
+ public:
+  EventsFile(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash)
+      : plan_(plan), sources_(sources), where_(file.string()) {
+    const h5::Session session;
+    out_ = h5::create_file(file, h5::Structure::checked);
+    const h5::Id group = h5::create_group(out_, "events", where_);
+    h5::write_attribute(group, "manifest_sha256", manifest_hash, where_);
+    columns_.emplace(group, where_);
+  }
+  ~EventsFile() {
+    const h5::Session session;
+    columns_.reset();
+    out_ = {};
+  }
+  EventsFile(const EventsFile&) = delete;
+  EventsFile& operator=(const EventsFile&) = delete;
+
+  void copy_first_chunks();
+  void write(unsigned threads, const ProgressCallback& progress);
+  void close();
+
+ private:
+  std::vector<Piece> pieces(unsigned threads) const;
+  std::vector<events::Event> read(const Piece& piece, OpenedRun& opened) const;
+
+  DatasetPlan& plan_;
+  const EventSources& sources_;
+  std::string where_;
+  h5::Id out_;
+  std::optional<EventColumns> columns_;
+  std::uint64_t copied_ = 0;  ///< rows, in chunks
+};
+
+/// Copies the chunks before the first run that is not as in the older dataset: later chunks hold other rows than there.
+/// @throws UnusableDataset  if one is damaged
+void EventsFile::copy_first_chunks() {
+  const OlderDataset& older = *sources_.older;
+  std::uint64_t same_rows = 0;
+  for (std::uint32_t i = 0; i < sources_.kept.size() && sources_.kept[i] == i; ++i) same_rows += older.events_of(i);
+  const std::uint64_t chunks = same_rows / EventColumns::rows_per_chunk;
+  const h5::Session session;
+  try {
+    const fs::path dataset = older.dataset().file(), file = dataset_layout::folder_of(dataset) / events_file_of(dataset);
+    const h5::Id in = h5::open_file(file, false);
+    columns_->copy_chunks(h5::open_group(in, "events", file.string()), chunks, file.string());
+  } catch (const h5::Damaged& e) {
+    throw UnusableDataset(e);
+  }
+  copied_ = chunks * EventColumns::rows_per_chunk;
+}
+
+/// All pieces, in the order of the file.
+std::vector<Piece> EventsFile::pieces(unsigned threads) const {
+  std::vector<std::vector<Piece>> of_runs(plan_.runs.size());
+  parallel_for(plan_.runs.size(), threads, [&](std::size_t i) {
+    if (!sources_.kept[i]) of_runs[i] = pieces_of_recording(i, plan_.runs[i], sources_.history);
+  });
+  std::vector<Piece> all;
+  std::uint64_t copied = copied_;  // of the runs from i on
+  for (std::size_t i = 0; i < of_runs.size(); ++i) {
+    if (const auto same = sources_.kept[i]) {
+      const std::uint64_t events = sources_.older->events_of(*same), there = std::min(copied, events);
+      copied -= there;
+      of_runs[i] = pieces_of_rows(i, there, events);
+    }
+    all.insert(all.end(), of_runs[i].begin(), of_runs[i].end());
+  }
+  return all;
+}
+
+std::vector<events::Event> EventsFile::read(const Piece& piece, OpenedRun& opened) const {
+  if (const auto same = sources_.kept[piece.run]) return sources_.older->events(*same, piece.first, piece.count);
+  const PlannedRun& run = plan_.runs[piece.run];
+  if (!opened.open || opened.run != piece.run) opened = {.run = piece.run, .open = std::make_unique<OpenRun>(run.folder)};
+  std::vector<events::Event> events;
+  for_stored_events(*opened.open, histories_of(run.samples, sources_.history), piece.span,
+                    [&](std::span<const events::Event> some) { events.insert(events.end(), some.begin(), some.end()); });
+  return events;
+}
+
+/// Threads read and pack pieces; their events are divided into chunks, and written, in the order of the file.
+void EventsFile::write(unsigned threads, const ProgressCallback& progress) {
+  const std::vector<Piece> pieces = this->pieces(threads);
+  for (std::size_t i = 0; i < sources_.kept.size(); ++i) plan_.rows[i].events = 0;
+  std::vector<OpenedRun> opened(std::max<std::size_t>(1, std::min<std::size_t>(threads_or_all(threads), pieces.size())));
+  InOrder in_chunks(1), in_file(2 * opened.size());
+  parallel_for_with(std::span(opened), pieces.size(), [&](std::size_t i, OpenedRun& run) {
+    try {
+      const std::size_t index = pieces[i].run;
+      const auto chunks = std::make_shared<EventColumns::Chunks>();
+      std::vector<events::Event> events = read(pieces[i], run);
+      const bool divided = in_chunks.now(i, [&] {
+        plan_.rows[index].events += events.size();
+        *chunks = columns_->next(std::move(events));
+      });
+      if (!divided) return;
+      EventColumns::pack(*chunks);
+      chunks->joined = chunks->events = {};
+      in_file.later(i, [this, index, chunks, &progress] {
+        const h5::Session session;
+        columns_->write(*chunks);
+        report_progress(progress, plan_.runs.size() + index + 1, 2 * plan_.runs.size(), plan_.runs[index].folder.name());
+      });
+    } catch (...) {
+      in_chunks.fail();
+      in_file.fail();
+      throw;
+    }
+  });
+}
+
+void EventsFile::close() {
+  const h5::Session session;
+  columns_->finish();
+  columns_.reset();
+  out_.close(where_);
+}
+
+/// Numbers the events: each run's follow those of the runs before. @return  how many there are
+std::uint64_t number_events(DatasetPlan& plan, const EventSources& sources) {
+  std::uint64_t next = 0;
+  for (std::size_t i = 0; i < plan.rows.size(); ++i) {
+    if (const auto same = sources.kept[i]) plan.rows[i].events = sources.older->events_of(*same);
+    plan.rows[i].first_event = next;
+    next += plan.rows[i].events;
+  }
+  return next;
+}
+
+}  // namespace
+
+std::string events_file_of(const fs::path& dataset) {
+  const h5::Session session;
+  return h5::linked_file(h5::open_file(dataset, false), "events");
+}
+
+std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash,
+                           unsigned threads, const ProgressCallback& progress) {
+  EventsFile events(plan, sources, file, manifest_hash);
+  if (sources.older != nullptr) events.copy_first_chunks();
+  events.write(threads, progress);
+  events.close();
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    const PlannedRun& run = plan.runs[i];
+    if (!sources.kept[i] && !run.samples.empty() && !run.was_read) plan.read_runs.push_back(run.folder.name());
+  }
+  return number_events(plan, sources);
+}
+
+}  // namespace tactile::windows
