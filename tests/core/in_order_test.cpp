@@ -26,14 +26,14 @@ void wait_a_while(std::size_t number) { std::this_thread::sleep_for(std::chrono:
 
 TEST(InOrder, ExecutesStepsInTheirOrder) {
   for (const unsigned threads : {1U, 2U, 7U}) {
-    for (const std::size_t most_waiting : {1U, 3U, 1000U}) {
-      InOrder in_order(most_waiting);
+    for (const std::size_t most_ahead : {1U, 3U, 1000U}) {
+      InOrder in_order(most_ahead);
       std::vector<std::size_t> executed;  // one step at a time, so it needs no lock
       parallel_for(200, threads, [&](std::size_t i) {
         wait_a_while(i);
         in_order.later(i, [&executed, i] { executed.push_back(i); });
       });
-      EXPECT_EQ(executed, numbers_to(200)) << threads << " threads, " << most_waiting;
+      EXPECT_EQ(executed, numbers_to(200)) << threads << " threads, " << most_ahead;
     }
   }
 }
@@ -55,9 +55,31 @@ TEST(InOrder, NowWaitsForTheStep) {
   EXPECT_EQ(executed, numbers_to(200));
 }
 
-TEST(InOrder, LetsOnlySoManyStepsWait) {
-  constexpr std::size_t most_waiting = 3;
-  InOrder in_order(most_waiting);
+TEST(InOrder, NowIsNotLeftWhileItsStepExecutes) {
+  InOrder in_order(10);
+  std::atomic<bool> executes{false};
+  bool was_executed = false;
+  parallel_for(2, 2, [&](std::size_t i) {
+    if (i == 0) {
+      in_order.later(0, [] { std::this_thread::sleep_for(std::chrono::milliseconds(5)); });
+      while (!executes) std::this_thread::yield();
+      in_order.fail();
+      return;
+    }
+    bool done = false;  // used after its end, if `now` does not wait
+    was_executed = in_order.now(1, [&] {
+      executes = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      done = true;
+    });
+    EXPECT_TRUE(done);
+  });
+  EXPECT_TRUE(was_executed);
+}
+
+TEST(InOrder, LetsStepsBeOnlySoFarAhead) {
+  constexpr std::size_t most_ahead = 3;
+  InOrder in_order(most_ahead);
   std::atomic<bool> first_came{false};
   std::atomic<std::size_t> waiting{0}, executed{0};
   std::vector<std::thread> threads;
@@ -67,9 +89,9 @@ TEST(InOrder, LetsOnlySoManyStepsWait) {
       if (!first_came) ++waiting;  // `later` has returned, though the step cannot be executed yet
     });
   }
-  while (waiting < most_waiting - 1) std::this_thread::yield();
+  while (waiting < most_ahead - 1) std::this_thread::yield();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_EQ(waiting, most_waiting - 1);  // 1 and 2, as only 0 to 2 may come before 0 is executed
+  EXPECT_EQ(waiting, most_ahead - 1);  // 1 and 2, as only 0 to 2 may come before 0 is executed
   first_came = true;
   in_order.later(0, [&] { ++executed; });
   for (std::thread& thread : threads) thread.join();

@@ -29,7 +29,7 @@ TEST_F(ReviewingARun, AnEditIsSavedAndAnsweredWithTheNewLabels) {
   EXPECT_EQ(press.at("confirmed"), true);
   EXPECT_EQ(view.at("history").at(0).at("who"), "ada");
   EXPECT_EQ(view.at("can_undo"), true);
-  EXPECT_EQ(labels::read_versioned_labels(run).version, view.at("version"));
+  EXPECT_EQ(view.at("version"), labels::read_versioned_labels(run).version);
   EXPECT_EQ(labels::read_labels(run.labels()).intervals.at(0).start.at, after(events.front().t, 812'345us));
 }
 

@@ -118,7 +118,7 @@ TEST_F(SplitCommand, GivesPiecesThatAreTheRecordingElementByElement) {
     EXPECT_EQ(info.object, "fan");
     EXPECT_TRUE(info.simulated);
     EXPECT_TRUE(info.complete);
-    EXPECT_EQ(info.session, json.at("result").at("session"));
+    EXPECT_EQ(json.at("result").at("session"), info.session);
     EXPECT_EQ(info.extra.at("split").at("sha256"), sha256_of_file(folder / "take/events.aedat4"));
     EXPECT_TRUE(check_files(run_made, info, FileComparison::contents).changed.empty());
   }

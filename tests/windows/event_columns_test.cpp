@@ -32,10 +32,9 @@ class WrittenColumns {
     {
       EventColumns columns(file, "events.h5");
       for (const std::size_t size : sizes) {
-        EventColumns::Chunks chunks = columns.next({events.begin(), events.begin() + static_cast<std::ptrdiff_t>(size)});
+        const auto end = events.begin() + static_cast<std::ptrdiff_t>(size);
+        columns.write(EventColumns::packed(columns.full_chunks_with({events.begin(), end})));
         events = events.subspan(size);
-        EventColumns::pack(chunks);
-        columns.write(chunks);
       }
       columns.finish();
     }

@@ -109,6 +109,20 @@ TEST_F(GrowingDataset, ReadsOnlyAnAddedRunWhereverItStands) {
   }
 }
 
+TEST_F(GrowingDataset, TakesALongRunInPiecesAfterAChangedOne) {
+  test::make_run(data(), {.object = "mug", .run = "02", .seed = 5, .mean_gap_us = 1});
+  write_dataset(data(), file());
+  ASSERT_GT(Dataset(file()).runs().back().events, 1'000'000U);  // pieces of 262 144, of which none is in a copied chunk
+  LabelledRun changed = fan_01;
+  changed.seed = 9;
+  fs::remove_all(data() / "fan/01");
+  test::make_run(data(), changed);
+  const DatasetSummary summary = write_dataset(data(), file(), {}, 3);
+  expect_changes(summary, {}, {"fan/01"}, {}, {"fan/03", "mug/01", "mug/02"});
+  EXPECT_EQ(summary.read_runs, Names{"fan/01"});
+  expect_as_made_at_once(file());
+}
+
 TEST_F(GrowingDataset, ReadsNothingToDropARun) {
   fs::rename(data() / "fan/01", folder / "fan-01");
   const DatasetSummary summary = write_dataset(data(), file());

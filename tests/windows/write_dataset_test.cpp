@@ -117,6 +117,20 @@ TEST_F(WriteDataset, DividesLongRunsAmongThreads) {
   EXPECT_TRUE(verify_dataset(data(), file()).differences.empty());
 }
 
+TEST_F(WriteDataset, EndsAllThreadsWhereOneFails) {
+  test::make_run(data(), {.run = "01", .seed = 4, .mean_gap_us = 1});
+  for (const unsigned threads : {1U, 4U}) {
+    std::uint64_t calls = 0;
+    const auto stop_while_writing = [&](const Progress& progress) {
+      if (progress.done > progress.total / 2 || ++calls > 3) throw Error("stopped");  // the first half plans
+    };
+    EXPECT_EQ(test::message_of([&] { write_dataset(data(), file(), {}, threads, stop_while_writing); }), "stopped");
+    EXPECT_FALSE(fs::exists(file()));
+  }
+  write_dataset(data(), file(), {}, 4);
+  EXPECT_TRUE(verify_dataset(data(), file()).differences.empty());
+}
+
 TEST_F(WriteDataset, KeepsADatasetOfTheSameManifestAndReplacesAnother) {
   test::make_three_runs(data());
   write_dataset(data(), file());

@@ -9,22 +9,26 @@
 namespace tactile {
 
 /// Executes steps one after the other, in the order of their numbers 0, 1, 2, …, while several threads of a parallel_for prepare
-/// them in any order. Threads must begin with the work for lower numbers first, as parallel_for does.
+/// them in any order. Threads must begin with the work for lower numbers first, as parallel_for does. Each number comes once.
 class InOrder {
  public:
-  /// @param most_waiting  steps that may wait for lower ones; > 0. A thread that brings a further one waits.
-  explicit InOrder(std::size_t most_waiting) : most_waiting_(most_waiting) {}
+  /// @param most_ahead  > 0; a thread waits while its step's number is that much higher than that of the next step to execute
+  explicit InOrder(std::size_t most_ahead) : most_ahead_(most_ahead) {}
 
-  /// Executes the step here or, later, on a thread that calls `later` or `now` too. All are executed when the last of these calls
-  /// has returned. @throws what one of the executed steps throws; then no further step is executed
+  /// Executes the step here or, later, on a thread that calls `later` or `now` too. Unless something fails, all steps are
+  /// executed when the last of these calls has returned. After a failure it does nothing.
+  /// @throws what one of the executed steps throws; then no further step begins
   void later(std::size_t number, std::function<void()> step);
-  /// The same, and waits for it. @return  whether it was executed; false: a step or the work of another thread failed
+  /// Waits for the steps with lower numbers, and executes the step here. @return  whether it did; false after a failure
   bool now(std::size_t number, std::function<void()> step);
-  /// No further step is executed. Call it if the work for a step fails: its number will not come.
+  /// No further step begins, but for one that a thread is about to execute. Call it if a step's number will not come, because the
+  /// work for it failed, or `later` or `now` threw.
   void fail();
 
  private:
-  std::size_t most_waiting_;
+  void execute(std::unique_lock<std::mutex>& lock);
+
+  std::size_t most_ahead_;
   std::mutex guard_;
   std::condition_variable changed_;
   std::map<std::size_t, std::function<void()>> waiting_;

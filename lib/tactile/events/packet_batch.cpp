@@ -44,17 +44,17 @@ void PacketBatch::write_all(const std::function<void(const PacketRecord& record,
   };
   try {
     if (is_compressed) {
-      InOrder in_file(packets_.size());
+      InOrder writing(packets_.size());
       parallel_for_with(std::span(compressors_), count_, [&](std::size_t i, PacketCompressor& compressor) {
         try {
           Packet& packet = packets_[i];
           const std::span<const std::byte> content(packet.content.data() + packet_header_size, packet.content_size);
           packet.stored_size = compressor.compress(compression_, content, packet.stored, packet_header_size);
+          writing.later(i, write_next);
         } catch (...) {
-          in_file.fail();
+          writing.fail();
           throw;
         }
-        in_file.later(i, write_next);
       });
     } else {
       while (written < count_) write_next();

@@ -114,8 +114,10 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
   }
 
   const std::vector<windows::RunSamples> runs = windows::samples_by_run(dataset);
-  // The digests and the files both need the runs' order. Each takes so long that they must not wait for each other.
-  InOrder in_digests(threads_or_all(threads)), in_files(threads_or_all(threads));
+  // Digests and files both need the runs' order. Each takes so long that they must not wait for each other. Not many runs may
+  // be ahead: memory has them all.
+  const std::size_t most_ahead = std::max(1U, threads_or_all(threads) / 2);
+  InOrder digesting(most_ahead), writing(most_ahead);
   std::mutex guard;  // of warnings
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     const windows::RunSamples& run = runs[i];
@@ -129,10 +131,10 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
         heatmaps.push_back(std::move(packed.heatmaps));
         chunks.push_back(std::move(packed.chunks));
       }
-      in_digests.later(i, [&renderings, heatmaps = std::make_shared<decltype(heatmaps)>(std::move(heatmaps))] {
+      digesting.later(i, [&renderings, heatmaps = std::make_shared<decltype(heatmaps)>(std::move(heatmaps))] {
         for (std::size_t k = 0; k < renderings.size(); ++k) renderings[k].writer.add_to_digest((*heatmaps)[k]);
       });
-      in_files.later(i, [&, is_kept, chunks = std::make_shared<decltype(chunks)>(std::move(chunks))] {
+      writing.later(i, [&, is_kept, chunks = std::make_shared<decltype(chunks)>(std::move(chunks))] {
         for (std::size_t k = 0; k < renderings.size(); ++k) {
           renderings[k].writer.append((*chunks)[k]);
           ++(is_kept[k] ? renderings[k].stored->runs_kept : renderings[k].stored->runs_rendered);
@@ -140,8 +142,8 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
         report_progress(progress, run.first + run.count, dataset.samples().size(), name_of(dataset.runs()[run.run_index]));
       });
     } catch (...) {
-      in_digests.fail();
-      in_files.fail();
+      digesting.fail();
+      writing.fail();
       throw;
     }
   });

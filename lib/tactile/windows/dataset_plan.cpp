@@ -425,18 +425,24 @@ std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds
   return histories;
 }
 
-void for_stored_events(OpenRun& open, std::span<const TimeSpan> histories, TimeSpan span,
+bool may_be_stored(const OpenRun& open, const events::PacketRecord& packet, std::span<const TimeSpan> histories) {
+  return packet.stream_id == open.stream_id && packet.elements > 0 && !histories.empty() && packet.first < histories.back().end &&
+         packet.last >= histories.front().begin;
+}
+
+void for_stored_events(OpenRun& open, std::span<const events::PacketRecord> packets, std::span<const TimeSpan> histories,
                        const std::function<void(std::span<const events::Event>)>& use) {
-  std::size_t current = 0;
-  std::vector<events::Event> kept;
-  events::for_events_between(open.recording, open.stream_id, span.begin, span.end, [&](std::span<const events::Event> events) {
-    kept.clear();
-    for (const events::Event& event : events) {
-      while (current < histories.size() && histories[current].end <= event.t) ++current;
-      if (current < histories.size() && event.t >= histories[current].begin) kept.push_back(event);
+  auto history = histories.begin();
+  std::vector<events::Event> stored;
+  for (const events::PacketRecord& packet : packets) {
+    if (!may_be_stored(open, packet, histories)) continue;
+    stored.clear();
+    for (const events::Event& event : open.recording.read_events(packet)) {
+      while (history != histories.end() && history->end <= event.t) ++history;
+      if (history != histories.end() && event.t >= history->begin) stored.push_back(event);
     }
-    use(kept);
-  });
+    use(stored);
+  }
 }
 
 }  // namespace tactile::windows

@@ -70,8 +70,11 @@ DatasetPlan plan_dataset(const std::filesystem::path& data, const std::filesyste
 /// The union of [t - history, t) over a run's samples, as separate spans, ascending.
 std::vector<TimeSpan> histories_of(std::span<const Sample> samples, microseconds history);
 
-/// Passes the events of a run's histories, ascending, within `span` to `use`, in their order.
-void for_stored_events(OpenRun& open, std::span<const TimeSpan> histories, TimeSpan span,
+/// Whether a packet has events of a run's stream from the first history to the last one.
+bool may_be_stored(const OpenRun& open, const events::PacketRecord& packet, std::span<const TimeSpan> histories);
+
+/// Passes those events of the packets to `use` that lie in a run's histories. @param packets  of `open`, in file order
+void for_stored_events(OpenRun& open, std::span<const events::PacketRecord> packets, std::span<const TimeSpan> histories,
                        const std::function<void(std::span<const events::Event>)>& use);
 
 }  // namespace tactile::windows

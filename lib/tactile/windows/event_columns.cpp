@@ -54,7 +54,7 @@ void EventColumns::copy_chunks(hid_t older, std::uint64_t chunks, const std::str
   }
 }
 
-EventColumns::Chunks EventColumns::next(std::vector<events::Event> events) {
+EventColumns::Chunks EventColumns::full_chunks_with(std::vector<events::Event> events) {
   Chunks full{.events = std::move(events)};
   const std::span<const events::Event> all(full.events);
   if (!rest_.empty() && rest_.size() + all.size() >= rows_per_chunk) {
@@ -69,19 +69,21 @@ EventColumns::Chunks EventColumns::next(std::vector<events::Event> events) {
   return full;
 }
 
-void EventColumns::pack(Chunks& chunks) {
-  const auto pack_chunk = [&chunks](std::span<const events::Event> events) {
-    for (std::size_t column = 0; column < names.size(); ++column) chunks.packed.push_back(packed_column(column, events));
+EventColumns::PackedChunks EventColumns::packed(const Chunks& chunks) {
+  PackedChunks packed;
+  const auto pack_chunk = [&packed](std::span<const events::Event> events) {
+    for (std::size_t column = 0; column < names.size(); ++column) packed.push_back(packed_column(column, events));
   };
   if (!chunks.joined.empty()) pack_chunk(chunks.joined);
   const std::span<const events::Event> all(chunks.events);
-  for (std::size_t at = chunks.begin; chunks.packed.size() < chunks.count * names.size(); at += rows_per_chunk)
+  for (std::size_t at = chunks.begin; packed.size() < chunks.count * names.size(); at += rows_per_chunk)
     pack_chunk(all.subspan(at, rows_per_chunk));
+  return packed;
 }
 
-void EventColumns::write(const Chunks& chunks) {
-  for (std::size_t i = 0; i < chunks.packed.size(); ++i)
-    h5::append_packed_chunk(tables_[i % names.size()], chunks.packed[i], rows_per_chunk, where_);
+void EventColumns::write(const PackedChunks& chunks) {
+  for (std::size_t i = 0; i < chunks.size(); ++i)
+    h5::append_packed_chunk(tables_[i % names.size()], chunks[i], rows_per_chunk, where_);
 }
 
 void EventColumns::finish() {

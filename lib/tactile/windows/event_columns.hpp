@@ -20,25 +20,24 @@ class EventColumns {
   /// Full chunks: the first one in `joined`, if that is not empty, the others in `events` from `begin` on.
   struct Chunks {
     std::vector<events::Event> joined{}, events{};
-    std::size_t begin = 0, count = 0;                 ///< `count`: of chunks, with the joined one
-    std::vector<std::vector<std::uint8_t>> packed{};  ///< all columns of a chunk, then of the next
+    std::size_t begin = 0, count = 0;  ///< `count`: of chunks, with the joined one
   };
+  using PackedChunks = std::vector<std::vector<std::uint8_t>>;  ///< all columns of a chunk, then of the next
 
   EventColumns(hid_t group, std::string where);
   EventColumns(const EventColumns&) = delete;
   EventColumns& operator=(const EventColumns&) = delete;
 
-  /// Copies the first chunks of another dataset as they are stored. Call it before `next`.
+  /// Copies the first chunks of another dataset as they are stored. Call it before `full_chunks_with`.
   /// @param older  its group /events  @throws hdf5::Damaged  if a chunk is damaged
   void copy_chunks(hid_t older, std::uint64_t chunks, const std::string& older_where);
 
-  /// Takes the next events, and gives the chunks that are full with them. Events that fill no chunk wait for the next call.
-  Chunks next(std::vector<events::Event> events);
-  /// Packs chunks. It needs no Session, so several threads may pack at the same time.
-  static void pack(Chunks& chunks);
-  /// Writes packed chunks, in the order of `next`.
-  void write(const Chunks& chunks);
-  void finish();  ///< writes the last chunk, which need not be full
+  /// Takes the next events. @return  the chunks that are full with them; events that fill no chunk wait for the next call
+  Chunks full_chunks_with(std::vector<events::Event> events);
+  /// It needs no Session, so several threads may pack at the same time.
+  static PackedChunks packed(const Chunks& chunks);
+  void write(const PackedChunks& chunks);  ///< in the order of `full_chunks_with`
+  void finish();                           ///< writes the last chunk, which need not be full
 
  private:
   std::string where_;

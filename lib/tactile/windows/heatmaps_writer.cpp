@@ -19,7 +19,7 @@ struct HeatmapsWriter::State {
   fs::path dataset;
   std::string manifest_hash;
   StoredHeatmaps description;
-  std::uint64_t samples = 0, written = 0;
+  std::uint64_t samples = 0, written = 0, digested = 0;  ///< `digested`: bytes
   fs::path target;
   std::optional<WholeFile> whole;
   h5::Id file, table;
@@ -87,7 +87,10 @@ HeatmapsWriter::Packed HeatmapsWriter::unpacked(std::vector<std::vector<std::uin
   return packed;
 }
 
-void HeatmapsWriter::add_to_digest(std::span<const std::uint8_t> heatmaps) { state_->digest.add(std::as_bytes(heatmaps)); }
+void HeatmapsWriter::add_to_digest(std::span<const std::uint8_t> heatmaps) {
+  state_->digest.add(std::as_bytes(heatmaps));
+  state_->digested += heatmaps.size();
+}
 
 void HeatmapsWriter::append(std::span<const std::vector<std::uint8_t>> chunks) {
   const h5::Session session;
@@ -102,6 +105,8 @@ void HeatmapsWriter::commit() {
     throw Error(where + ": " + std::to_string(state_->written) + " heatmaps; expected one for each of " +
                 std::to_string(state_->samples) + " samples");
   }
+  if (state_->digested != state_->samples * state_->heatmap_size())
+    throw Error(where + ": the digest has other heatmaps than the file; expected 'add_to_digest' with each 'append'");
   h5::write_attribute(state_->table, "sha256", state_->digest.hex(), where);
   state_->table.close(where);
   state_->file.close(where);

@@ -101,7 +101,7 @@ Differences compare_run(const Dataset& dataset, std::uint32_t stored_index, cons
   bool same = true;
   if (const auto histories = histories_of(run.samples, dataset.sampling().history); !histories.empty()) {
     OpenRun open(run.folder);
-    for_stored_events(open, histories, {histories.front().begin, histories.back().end},
+    for_stored_events(open, open.recording.packets(), histories,
                       [&](std::span<const events::Event> expected) { same = same && events.continue_with(expected); });
   }
   if (!same || !events.at_end()) differences.push_back(name + ": its events differ from those in the histories of its samples");

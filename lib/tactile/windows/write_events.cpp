@@ -16,61 +16,53 @@ namespace h5 = hdf5;
 
 namespace {
 
-constexpr std::uint64_t piece_events = 1 << 18;  // about; a thread keeps some 20 bytes of each in memory
+constexpr std::uint64_t piece_events = 1 << 18;  // about: a packet is not divided
 
 /// Events of a run that one thread reads at once.
 struct Piece {
   std::size_t run = 0;
-  std::uint64_t first = 0, count = 0;  ///< in the older dataset's run, if that has the same events
-  TimeSpan span{};                     ///< else in the recording
+  std::uint64_t first = 0, count = 0;  ///< events of the older dataset's run, if that has the same; else packets
 };
 
-/// The rows of an older dataset's run that are not in copied chunks.
-std::vector<Piece> pieces_of_rows(std::size_t run, std::uint64_t first, std::uint64_t end) {
+/// The events of an older dataset's run from `first` on; those before it are in copied chunks.
+std::vector<Piece> pieces_of_events(std::size_t run, std::uint64_t first, std::uint64_t end) {
   std::vector<Piece> pieces;
   for (; first < end; first += pieces.back().count)
     pieces.push_back({.run = run, .first = first, .count = std::min(piece_events, end - first)});
   return pieces;
 }
 
-/// The time from the first history to the last one, divided where a packet begins.
-std::vector<Piece> pieces_of_recording(std::size_t index, const PlannedRun& run, microseconds history) {
-  const std::vector<TimeSpan> histories = histories_of(run.samples, history);
-  if (histories.empty()) return {};
-  std::vector<Piece> pieces{{.run = index, .span = {histories.front().begin, histories.back().end}}};
-  const OpenRun open(run.folder);
+/// A run's recording that a thread has open.
+struct OpenedRun {
+  OpenedRun(const PlannedRun& planned, std::size_t index, microseconds history)
+      : run(index), open(planned.folder), histories(histories_of(planned.samples, history)) {}
+  std::size_t run;
+  OpenRun open;
+  std::vector<TimeSpan> histories;
+};
+
+/// The packets that may have events to store.
+std::vector<Piece> pieces_of_packets(const OpenedRun& opened) {
+  std::vector<Piece> pieces;
+  const std::span<const events::PacketRecord> packets = opened.open.recording.packets();
   std::uint64_t events = 0;
-  for (const events::PacketRecord& packet : open.recording.packets()) {
-    TimeSpan& last = pieces.back().span;
-    if (packet.stream_id != open.stream_id || packet.elements == 0 || packet.last < last.begin || packet.first >= last.end)
-      continue;
-    if (events >= piece_events && packet.first > last.begin) {
-      const CameraTime end = std::exchange(last.end, packet.first);
-      pieces.push_back({.run = index, .span = {packet.first, end}});
+  for (std::uint64_t i = 0; i < packets.size(); ++i) {
+    if (!may_be_stored(opened.open, packets[i], opened.histories)) continue;
+    if (pieces.empty() || events >= piece_events) {
+      pieces.push_back({.run = opened.run, .first = i});
       events = 0;
     }
-    events += static_cast<std::uint64_t>(packet.elements);
+    pieces.back().count = i + 1 - pieces.back().first;
+    events += static_cast<std::uint64_t>(packets[i].elements);
   }
   return pieces;
 }
 
-/// A run's recording that a thread has open.
-struct OpenedRun {
-  std::size_t run = 0;
-  std::unique_ptr<OpenRun> open{};
-};
-
 /// A dataset's file of events while it is written.
 class EventsFile {
  public:
-  EventsFile(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash)
-      : plan_(plan), sources_(sources), where_(file.string()) {
-    const h5::Session session;
-    out_ = h5::create_file(file, h5::Structure::checked);
-    const h5::Id group = h5::create_group(out_, "events", where_);
-    h5::write_attribute(group, "manifest_sha256", manifest_hash, where_);
-    columns_.emplace(group, where_);
-  }
+  EventsFile(DatasetPlan& plan, const EventSources& sources, const fs::path& file)
+      : plan_(plan), sources_(sources), where_(file.string()) {}
   ~EventsFile() {
     const h5::Session session;
     columns_.reset();
@@ -79,21 +71,30 @@ class EventsFile {
   EventsFile(const EventsFile&) = delete;
   EventsFile& operator=(const EventsFile&) = delete;
 
+  void create(const std::string& manifest_hash);
   void copy_first_chunks();
   void write(unsigned threads, const ProgressCallback& progress);
   void close();
 
  private:
   std::vector<Piece> pieces(unsigned threads) const;
-  std::vector<events::Event> read(const Piece& piece, OpenedRun& opened) const;
+  std::vector<events::Event> read(const Piece& piece, std::optional<OpenedRun>& opened) const;
 
   DatasetPlan& plan_;
   const EventSources& sources_;
   std::string where_;
   h5::Id out_;
   std::optional<EventColumns> columns_;
-  std::uint64_t copied_ = 0;  ///< rows, in chunks
+  std::uint64_t copied_ = 0;  ///< events, in chunks
 };
+
+void EventsFile::create(const std::string& manifest_hash) {
+  const h5::Session session;
+  out_ = h5::create_file(where_, h5::Structure::checked);
+  const h5::Id group = h5::create_group(out_, "events", where_);
+  h5::write_attribute(group, "manifest_sha256", manifest_hash, where_);
+  columns_.emplace(group, where_);
+}
 
 /// Copies the chunks before the first run that is not as in the older dataset: later chunks hold other rows than there.
 /// @throws UnusableDataset  if one is damaged
@@ -117,7 +118,8 @@ void EventsFile::copy_first_chunks() {
 std::vector<Piece> EventsFile::pieces(unsigned threads) const {
   std::vector<std::vector<Piece>> of_runs(plan_.runs.size());
   parallel_for(plan_.runs.size(), threads, [&](std::size_t i) {
-    if (!sources_.kept[i]) of_runs[i] = pieces_of_recording(i, plan_.runs[i], sources_.history);
+    const PlannedRun& run = plan_.runs[i];
+    if (!sources_.kept[i] && !run.samples.empty()) of_runs[i] = pieces_of_packets({run, i, sources_.history});
   });
   std::vector<Piece> all;
   std::uint64_t copied = copied_;  // of the runs from i on
@@ -125,52 +127,51 @@ std::vector<Piece> EventsFile::pieces(unsigned threads) const {
     if (const auto same = sources_.kept[i]) {
       const std::uint64_t events = sources_.older->events_of(*same), there = std::min(copied, events);
       copied -= there;
-      of_runs[i] = pieces_of_rows(i, there, events);
+      of_runs[i] = pieces_of_events(i, there, events);
     }
     all.insert(all.end(), of_runs[i].begin(), of_runs[i].end());
   }
   return all;
 }
 
-std::vector<events::Event> EventsFile::read(const Piece& piece, OpenedRun& opened) const {
+std::vector<events::Event> EventsFile::read(const Piece& piece, std::optional<OpenedRun>& opened) const {
   if (const auto same = sources_.kept[piece.run]) return sources_.older->events(*same, piece.first, piece.count);
-  const PlannedRun& run = plan_.runs[piece.run];
-  if (!opened.open || opened.run != piece.run) opened = {.run = piece.run, .open = std::make_unique<OpenRun>(run.folder)};
+  if (!opened || opened->run != piece.run) opened.emplace(plan_.runs[piece.run], piece.run, sources_.history);
   std::vector<events::Event> events;
-  for_stored_events(*opened.open, histories_of(run.samples, sources_.history), piece.span,
+  for_stored_events(opened->open, opened->open.recording.packets().subspan(piece.first, piece.count), opened->histories,
                     [&](std::span<const events::Event> some) { events.insert(events.end(), some.begin(), some.end()); });
   return events;
 }
 
-/// Threads read and pack pieces; their events are divided into chunks, and written, in the order of the file.
+/// Threads read and pack pieces. Their events are divided into chunks, and written, in the order of the file.
 void EventsFile::write(unsigned threads, const ProgressCallback& progress) {
   const std::vector<Piece> pieces = this->pieces(threads);
-  for (std::size_t i = 0; i < sources_.kept.size(); ++i) plan_.rows[i].events = 0;
-  std::vector<OpenedRun> opened(std::max<std::size_t>(1, std::min<std::size_t>(threads_or_all(threads), pieces.size())));
-  InOrder in_chunks(1), in_file(2 * opened.size());
-  parallel_for_with(std::span(opened), pieces.size(), [&](std::size_t i, OpenedRun& run) {
+  const std::size_t runs = plan_.runs.size();
+  std::vector<std::optional<OpenedRun>> opened(std::clamp<std::size_t>(threads_or_all(threads), 1, pieces.size() + 1));
+  InOrder dividing(1), writing(2 * opened.size());
+  parallel_for_with(std::span(opened), pieces.size(), [&](std::size_t i, std::optional<OpenedRun>& run) {
     try {
-      const std::size_t index = pieces[i].run;
-      const auto chunks = std::make_shared<EventColumns::Chunks>();
       std::vector<events::Event> events = read(pieces[i], run);
-      const bool divided = in_chunks.now(i, [&] {
-        plan_.rows[index].events += events.size();
-        *chunks = columns_->next(std::move(events));
+      EventColumns::Chunks chunks;
+      const bool divided = dividing.now(i, [&] {
+        plan_.rows[pieces[i].run].events += events.size();
+        chunks = columns_->full_chunks_with(std::move(events));
       });
       if (!divided) return;
-      EventColumns::pack(*chunks);
-      chunks->joined = chunks->events = {};
-      in_file.later(i, [this, index, chunks, &progress] {
-        const h5::Session session;
-        columns_->write(*chunks);
-        report_progress(progress, plan_.runs.size() + index + 1, 2 * plan_.runs.size(), plan_.runs[index].folder.name());
+      writing.later(i, [&, i, packed = std::make_shared<EventColumns::PackedChunks>(EventColumns::packed(chunks))] {
+        {
+          const h5::Session session;
+          columns_->write(*packed);
+        }
+        report_progress(progress, runs + pieces[i].run, 2 * runs, plan_.runs[pieces[i].run].folder.name());
       });
     } catch (...) {
-      in_chunks.fail();
-      in_file.fail();
+      dividing.fail();
+      writing.fail();
       throw;
     }
   });
+  if (runs > 0) report_progress(progress, 2 * runs, 2 * runs, plan_.runs.back().folder.name());
 }
 
 void EventsFile::close() {
@@ -200,7 +201,8 @@ std::string events_file_of(const fs::path& dataset) {
 
 std::uint64_t write_events(DatasetPlan& plan, const EventSources& sources, const fs::path& file, const std::string& manifest_hash,
                            unsigned threads, const ProgressCallback& progress) {
-  EventsFile events(plan, sources, file, manifest_hash);
+  EventsFile events(plan, sources, file);
+  events.create(manifest_hash);
   if (sources.older != nullptr) events.copy_first_chunks();
   events.write(threads, progress);
   events.close();

@@ -135,7 +135,7 @@ TEST(TrainCommand, GivesTheNextNameToAModelOfAnotherDatasetAndFindsOlderNames) {
   EXPECT_EQ(second.at("name"), "th40-single-1-epochs2-2");
   EXPECT_EQ(second.at("outcome"), "trained");
   EXPECT_EQ(trained("", folder.path()).at("outcome"), "unchanged") << "the second";
-  EXPECT_EQ(read_description({folder / "models/th40-single-1-epochs2"}).weights_sha256, first.at("weights_sha256"));
+  EXPECT_EQ(first.at("weights_sha256"), read_description({folder / "models/th40-single-1-epochs2"}).weights_sha256);
   EXPECT_EQ(read_text(folder / "models/last"), "th40-single-1-epochs2-2\n");
   EXPECT_EQ(trained("--force", folder.path()).at("name"), "th40-single-1-epochs2-2") << "--force replaces no other model";
 
