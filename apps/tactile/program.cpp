@@ -129,18 +129,20 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
 namespace {
 
 /// Whether `program` can be loaded within the limit on memory. A child process tries it first, because the loader ends a process
-/// with its own message if the program cannot be loaded. No `ChildProcess`, which has no limit on time: a program that lacks
-/// memory may also wait for its threads for ever, and the alarm outlasts the exec.
+/// with its own message if the program cannot be loaded. No `ChildProcess`, which has no limit on time: where memory lacks, a
+/// library may wait for its threads for ever, or ask for memory for ever (OpenBLAS 0.3.29). Both limits outlast the exec.
 bool can_be_loaded(const std::string& program) {
   rlimit limit{};
   const auto is_limited = [&limit](auto which) { return ::getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY; };
   if (!is_limited(RLIMIT_AS) && !is_limited(RLIMIT_DATA)) return true;
-  constexpr unsigned longest_s = 60;
+  constexpr unsigned longest_s = 60, longest_work_s = 10;  // it takes 0.1 s
   const pid_t child = ::fork();
   if (child == 0) {
     const int nothing = ::open("/dev/null", O_RDWR);
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nothing, descriptor);
     ::alarm(longest_s);
+    const rlimit most_work{.rlim_cur = longest_work_s, .rlim_max = longest_work_s};
+    ::setrlimit(RLIMIT_CPU, &most_work);
     ::execl(program.c_str(), "tactile", "--version", nullptr);
     ::_exit(1);
   }

@@ -42,12 +42,16 @@ class Completion : public testing::Test {
     return sorted_lines(test::run_shell(fmt::format("bash '{}'", (pages_ / "line.sh").string()), work_.path()));
   }
 
-  /// What fish offers after this line, without descriptions, sorted.
+  /// What fish offers after this line that begins with its last word, without descriptions, sorted. From version 4 on, fish also
+  /// offers words that contain the same letters elsewhere.
   std::vector<std::string> fish(const std::string& line) const {
-    return sorted_lines(
-        test::run_shell(fmt::format("HOME='{0}' fish --no-config -c \"source '{1}'; complete -C '{2}'\" | cut -f 1",
-                                    pages_.path().string(), (pages_ / "fish" / "tactile.fish").string(), line),
-                        work_.path()));
+    auto offered =
+        sorted_lines(test::run_shell(fmt::format("HOME='{0}' fish --no-config -c \"source '{1}'; complete -C '{2}'\" | cut -f 1",
+                                                 pages_.path().string(), (pages_ / "fish" / "tactile.fish").string(), line),
+                                     work_.path()));
+    const std::string typed = line.substr(line.rfind(' ') + 1);
+    std::erase_if(offered, [&](const std::string& word) { return !word.starts_with(typed); });
+    return offered;
   }
 
   /// The line that a terminal's zsh runs after Tab and Enter; nothing if it does not run one.
