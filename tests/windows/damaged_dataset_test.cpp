@@ -114,7 +114,7 @@ for name in ('dataset.h5', 'dataset.events.h5', 'dataset.th_002.h5'):
   Reading with_patch(const std::string& name, std::size_t offset, const std::string& patch) {
     const std::string before = read_text(data() / name).substr(offset, patch.size());
     put(name, offset, patch.substr(0, before.size()));
-    const Reading reading = read_everything(file());
+    Reading reading = read_everything(file());
     put(name, offset, before);
     return reading;
   }
