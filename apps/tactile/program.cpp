@@ -129,8 +129,8 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
 namespace {
 
 /// Whether `program` can be loaded within the limit on memory. A child process tries it first, because the loader ends a process
-/// with its own message if the program cannot be loaded. No `ChildProcess`, which has no limit on time: where memory lacks, a
-/// library may wait for its threads for ever, or ask for memory for ever (OpenBLAS 0.3.29). Both limits outlast the exec.
+/// with its own message if the program cannot be loaded. Not `ChildProcess`: it has no time limit. Without enough memory
+/// a library may wait for its threads for ever, or try again for ever (OpenBLAS 0.3.29). Both limits stay after the exec.
 bool can_be_loaded(const std::string& program) {
   rlimit limit{};
   const auto is_limited = [&limit](auto which) { return ::getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY; };

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <unistd.h>
-
-#include <atomic>
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <string>
@@ -14,10 +12,9 @@ namespace tactile::test {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    static std::atomic<int> made{0};
-    path_ =
-        std::filesystem::temp_directory_path() / ("tactile-test-" + std::to_string(::getpid()) + "-" + std::to_string(made++));
-    std::filesystem::create_directories(path_);
+    std::string name = (std::filesystem::temp_directory_path() / "tactile-test-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::filesystem::filesystem_error("no folder for a test", {});
+    path_ = name;
   }
   ~TemporaryFolder() {
     std::error_code ignored;

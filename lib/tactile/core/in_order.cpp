@@ -26,13 +26,15 @@ bool InOrder::now(std::size_t number, std::function<void()> step) {
 void InOrder::execute(std::unique_lock<std::mutex>& lock) {
   executing_ = true;
   while (!failed_ && !waiting_.empty() && waiting_.begin()->first == next_) {
-    const std::function<void()> ready = std::move(waiting_.extract(waiting_.begin()).mapped());
-    lock.unlock();
-    try {
-      ready();
-    } catch (...) {
-      fail();
-      throw;
+    {
+      const std::function<void()> ready = std::move(waiting_.extract(waiting_.begin()).mapped());
+      lock.unlock();
+      try {
+        ready();
+      } catch (...) {
+        fail();
+        throw;
+      }
     }
     lock.lock();
     ++next_;

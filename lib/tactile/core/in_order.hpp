@@ -9,10 +9,10 @@
 namespace tactile {
 
 /// Executes steps one after the other, in the order of their numbers 0, 1, 2, …, while several threads of a parallel_for prepare
-/// them in any order. Threads must begin with the work for lower numbers first, as parallel_for does. Each number comes once.
+/// them in any order. Work for a lower number must begin first, as in parallel_for. Each number comes once.
 class InOrder {
  public:
-  /// @param most_ahead  > 0; a thread waits while its step's number is that much higher than that of the next step to execute
+  /// @param most_ahead  > 0; `later` waits while the next step to execute has a number that is so much lower, or lower still
   explicit InOrder(std::size_t most_ahead) : most_ahead_(most_ahead) {}
 
   /// Executes the step here or, later, on a thread that calls `later` or `now` too. Unless something fails, all steps are
@@ -21,7 +21,7 @@ class InOrder {
   void later(std::size_t number, std::function<void()> step);
   /// Waits for the steps with lower numbers, and executes the step here. @return  whether it did; false after a failure
   bool now(std::size_t number, std::function<void()> step);
-  /// No further step begins, but for one that a thread is about to execute. Call it if a step's number will not come, because the
+  /// No further step begins, except one that a thread has already taken. Call it if a step's number will not come, because the
   /// work for it failed, or `later` or `now` threw.
   void fail();
 

@@ -24,6 +24,7 @@ void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::si
 }
 
 void PacketBatch::write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write) {
+  if (count_ == 0) return;
   const bool is_compressed = compression_ != Compression::none;
   std::size_t written = 0;
   const auto write_next = [&] {

@@ -24,8 +24,8 @@ class PacketBatch {
   /// @pre  not full
   void add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size);
 
-  /// Compresses all packets and passes each to `write`, one after the other, while others are compressed: its record, and its
-  /// bytes with the header. What `write` throws leaves this packet and the later ones in the batch.
+  /// Compresses all packets. Passes each to `write`, in order, while later ones are compressed: its record, and its bytes with
+  /// the header. Any of the threads may call `write`. What it throws leaves this packet and the later ones in the batch.
   /// @throws Error  if the library fails
   void write_all(const std::function<void(const PacketRecord& record, std::span<const std::byte> bytes)>& write);
 

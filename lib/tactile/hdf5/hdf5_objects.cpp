@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <new>
 #include <string_view>
 
@@ -55,9 +53,11 @@ void write_plain_attribute(hid_t object, const std::string& name, hid_t type, hi
 Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class, const std::string& where) {
   Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
   if (attribute < 0) throw Error(where + ": attribute '" + name + "' is missing; expected a file that tactile made");
-  const Id type(H5Aget_type(attribute), H5Tclose);
-  const Id space(H5Aget_space(attribute), H5Sclose);
-  if (type < 0 || space < 0) fail(where, "attribute '" + name + "' cannot be read");
+  const auto checked = [&](Id part) {  // at once: the next call of HDF5 forgets why this one failed
+    if (part < 0) fail(where, "attribute '" + name + "' cannot be read");
+    return part;
+  };
+  const Id type = checked({H5Aget_type(attribute), H5Tclose}), space = checked({H5Aget_space(attribute), H5Sclose});
   if (H5Tget_class(type) != type_class || H5Sget_simple_extent_npoints(space) != 1) {
     throw Error(where + ": attribute '" + name + "' is of another type; expected a file that tactile made");
   }
@@ -65,34 +65,6 @@ Id open_attribute(hid_t object, const std::string& name, H5T_class_t type_class,
 }
 
 }  // namespace
-
-namespace {
-
-thread_local int sessions = 0;  ///< of this thread
-
-/// Called at exit, before HDF5 closes its files. If HDF5 itself called exit, it cannot close them, and other threads still use
-/// them. The end of a child process tells its parent enough.
-void end_if_hdf5_exits() noexcept {
-  if (sessions == 0 || is_apart()) return;
-  try {
-    throw std::bad_alloc();
-  } catch (...) {
-    std::terminate();
-  }
-}
-
-}  // namespace
-
-Session::Session() {
-  static std::recursive_mutex guard;
-  if (!is_apart()) lock_ = std::unique_lock(guard);  // a child process has one thread, and the lock belongs to its parent
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  // What is registered after HDF5 has been initialised is called before HDF5's own function.
-  [[maybe_unused]] static const int registered = std::atexit(end_if_hdf5_exits);
-  ++sessions;
-}
-
-Session::~Session() { --sessions; }
 
 void Id::close(const std::string& where) {
   if (id_ >= 0 && close_(std::exchange(id_, -1)) < 0) fail_writing(where, "cannot be closed");

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,22 +14,10 @@
 #include "tactile/core/error.hpp"
 #include "tactile/hdf5/packed_chunk.hpp"
 #include "tactile/hdf5/read_apart.hpp"
+#include "tactile/hdf5/session.hpp"
 
 // HDF5 with identifiers that close themselves, and errors as `Error`. Include this header only in sources.
 namespace tactile::hdf5 {
-
-/// Required around all functions below: only one thread may use HDF5 at a time. It also silences HDF5. Where memory lacks, HDF5
-/// 1.10 may call exit; then std::terminate is called within std::bad_alloc.
-class Session {
- public:
-  Session();
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
- private:
-  std::unique_lock<std::recursive_mutex> lock_;
-};
 
 /// An identifier, closed by its destructor.
 class Id {

@@ -134,12 +134,13 @@ std::vector<StoredHistory> store_heatmaps(const windows::Dataset& dataset, std::
       digesting.later(i, [&renderings, heatmaps = std::make_shared<decltype(heatmaps)>(std::move(heatmaps))] {
         for (std::size_t k = 0; k < renderings.size(); ++k) renderings[k].writer.add_to_digest((*heatmaps)[k]);
       });
-      writing.later(i, [&, is_kept, chunks = std::make_shared<decltype(chunks)>(std::move(chunks))] {
+      writing.later(i, [&, i, is_kept, chunks = std::make_shared<decltype(chunks)>(std::move(chunks))] {
         for (std::size_t k = 0; k < renderings.size(); ++k) {
           renderings[k].writer.append((*chunks)[k]);
           ++(is_kept[k] ? renderings[k].stored->runs_kept : renderings[k].stored->runs_rendered);
         }
-        report_progress(progress, run.first + run.count, dataset.samples().size(), name_of(dataset.runs()[run.run_index]));
+        report_progress(progress, runs[i].first + runs[i].count, dataset.samples().size(),
+                        name_of(dataset.runs()[runs[i].run_index]));
       });
     } catch (...) {
       digesting.fail();

@@ -122,7 +122,7 @@ class HeatmapsWriter {
   /// @throws Error  if they hold other heatmaps than of this history's size
   Packed unpacked(std::vector<std::vector<std::uint8_t>> chunks) const;
 
-  /// Both in the order of the samples. One thread may add while another one appends.
+  /// Call each in the order of the samples. Two threads may call the two at the same time.
   void add_to_digest(std::span<const std::uint8_t> heatmaps);
   void append(std::span<const std::vector<std::uint8_t>> chunks);
 

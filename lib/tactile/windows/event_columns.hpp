@@ -10,9 +10,8 @@
 
 namespace tactile::windows {
 
-/// The columns of /events while they are written. Chunk k of every column is written before chunk k + 1 of any. So the bytes of
-/// the file follow from the events alone: not from the pieces in which they come, the threads, or the file that chunks are copied
-/// from, unless another version has packed that.
+/// The columns of /events while they are written. Chunk k of every column is written before chunk k + 1 of any. So the bytes
+/// depend only on the events, not on pieces or threads. Copied chunks that another version packed may differ.
 class EventColumns {
  public:
   static constexpr hsize_t rows_per_chunk = hsize_t{1} << 16;

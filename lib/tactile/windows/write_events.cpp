@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/in_order.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/hdf5/hdf5_objects.hpp"
@@ -21,7 +22,8 @@ constexpr std::uint64_t piece_events = 1 << 18;  // about: a packet is not divid
 /// Events of a run that one thread reads at once.
 struct Piece {
   std::size_t run = 0;
-  std::uint64_t first = 0, count = 0;  ///< events of the older dataset's run, if that has the same; else packets
+  std::uint64_t first = 0, count = 0;  ///< in events if the older dataset's are kept, else in packets
+  std::uint64_t packets = 0;           ///< of the whole recording
 };
 
 /// The events of an older dataset's run from `first` on; those before it are in copied chunks.
@@ -49,7 +51,7 @@ std::vector<Piece> pieces_of_packets(const OpenedRun& opened) {
   for (std::uint64_t i = 0; i < packets.size(); ++i) {
     if (!may_be_stored(opened.open, packets[i], opened.histories)) continue;
     if (pieces.empty() || events >= piece_events) {
-      pieces.push_back({.run = opened.run, .first = i});
+      pieces.push_back({.run = opened.run, .first = i, .packets = packets.size()});
       events = 0;
     }
     pieces.back().count = i + 1 - pieces.back().first;
@@ -137,8 +139,13 @@ std::vector<Piece> EventsFile::pieces(unsigned threads) const {
 std::vector<events::Event> EventsFile::read(const Piece& piece, std::optional<OpenedRun>& opened) const {
   if (const auto same = sources_.kept[piece.run]) return sources_.older->events(*same, piece.first, piece.count);
   if (!opened || opened->run != piece.run) opened.emplace(plan_.runs[piece.run], piece.run, sources_.history);
+  const std::span<const events::PacketRecord> packets = opened->open.recording.packets();
+  if (packets.size() != piece.packets) {
+    throw Error(plan_.runs[piece.run].folder.events().string() +
+                ": was changed while it was read; expected a recording that stays, run the command again");
+  }
   std::vector<events::Event> events;
-  for_stored_events(opened->open, opened->open.recording.packets().subspan(piece.first, piece.count), opened->histories,
+  for_stored_events(opened->open, packets.subspan(piece.first, piece.count), opened->histories,
                     [&](std::span<const events::Event> some) { events.insert(events.end(), some.begin(), some.end()); });
   return events;
 }
@@ -158,7 +165,9 @@ void EventsFile::write(unsigned threads, const ProgressCallback& progress) {
         chunks = columns_->full_chunks_with(std::move(events));
       });
       if (!divided) return;
-      writing.later(i, [&, i, packed = std::make_shared<EventColumns::PackedChunks>(EventColumns::packed(chunks))] {
+      const auto packed = std::make_shared<EventColumns::PackedChunks>(EventColumns::packed(chunks));
+      chunks = {};
+      writing.later(i, [&, i, packed] {
         {
           const h5::Session session;
           columns_->write(*packed);

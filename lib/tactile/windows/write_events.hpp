@@ -19,7 +19,7 @@ std::string events_file_of(const std::filesystem::path& dataset);
 struct EventSources {
   const OlderDataset* older = nullptr;             ///< null: there is none
   std::vector<std::optional<std::uint32_t>> kept;  ///< for each run, that of `older` with the same events; else its recording
-  microseconds history{};                          ///< before each sample, whose events are stored
+  microseconds history{};                          ///< the time before each sample of which events are stored
 };
 
 /// Writes a dataset's file of events, and the numbers of events to the plan's rows. The bytes do not depend on the threads.

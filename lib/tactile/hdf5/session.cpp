@@ -1,0 +1,42 @@
+#include "tactile/hdf5/session.hpp"
+
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <new>
+
+#include "tactile/hdf5/read_apart.hpp"
+
+namespace tactile::hdf5 {
+namespace {
+
+thread_local int sessions = 0;  ///< of this thread
+
+/// Called at exit, before HDF5 closes its files. If HDF5 itself called exit, it cannot close them, and other threads still use
+/// them. A child need not say why it ends, and must not close its parent's files.
+void end_if_hdf5_exits() noexcept {
+  if (sessions == 0) return;
+  if (is_apart()) ::_exit(1);
+  try {
+    throw std::bad_alloc();
+  } catch (...) {
+    std::terminate();
+  }
+}
+
+}  // namespace
+
+Session::Session() {
+  static std::recursive_mutex guard;
+  if (!is_apart()) lock_ = std::unique_lock(guard);  // a child process has one thread, and the lock belongs to its parent
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  // What is registered after HDF5 has been initialised is called before HDF5's own function.
+  [[maybe_unused]] static const int registered = std::atexit(end_if_hdf5_exits);
+  ++sessions;
+}
+
+Session::~Session() { --sessions; }
+
+}  // namespace tactile::hdf5
