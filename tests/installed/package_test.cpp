@@ -18,12 +18,14 @@ std::string deb(const std::string& name) { return fmt::format("{}_{}_amd64.deb",
 
 TEST(Package, HasTheInstalledFilesNamesItsLibrariesAndIsRemovedWithoutATrace) {
   const test::TemporaryFolder folder;
-  const auto made = test::run_shell(fmt::format("'{}/scripts/package' '{}'", test::source_folder, folder.path().string()));
+  const auto made = test::run_shell(fmt::format("DEBEMAIL=hand@lab.example DEBFULLNAME='A Hand' '{}/scripts/package' '{}'",
+                                                test::source_folder, folder.path().string()));
   ASSERT_EQ(made.exit_code, 0) << made.out << made.err;
   ASSERT_TRUE(fs::exists(folder / deb("tactile")) && fs::exists(folder / deb("tactile-dev"))) << made.out;
 
   const std::string control = test::run_shell(fmt::format("dpkg-deb -f {}", deb("tactile")), folder.path()).out;
   EXPECT_NE(control.find("\nVersion: " + std::string(version()) + "\n"), std::string::npos) << control;
+  EXPECT_NE(control.find("\nMaintainer: A Hand <hand@lab.example>\n"), std::string::npos) << control;
   for (const char* library : {"libtorch", "libopencv-core", "libhdf5", "libavcodec", "libstdc\\+\\+", "gnuplot-nox"})
     EXPECT_TRUE(std::regex_search(control, std::regex(fmt::format("\nDepends: .*{}", library)))) << library << "\n" << control;
   EXPECT_EQ(control.find("-dev"), std::string::npos) << control;
