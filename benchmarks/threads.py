@@ -6,7 +6,7 @@
 THREADS are 1, 2, 4, … up to the number of cores by default; the first is what the others are compared with. FOLDER is emptied, and
 gets simulated runs and all that is made of them. Each command runs once for each number. In the environment: TACTILE_BENCH_RUNS of each
 object (5); TACTILE_BENCH_TURNS repeats each command, and the shortest time counts; TACTILE_BENCH_STUDY has options of `reproduce`, which
-is then measured with the most threads. If these are more than the cores, a third table has the threads at work.
+is then measured with the most threads. With more threads than cores, a third table has the threads at work, in one more run of each.
 """
 
 import csv
@@ -19,7 +19,7 @@ import sys
 from pathlib import Path
 
 from loads import cost_of
-from threads_at_work import at_work
+from threads_at_work import CORES, at_work
 
 RUNS = os.environ.get("TACTILE_BENCH_RUNS", "5")  # of each object
 TURNS = int(os.environ.get("TACTILE_BENCH_TURNS", "1"))
@@ -89,9 +89,7 @@ def measure(tactile, work, threads):
 
 
 def measure_at_work(tactile, work, threads):
-    """As `at_work`; nothing if there are as many cores."""
-    if threads <= len(os.sched_getaffinity(0)):
-        return None
+    """As `at_work`, without the status."""
     work.clear()
     status, *result = at_work([tactile, *work.words, "--threads", threads, "--quiet"], stdout=subprocess.DEVNULL)
     if status != 0:
@@ -108,11 +106,10 @@ def simulate_long_run(tactile, folder):
 
 
 def numbers_of_threads():
-    cores = len(os.sched_getaffinity(0))
     powers = [1]
-    while powers[-1] * 2 < cores:
+    while powers[-1] * 2 < CORES:
         powers.append(powers[-1] * 2)
-    return powers + [cores] * (cores > 1)
+    return powers + [CORES] * (CORES > 1)
 
 
 def table(title, columns, rows):
@@ -125,7 +122,7 @@ def measure_study(tactile, folder, options, threads):
     command = [tactile, "reproduce", *options, folder / "study", "--models", folder / "study-models", "--out", folder / "study-out", "--threads",
                threads, "--quiet"]
     title = f"\n`reproduce {' '.join(options)}` with {threads} threads"
-    if threads > len(os.sched_getaffinity(0)):
+    if threads > CORES:
         status, wall_s, mean, alone_s, with_all_s = at_work(command, stdout=subprocess.DEVNULL)
         print(f"{title}: {wall_s:.0f} s, {mean:.1f} of them at work on average, at most one for {alone_s:.1f} s; "
               f"with a core for each an estimated {with_all_s:.0f} s (status {status}).")
@@ -148,7 +145,8 @@ def main():
             measured[name].append(measure(tactile, work, count))
             if name == "train":
                 epochs_s.append(seconds_of_last_epoch(folder))
-        shared[name] = measure_at_work(tactile, work, counts[-1])
+        if counts[-1] > CORES:
+            shared[name] = measure_at_work(tactile, work, counts[-1])
         print(f"{name}: {' '.join(f'{cost[0]:.2f}' for cost in measured[name])} s", file=sys.stderr, flush=True)
 
     first, last = counts[0], counts[-1]
@@ -162,10 +160,11 @@ def main():
           [(f"`{name}`", [f"{cost[2]:.0f}" for cost in costs] + [f"{(costs[-1][2] - costs[0][2]) / max(1, last - first):.1f}"])
            for name, costs in measured.items()])
     print(f"\nAn epoch of `train`, batches of 32: {epochs_s[0]:.2f} s, and times as fast: " + ", ".join(f"{epochs_s[0] / one:.2f}" for one in epochs_s[1:]))
-    if all(shared.values()):
+    if shared:
         print()
-        table(f"{last} threads on {len(os.sched_getaffinity(0))} cores",
-              ["at work on average", "at most one at work [s]", "with a core for each, estimated [s]", "times as fast, estimated"],
+        table(f"{last} threads on {CORES} cores",
+              ["at work on average", "at most one at work [s]", "with a core for each, estimated [s]",
+               f"times as fast as with {first}, estimated"],
               [(f"`{name}`", [f"{mean:.1f}", f"{alone_s:.2f}", f"{with_all_s:.2f}", f"{measured[name][0][0] / with_all_s:.1f}"])
                for name, (_, mean, alone_s, with_all_s) in shared.items()])
     if "TACTILE_BENCH_STUDY" in os.environ:

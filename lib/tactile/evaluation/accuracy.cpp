@@ -7,6 +7,21 @@
 namespace tactile::evaluation {
 namespace {
 
+results::Accuracy accuracy_by(std::span<const results::RunConfusion> runs,
+                              const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
+                              const Range& range, const results::BootstrapOptions& options) {
+  const auto objects = results_by_object(runs, has_samples);
+  results::Accuracy accuracy;
+  for (const auto& [name, cells] : objects)
+    accuracy.objects[name] = figure_of_object(cells, mean_over_objects(of_runs), options, range);
+  accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options, range);
+  return accuracy;
+}
+
+}  // namespace
+
+bool has_samples(const results::RunConfusion& run) { return run.confusion.samples() > 0; }
+
 std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs, std::span<const std::size_t> indexes) {
   std::uint64_t correct = 0, samples = 0;
   for (const std::size_t i : indexes) {
@@ -16,19 +31,6 @@ std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs,
   if (samples == 0) return std::nullopt;
   return static_cast<double>(correct) / static_cast<double>(samples);
 }
-
-results::Accuracy accuracy_by(std::span<const results::RunConfusion> runs,
-                              const std::function<std::optional<double>(std::span<const std::size_t>)>& of_runs,
-                              const Range& range, const results::BootstrapOptions& options) {
-  const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
-  results::Accuracy accuracy;
-  for (const auto& [name, cells] : objects)
-    accuracy.objects[name] = figure_of_object(cells, mean_over_objects(of_runs), options, range);
-  accuracy.mean = figure_over_objects(without_names(objects), mean_over_objects(of_runs), options, range);
-  return accuracy;
-}
-
-}  // namespace
 
 results::Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted) {
   if (truth.size() != predicted.size()) {
@@ -56,7 +58,7 @@ results::Accuracy accuracy_of(std::span<const results::RunConfusion> runs, const
 }
 
 std::optional<results::VarianceShares> variance_of_accuracy(std::span<const results::RunConfusion> runs) {
-  const auto objects = results_by_object(runs, [](const results::RunConfusion& run) { return run.confusion.samples() > 0; });
+  const auto objects = results_by_object(runs, has_samples);
   return variance_shares(without_names(objects), mean_over_objects([runs](std::span<const std::size_t> indexes) {
                            return accuracy_over(runs, indexes);
                          }));

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +17,11 @@ namespace tactile::evaluation {
 
 /// Counts pairs of true and predicted class. @throws Error  if the two are not of one length
 results::Confusion confusion_of(std::span<const Touch> truth, std::span<const Touch> predicted);
+
+bool has_samples(const results::RunConfusion& run);
+
+/// The share of correct samples, over all samples of these runs; nothing without samples.
+std::optional<double> accuracy_over(std::span<const results::RunConfusion> runs, std::span<const std::size_t> indexes);
 
 /// Of shares of samples: [0, 1], in steps of one sample of a run.
 Range range_of_shares(std::span<const results::RunConfusion> runs);

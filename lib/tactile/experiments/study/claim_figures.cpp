@@ -21,14 +21,6 @@ results::Claim unmeasured(std::string id, results::ClaimScope scope, std::string
   return empty;
 }
 
-bool has_samples(const results::RunConfusion& run) { return run.confusion.samples() > 0; }
-
-double accuracy_over(std::span<const results::RunConfusion> all, std::span<const std::size_t> runs) {
-  results::Confusion sum;
-  for (const std::size_t run : runs) sum += all[run].confusion;
-  return sum.accuracy().value_or(NAN);
-}
-
 results::BootstrapOptions wide_for(std::size_t count, results::BootstrapOptions options) {
   options.confidence = 1 - (1 - options.confidence) / static_cast<double>(std::max<std::size_t>(count, 1));
   return options;

@@ -10,7 +10,6 @@
 #include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/experiments/study/claim_rules.hpp"
 #include "tactile/results/claim.hpp"
-#include "tactile/results/confusion.hpp"
 
 namespace tactile::study {
 
@@ -30,11 +29,6 @@ using OfRuns = std::function<std::optional<double>(std::span<const std::size_t>)
 /// The same by a figure of each object.
 void take(results::Claim& claim, const std::map<std::string, evaluation::CrossedObject>& objects, const OfRuns& of_runs,
           const evaluation::Range& range, const results::BootstrapOptions& options);
-
-bool has_samples(const results::RunConfusion& run);
-
-/// Over all samples of these runs, in [0, 1]; NaN without samples.
-double accuracy_over(std::span<const results::RunConfusion> all, std::span<const std::size_t> runs);
 
 /// The object whose value is `claim.measured`.
 std::string furthest_object(const results::Claim& claim);
