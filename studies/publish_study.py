@@ -12,7 +12,7 @@ import sys
 from page_text import wrapped
 
 PICTURES = ("accuracy-by-history", "detection-curve", "delays", "over-time", "unseen", "variance")
-TRADE_PICTURES = ("trade-accuracy", "trade-delay")
+TRADE_PICTURES = ("trade-accuracy", "trade-delay", "trade-budgets")
 CURVE_MS = (0, 10, 20, 50, 100, 200, 500)
 PAPER = {"history-2-worst": 8, "longer-is-better": 8, "best-history-40": 8, "marginal-past-20": 8, "accuracy-at-40": 8, "press-delay": 9, "slip-delay": 9,
          "slip-at-once": 9, "right-at-first": 10, "worse-near-the-end": 10, "seen-better": 11, "unseen-near-seen": 11, "unseen-accurate": 11,
@@ -249,6 +249,7 @@ def page(folder):
         f"Other programs disturbed the times: the p99 of {trade['busy']} settings is uncertain by more than a factor of four. Compare their p50.\n" if trade["busy"] else "",
         picture("trade-accuracy", "Accuracy against time per tick"),
         picture("trade-delay", "Delay against false alarms"),
+        picture("trade-budgets", "The best of each kind of model within a time per tick"),
         f"{trade['usual_is']} {trade['recommendation']['sentence']}\n",
         "## What the paper does not specify\n",
         "The paper names LeNet, t_h, the tick of 2 ms, the factor 0.2 and the noise reduction. These defaults are ours: ReLU and max-pooling, Adam with a learning rate "

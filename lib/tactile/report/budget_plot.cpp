@@ -55,7 +55,7 @@ std::vector<double> rows_of(const BestOfKind& best, const Panel& panel, double a
 }
 
 AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
-  double least = INFINITY, most = -INFINITY;
+  double least = HUGE_VAL, most = -HUGE_VAL;
   for (const BestOfKind& best : all) {
     for (const results::TradedSetting* setting : best.within) {
       if (setting == nullptr) continue;
@@ -114,15 +114,14 @@ pictures::Plot trade_budget_plot(const results::Trade& trade) {
   for (std::size_t kind = 0; kind < all.size(); ++kind) {
     for (const std::string& name : names_of(all[kind])) names.emplace_back(name, kind);
   }
-  constexpr int top = 128;
+  constexpr int top = 148;
   const int list = top + plot_height + under_plot;
   const std::string title = "The best of each kind of model within a time per tick";
   pictures::PlotScript script(trade.simulated ? title + " (simulated runs)" : title, page_width,
                               list + list_row * static_cast<int>(names.size()) + 10);
   script.note("The most accurate setting of which 99 % of the ticks take at most this long, chosen on the choice runs.");
-  script.note(
-      "Values are of the reported runs. Bars: 95 % intervals, a triangle where one leaves the panel. Below: the settings, with "
-      "the 99th percentile of their time.");
+  script.note("Values are of the reported runs. Bars: 95 % intervals, a triangle where one leaves the panel.");
+  script.note("Below: the settings, with the 99th percentile of their time.");
   for (std::size_t i = 0; i < names.size(); ++i)
     script.text(names[i].first, 20, list + list_row * static_cast<double>(i), "left font ',12'",
                 pictures::line_style(names[i].second).colour);
