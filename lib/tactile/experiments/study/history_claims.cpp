@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,20 @@ class Histories {
     double sum = 0;
     for (const auto& runs : objects) sum += accuracy(history, runs);
     return sum / static_cast<double>(objects.size());
+  }
+
+  /// Over all objects [%].
+  double mean_percent(microseconds history) const {
+    return 100 * mean_accuracy(history, evaluation::all_of(evaluation::without_names(objects_)));
+  }
+
+  /// Over objects. @param difference  of mean accuracies, in [-1, 1]
+  results::Figure difference_in_points(const std::function<double(const evaluation::RunsByObject&)>& difference,
+                                       const results::BootstrapOptions& options) const {
+    return evaluation::figure_over_objects(
+        evaluation::without_names(objects_),
+        [&](const evaluation::RunsByObject& objects) -> std::optional<double> { return 100 * difference(objects); }, options,
+        points());
   }
 
   /// Of equals the shortest.
@@ -107,24 +122,21 @@ results::Claim longer_is_better(const Histories& histories, const results::Boots
                  "Increasing the history of events improves the performance", "points", results::Asked::above, 0);
   const auto shorter = histories.those([](microseconds history) { return history <= marginal; });
   if (shorter.size() < 2 || !histories.has(shortest) || !histories.has(marginal)) return claim;
-  const evaluation::CrossedResults cells = evaluation::without_names(histories.objects());
-  claim.measured = evaluation::figure_over_objects(
-      cells,
-      [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
+  claim.measured = histories.difference_in_points(
+      [&](const evaluation::RunsByObject& objects) {
         double smallest = 1;
         for (std::size_t i = 1; i < shorter.size(); ++i) {
           smallest =
               std::min(smallest, histories.mean_accuracy(shorter[i], objects) - histories.mean_accuracy(shorter[i - 1], objects));
         }
-        return 100 * smallest;
+        return smallest;
       },
-      options, histories.points());
-  const evaluation::RunsByObject all = evaluation::all_of(cells);
+      options);
   std::vector<std::string> means;
   means.reserve(shorter.size());
   for (const microseconds history : shorter)
-    means.push_back(fmt::format("{:.2f} % at {} ms", 100 * histories.mean_accuracy(history, all), experiments::ms_text(history)));
-  claim.in_words = fmt::format("The mean over {} objects is {}.", all.size(), fmt::join(means, ", "));
+    means.push_back(fmt::format("{:.2f} % at {} ms", histories.mean_percent(history), experiments::ms_text(history)));
+  claim.in_words = fmt::format("The mean over {} objects is {}.", histories.objects().size(), fmt::join(means, ", "));
   return claim;
 }
 
@@ -166,22 +178,19 @@ results::Claim marginal_past_20(const Histories& histories, const results::Boots
                  "Improvements become marginal after 20 ms", "points", results::Asked::below, 1);
   const auto longer = histories.those([](microseconds history) { return history > marginal; });
   if (!histories.has(marginal) || longer.empty()) return claim;
-  const evaluation::CrossedResults cells = evaluation::without_names(histories.objects());
-  const evaluation::RunsByObject all = evaluation::all_of(cells);
-  claim.measured = evaluation::figure_over_objects(
-      cells,
-      [&](const evaluation::RunsByObject& objects) -> std::optional<double> {
+  claim.measured = histories.difference_in_points(
+      [&](const evaluation::RunsByObject& objects) {
         double highest = 0;
         for (const microseconds history : longer) highest = std::max(highest, histories.mean_accuracy(history, objects));
-        return 100 * (highest - histories.mean_accuracy(marginal, objects));
+        return highest - histories.mean_accuracy(marginal, objects);
       },
-      options, histories.points());
+      options);
   if (std::isnan(claim.measured.value)) return claim;
   const microseconds best = *std::max_element(longer.begin(), longer.end(), [&](microseconds a, microseconds b) {
-    return histories.mean_accuracy(a, all) < histories.mean_accuracy(b, all);
+    return histories.mean_percent(a) < histories.mean_percent(b);
   });
   claim.in_words = fmt::format("The mean over {} objects is {:.2f} % at 20 ms, and past that {:.2f} % at best, at {} ms.",
-                               all.size(), 100 * histories.mean_accuracy(marginal, all), 100 * histories.mean_accuracy(best, all),
+                               histories.objects().size(), histories.mean_percent(marginal), histories.mean_percent(best),
                                experiments::ms_text(best));
   return claim;
 }
