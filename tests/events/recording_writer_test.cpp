@@ -298,7 +298,7 @@ TEST(RecordingWriterState, WritesTheRestWhereTheDiskHasRoomAgain) {
   const auto events = random_events(4, 60'000, 1'000, 0);
   for (const unsigned threads : {1U, 3U}) {
     const auto file = folder / ("again" + std::to_string(threads) + ".aedat4");
-    RecordingWriter writer(file, {mini}, {.compression = Compression::lz4, .packet_events = 500, .threads = threads});
+    RecordingWriter writer(file, {mini}, {.compression = Compression::lz4, .packet_events = 100, .threads = threads});
     std::size_t given = 0;
     const auto write_until_refused = [&] {
       for (; given < events.size(); given += 500) writer.write_events(0, std::span(events).subspan(given, 500));

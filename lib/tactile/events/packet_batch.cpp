@@ -9,11 +9,17 @@
 #include "tactile/events/recording_header.hpp"
 
 namespace tactile::events {
+namespace {
+
+/// Of a thread: with fewer packets, threads wait longer in all for the last ones of each batch.
+constexpr std::size_t packets_each = 40;
+
+}  // namespace
 
 PacketBatch::PacketBatch(Compression compression, unsigned threads)
     : compression_(compression),
       compressors_(compression == Compression::none ? 1 : std::max(1U, threads)),
-      packets_(compressors_.size() == 1 ? 1 : 8 * compressors_.size()) {}
+      packets_(compressors_.size() == 1 ? 1 : packets_each * compressors_.size()) {}
 
 void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size) {
   Packet& packet = packets_[count_++];

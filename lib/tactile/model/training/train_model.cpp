@@ -5,29 +5,28 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <future>
 #include <set>
 
-#include "tactile/characterise/scene.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
-#include "tactile/core/sha256.hpp"
+#include "tactile/core/start_beside.hpp"
 #include "tactile/core/utc_time.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/definition/model_network.hpp"
-#include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
 #include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/follow_samples.hpp"
 #include "tactile/model/training/sample_features.hpp"
+#include "tactile/model/training/seen_in_runs.hpp"
 #include "tactile/model/training/stressed_heatmaps.hpp"
+#include "tactile/model/training/torch_version.hpp"
 #include "tactile/model/training/training_log.hpp"
 #include "tactile/model/training/validation_cut.hpp"
 #include "tactile/windows/dataset_split.hpp"
-#include "tactile/windows/event_counts.hpp"
 
 namespace tactile::model {
 namespace {
@@ -59,84 +58,6 @@ CutSamples cut_samples(const windows::Dataset& dataset, const ModelSettings& set
                             settings.training.validation_share, samples.size()));
   }
   return result;
-}
-
-/// The gate for the presses and slips of these runs.
-Gate gate_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs, const heatmaps::HeatmapOptions& rendering) {
-  std::vector<std::uint64_t> counts;
-  for (const std::uint32_t run : runs) {
-    std::vector<std::uint32_t> touches = samples_of_runs(dataset, {&run, 1});
-    std::erase_if(touches, [&](std::uint32_t sample) { return dataset.samples()[sample].touch == Touch::none; });
-    const auto of_run = windows::event_counts(dataset, run, touches, rendering.history, rendering.mask);
-    counts.insert(counts.end(), of_run.begin(), of_run.end());
-  }
-  return calibrated_gate(counts);
-}
-
-/// The recordings of these runs; nothing if one is missing. @throws Error  if one differs from the one of the dataset
-std::optional<std::vector<std::filesystem::path>> recordings_of(const windows::Dataset& dataset,
-                                                                std::span<const std::uint32_t> runs) {
-  std::vector<std::filesystem::path> recordings;
-  for (const std::uint32_t run : runs) {
-    const std::filesystem::path recording = dataset.run_folder(run) / "events.aedat4";
-    if (!std::filesystem::is_regular_file(recording)) return std::nullopt;
-    if (sha256_of_file(recording) != dataset.runs()[run].events_sha256) {
-      throw Error(
-          fmt::format("{}: differs from the recording that {} was made from; expected the same, or run 'tactile windows' again",
-                      recording.string(), dataset.file().string()));
-    }
-    recordings.push_back(recording);
-  }
-  return recordings;
-}
-
-std::vector<TouchInterval> labelled_in(const windows::Dataset& dataset, std::uint32_t run) {
-  std::vector<TouchInterval> labelled;
-  for (const windows::DatasetInterval& interval : dataset.intervals()) {
-    if (interval.run_index == run) labelled.push_back(interval.interval);
-  }
-  return labelled;
-}
-
-/// What bundles keep of the training runs' recordings, beside the samples.
-struct SeenInRuns {
-  Gate gate;
-  std::optional<characterise::SceneRanges> scene;  ///< as the ratios of the gate, none if a recording is missing
-};
-
-SeenInRuns seen_in(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
-                   const heatmaps::HeatmapOptions& rendering) {
-  constexpr std::size_t most = 1000;
-  SeenInRuns seen{.gate = gate_of(dataset, runs, rendering), .scene = std::nullopt};
-  const auto recordings = recordings_of(dataset, runs);
-  if (!recordings) return seen;
-  Gate& gate = seen.gate;
-  seen.scene.emplace();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    events::RecordingReader reader((*recordings)[i]);
-    const std::vector<double> ratios = opening_ratios(reader, labelled_in(dataset, runs[i]), rendering);
-    gate.ratios.insert(gate.ratios.end(), ratios.begin(), ratios.end());
-    seen.scene->add_run(characterise::scenes_of(reader, rendering.mask));
-  }
-  gate.intervals = gate.ratios.size();
-  std::sort(gate.ratios.begin(), gate.ratios.end());
-  gate.ratios.resize(std::min(gate.ratios.size(), most));
-  if (seen.scene->runs == 0) seen.scene.reset();  // all are too short
-  return seen;
-}
-
-/// The transitions of the labels of these runs.
-Transitions transitions_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs) {
-  Transitions transitions;
-  for (const std::uint32_t run : runs) {
-    const std::uint64_t count = dataset.runs()[run].events;
-    if (count == 0) continue;
-    std::vector<TouchInterval> labelled = labelled_in(dataset, run);
-    std::sort(labelled.begin(), labelled.end(), [](const auto& a, const auto& b) { return a.start < b.start; });
-    const auto time_of = [&](std::uint64_t event) { return dataset.events(run, event, 1).front().t; };
-    transitions.add(time_of(0), time_of(count - 1), labelled);
-  }
-  return transitions;
 }
 
 }  // namespace
@@ -410,7 +331,10 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   const std::optional<Weights> from = starting_weights(settings, options.from, description);
   description.manifest_hash = dataset.manifest_hash();
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
-  SeenInRuns seen = seen_in(dataset, split.train_runs, settings.rendering);
+  // It takes most of a second. Who uses libtorch first waits for it.
+  std::future<void> loading;
+  if (settings.kind != ModelKind::trees) loading = start_beside(options.threads, load_libtorch);
+  SeenInRuns seen = seen_in(dataset, split.train_runs, settings.rendering, options.threads);
   description.gate = std::move(seen.gate);
   description.scene = seen.scene;
 
