@@ -51,7 +51,7 @@ TEST(Figure, IsScaledWithItsInterval) {
 TEST(Figure, IsWrittenWithItsIntervalAndUnit) {
   const Figure figure{.value = 0.8832, .low = 0.8126, .high = 0.9449, .n = 10, .trainings = 5};
   EXPECT_EQ(text_of(scaled(figure, 100), " %"), "88.3 % [81.3, 94.5]");
-  EXPECT_EQ(text_of(scaled(figure, -1), " ms", "+.2f"), "-0.88 ms [-0.81, -0.94]");
+  EXPECT_EQ(text_of(scaled(figure, -1), " ms", "+.2f"), "-0.88 ms [-0.94, -0.81]");
   EXPECT_EQ(text_of({.value = 4.0, .low = {}, .high = {}, .n = 2}, ""), "4.0");
   EXPECT_EQ(text_of(Figure{}, " ms"), "unknown");
 }

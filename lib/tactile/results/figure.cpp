@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tactile/results/figure_text.hpp"
 
@@ -13,6 +14,7 @@ Figure scaled(Figure figure, double factor) {
   figure.value *= factor;
   if (figure.low) *figure.low *= factor;
   if (figure.high) *figure.high *= factor;
+  if (factor < 0) std::swap(figure.low, figure.high);
   return figure;
 }
 

@@ -95,7 +95,7 @@ class Histories {
 results::Claim history_2_worst(const Histories& histories, const results::BootstrapOptions& options) {
   results::Claim claim = unmeasured(
       "history-2-worst", results::ClaimScope::every_object,
-      "A history of 2 ms is the worst for every object: its accuracy less the lowest at any other history, of the object "
+      "A history of 2 ms is the worst for every object: its accuracy minus the lowest at any other history, of the object "
       "where that is largest",
       "Instantaneous heatmaps (2 ms) are worst for all ten objects", "points", results::Asked::below, 0);
   if (!histories.has_others(shortest)) return claim;
@@ -143,7 +143,7 @@ results::Claim longer_is_better(const Histories& histories, const results::Boots
 results::Claim best_history_40(const Histories& histories, const results::BootstrapOptions& options) {
   results::Claim claim =
       unmeasured("best-history-40", results::ClaimScope::over_objects,
-                 "A history of 40 ms is the best for more objects than any other: their number less that of the next one",
+                 "A history of 40 ms is the best for more objects than any other: their number minus that of the next one",
                  "40 ms is the best for five objects, 50 ms for three, 20 ms for two", "objects", results::Asked::above, 0);
   if (!histories.has_others(chosen)) return claim;
   std::map<microseconds, std::size_t> counts;
@@ -174,7 +174,7 @@ results::Claim best_history_40(const Histories& histories, const results::Bootst
 results::Claim marginal_past_20(const Histories& histories, const results::BootstrapOptions& options) {
   results::Claim claim =
       unmeasured("marginal-past-20", results::ClaimScope::over_objects,
-                 "Past 20 ms a longer history gains less than a point: the highest mean accuracy past 20 ms less that at 20 ms",
+                 "Past 20 ms a longer history gains less than a point: the highest mean accuracy past 20 ms minus that at 20 ms",
                  "Improvements become marginal after 20 ms", "points", results::Asked::below, 1);
   const auto longer = histories.those([](microseconds history) { return history > marginal; });
   if (!histories.has(marginal) || longer.empty()) return claim;

@@ -36,18 +36,18 @@ double percent_of(const std::vector<results::RunConfusion>& all, std::span<const
   return 100 * evaluation::accuracy_over(all, runs).value_or(NAN);
 }
 
-results::Claim seen_better(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+/// @param changes  of the accuracy without the objects in training
+results::Claim seen_better(const results::Accuracy& changes) {
   results::Claim claim =
       unmeasured("seen-better", results::ClaimScope::over_objects,
                  "Objects in training are classified better: the mean accuracy with them in training minus that without",
                  "The model generally provides a better performance when the data from an object is included in the training set",
                  "points", results::Asked::above, 0);
-  if (inputs.seen.empty()) return claim;
-  const results::Accuracy gain = evaluation::accuracy_difference(inputs.held_out, inputs.seen, options);
-  claim.measured = scaled(gain.mean, 100);
-  claim.of = gain.objects.size();
+  if (changes.objects.empty()) return claim;
+  claim.measured = scaled(changes.mean, -100);
+  claim.of = changes.objects.size();
   claim.kept = static_cast<std::size_t>(
-      std::count_if(gain.objects.begin(), gain.objects.end(), [](const auto& object) { return object.second.value > 0; }));
+      std::count_if(changes.objects.begin(), changes.objects.end(), [](const auto& object) { return object.second.value < 0; }));
   claim.in_words =
       fmt::format("In training {} are classified better; the mean gains {:.2f} points.", kept_of(claim), claim.measured.value);
   return claim;
@@ -92,16 +92,14 @@ results::Claim unseen_accurate(const Compared& others, const results::BootstrapO
   return claim;
 }
 
-results::Claim unseen_exception(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
+results::Claim unseen_exception(const results::Accuracy& changes) {
   results::Claim claim = unmeasured(
       fmt::format("unseen-{}", exception_object), results::ClaimScope::one_object,
       fmt::format("{} is the exception: without it in training, accuracy drops by more than 5 points", exception_object),
       "The only exception is the plastic container, where the accuracy was significantly lower", "points", results::Asked::below,
       -near_points);
-  if (inputs.seen.empty()) return claim;
-  const auto changes = evaluation::accuracy_difference(inputs.seen, inputs.held_out, options).objects;
-  const auto found = changes.find(exception_object);
-  if (found == changes.end()) return claim;
+  const auto found = changes.objects.find(exception_object);
+  if (found == changes.objects.end()) return claim;
   claim.measured = scaled(found->second, 100);
   claim.in_words = fmt::format("Without it in training {} {} {:.2f} points.", exception_object,
                                claim.measured.value < 0 ? "loses" : "gains", std::abs(claim.measured.value));
@@ -119,8 +117,10 @@ void judge_exception(results::Claim& exception, const results::Claim& others) {
 
 std::vector<results::Claim> unseen_claims(const ClaimInputs& inputs, const results::BootstrapOptions& options) {
   const Compared others = without_the_exception(inputs);
-  std::vector<results::Claim> claims{seen_better(inputs, options), unseen_near_seen(others, options),
-                                     unseen_accurate(others, options), unseen_exception(inputs, options)};
+  results::Accuracy changes;
+  if (!inputs.seen.empty()) changes = evaluation::accuracy_difference(inputs.seen, inputs.held_out, options);
+  std::vector<results::Claim> claims{seen_better(changes), unseen_near_seen(others, options), unseen_accurate(others, options),
+                                     unseen_exception(changes)};
   for (results::Claim& claim : claims) judge(claim);
   judge_exception(claims[3], claims[1]);
   return claims;
