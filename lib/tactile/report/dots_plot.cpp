@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "tactile/core/text_lines.hpp"
@@ -23,6 +24,17 @@ constexpr std::size_t most_others = 42;  // numbered, of those on none
 constexpr int left = 90, right = 40, panel_height = 420, below = 72;
 
 using Position = double (*)(double);
+
+/// With y as positions on an axis of `DotAxes::y_from_zero`.
+std::vector<Dot> from_zero(std::vector<Dot> dots) {
+  for (Dot& dot : dots) {
+    dot.y.value = log_position_from_zero(dot.y.value);
+    for (std::optional<double>* bound : {&dot.y.low, &dot.y.high}) {
+      if (*bound) *bound = log_position_from_zero(std::max(**bound, 0.0));
+    }
+  }
+  return dots;
+}
 
 /// A name in lines of at most `characters`, divided after commas.
 std::vector<std::string> name_lines(std::string name, std::size_t characters) {
@@ -162,7 +174,7 @@ DotPanel panel_of(const DotGroups& groups, const DotAxes& axes, Position positio
   // 0 is on the axis, as the value that others are compared with, unless that compresses the rest.
   if (axes.x_from_zero && (least_x < 1.5 || 2 * least_x < most_x)) least_x = 0, most_x = std::max(most_x, std::log10(2));
   const pictures::PlotBox box{.left = left, .top = top, .right = page_width - right, .bottom = top + panel_height};
-  AxisRange up = range_around(least_y, most_y, axes.least_y_span, box.bottom - box.top);
+  AxisRange up = range_around(least_y, most_y, axes.y_from_zero ? std::log10(2) : axes.least_y_span, box.bottom - box.top);
   // Beyond the possible values there is room for half a mark alone.
   const double edge = 0.025 * (up.end - up.begin);
   up.begin = std::max(up.begin, axes.y_begin - edge), up.end = std::min(up.end, axes.y_end + edge);
@@ -245,7 +257,10 @@ void draw_panel(pictures::PlotScript& script, const DotPanel& panel, const DotGr
                .end = panel.across.end,
                .label = axes.x_label,
                .tics = decade_tics(panel.across, axes.x_from_zero).text()},
-              {.begin = panel.up.begin, .end = panel.up.end, .label = axes.y_label});
+              {.begin = panel.up.begin,
+               .end = panel.up.end,
+               .label = axes.y_label,
+               .tics = axes.y_from_zero ? decade_tics(panel.up, true, true).text() : ""});
   DotLabels labels(script, panel);
   std::vector<double> others, front, usual;
   for (const Dot* dot : groups.others) {
@@ -282,7 +297,8 @@ pictures::Plot dots_plot(const std::string& title, const DotAxes& axes, const st
   constexpr int note_row = 20, note_top = 52;
   constexpr std::size_t note_characters = 114;
   const Position position_of = axes.x_from_zero ? log_position_from_zero : log_position;
-  const DotGroups groups(dots, position_of);
+  const std::vector<Dot> placed = axes.y_from_zero ? from_zero(dots) : dots;
+  const DotGroups groups(placed, position_of);
   const std::vector<std::string> notes = lines_of(wrapped(groups.note(axes), 0, note_characters));
   const DotPanel panel = panel_of(groups, axes, position_of, note_top + note_row * static_cast<int>(notes.size()) + 4);
 

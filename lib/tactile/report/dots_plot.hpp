@@ -23,7 +23,8 @@ struct DotAxes {
   std::string bars;   ///< what they are intervals of
   std::string x_label, y_label;
   bool x_from_zero = false;              ///< linear near 0, logarithmic beyond; else logarithmic throughout
-  double least_y_span = 1;               ///< a shorter axis would show differences that mean nothing
+  bool y_from_zero = false;              ///< the same of values >= 0; else linear
+  double least_y_span = 1;               ///< a shorter linear axis would show differences that mean nothing
   double y_begin = 0, y_end = INFINITY;  ///< no value lies outside
 };
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -26,24 +25,6 @@ std::string titled(const results::Trade& trade, const std::string& words) {
 Dot dot_of(const results::TradedSetting& setting) {
   return {
       .usual = setting.design == "usual", .is_single_change = setting.text.find(',') == std::string::npos, .text = setting.text};
-}
-
-/// Cuts intervals above all values: a single one of a setting with many misses would press all dots together.
-/// @return  where they are cut; nothing where none is
-std::optional<double> cut_intervals(std::vector<Dot>& dots) {
-  constexpr double room = 1.5;  // of the greatest value
-  double most = 0;
-  for (const Dot& dot : dots) {
-    if (std::isfinite(dot.y.value)) most = std::max(most, dot.y.value);
-  }
-  const double limit = std::ceil(room * most);
-  bool is_cut = false;
-  for (Dot& dot : dots) {
-    if (!dot.on_front || !dot.y.has_interval() || *dot.y.high <= limit) continue;
-    dot.y.high = limit;
-    is_cut = true;
-  }
-  return is_cut ? std::optional(limit) : std::nullopt;
 }
 
 }  // namespace
@@ -78,14 +59,13 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
       dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.reported.figures.missed.value);
     dots.push_back(std::move(dot));
   }
-  const std::optional<double> cut = cut_intervals(dots);
   return dots_plot(titled(trade, "Detection delay against false alarms"),
                    {.front = "not beaten in false alarms, delay and misses together by any other setting",
-                    .bars = cut ? fmt::format("the delay, cut at {:.0f} ms", *cut) : "the delay",
+                    .bars = "the delay",
                     .x_label = "false alarms per minute, outside labels",
                     .y_label = "median delay, misses included [ms]",
                     .x_from_zero = true,
-                    .least_y_span = 2},
+                    .y_from_zero = true},
                    dots);
 }
 
