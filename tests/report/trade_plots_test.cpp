@@ -151,8 +151,10 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
   for (const std::string& knob : knobs) name += (name.empty() ? "" : ", ") + knob;
   results::TradedSetting long_one = setting(name, 20, 0.7, 900, 5000);
   long_one.reported.figures.missed.value = 0.125;
+  results::TradedSetting other = beaten(setting("temporal convolution", 10, 0.8, 5, 9000));  // has less room
+  other.reported.figures.missed.value = 0.25;
   const results::Trade trade =
-      trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000))});
+      trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000)), other});
   for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
     const std::vector<Words> words = words_in(plot);
     for (const std::string& knob : knobs) {
@@ -170,7 +172,8 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
     drawn(plot);
   }
   const std::string svg = drawn(trade_delay_plot(trade));
-  EXPECT_TRUE(contains(svg, "no gate (12.5 % missed or early)"));
+  EXPECT_TRUE(contains(svg, "(12.5 % missed or early)"));
+  EXPECT_TRUE(contains(svg, "(25.0 % missed or early)"));
 }
 
 TEST(TradePlots, NumberTheFrontByWhatIsAcross) {

@@ -36,11 +36,11 @@ std::vector<Dot> from_zero(std::vector<Dot> dots) {
   return dots;
 }
 
-/// A name in lines of at most `characters`, divided after commas.
+/// A name in lines of at most `characters`, divided after commas and before brackets.
 std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   constexpr char stays = '\x1F';  // in the place of a blank at which no line ends
   for (std::size_t i = 1; i < name.size(); ++i) {
-    if (name[i] == ' ' && name[i - 1] != ',') name[i] = stays;
+    if (name[i] == ' ' && name[i - 1] != ',' && !name.substr(i + 1).starts_with('(')) name[i] = stays;
   }
   std::vector<std::string> lines = lines_of(wrapped(name, 0, characters));
   for (std::string& line : lines) {
@@ -50,7 +50,7 @@ std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   return lines;
 }
 
-/// Numbered names under a figure, down one column after another. Long names take several lines, divided at commas.
+/// Numbered names under a figure, down one column after another. Long names take several lines.
 class NameList {
  public:
   static constexpr int row = 19;  // [px]
