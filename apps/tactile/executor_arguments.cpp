@@ -7,13 +7,16 @@
 #include <iostream>
 #include <sstream>
 
+#include "interruption.hpp"
 #include "option_checks.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile::cli {
 namespace {
 
+/// Asks after Ctrl-C. The end of a budget cancels.
 bool asked_to_cancel() {
+  if (!interrupted()) return true;
   if (::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0) {
     fmt::print(stderr,
                "\nCancel the jobs on the cluster? Otherwise they continue, and the same command collects them later. [y/N] ");

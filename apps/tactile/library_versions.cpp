@@ -2,6 +2,7 @@
 
 #include <H5public.h>
 #include <fmt/format.h>
+#include <libdeflate.h>
 #include <lz4.h>
 #include <xgboost/c_api.h>
 #include <zstd.h>
@@ -34,9 +35,9 @@ std::string xgboost_version() {
 }  // namespace
 
 std::vector<LibraryVersion> library_versions() {
-  return {{"libtorch", model::torch_version()}, {"OpenCV", cv::getVersionString()}, {"HDF5", hdf5_version()},
-          {"FFmpeg", av_version_info()},        {"XGBoost", xgboost_version()},     {"LZ4", LZ4_versionString()},
-          {"zstd", ZSTD_versionString()}};
+  return {{"libtorch", model::torch_version()}, {"OpenCV", cv::getVersionString()},       {"HDF5", hdf5_version()},
+          {"FFmpeg", av_version_info()},        {"XGBoost", xgboost_version()},           {"LZ4", LZ4_versionString()},
+          {"zstd", ZSTD_versionString()},       {"libdeflate", LIBDEFLATE_VERSION_STRING}};
 }
 
 std::string libraries_text() {

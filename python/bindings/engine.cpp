@@ -3,6 +3,8 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <mutex>
+
 #include "arrays.hpp"
 #include "recording.hpp"
 #include "tactile/core/error.hpp"
@@ -77,28 +79,43 @@ nb::tuple predict(const Classifier& classifier, Recording& recording, double tic
   return nb::make_tuple(array_of(std::move(ticks)), array_of_logits(logits), array_of(std::move(events)));
 }
 
-/// A model on events that Python gives.
+/// A model on events that Python gives. Python's threads may share it.
 class EventStream {
  public:
   EventStream(const Classifier& classifier, int width, int height)
       : predictor_(classifier.on_events({width, height}, classifier.rendering())) {}
 
-  void add(const GivenEventBytes& events) { predictor_->add(events_of(events)); }
+  void add(const GivenEventBytes& bytes) {
+    const std::span<const events::Event> events = events_of(bytes);
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    predictor_->add(events);
+  }
 
   NumpyArray<float> classify(std::int64_t t_us) {
     Logits logits{};
     {
       const nb::gil_scoped_release other_threads_run;
+      const std::scoped_lock lock(mutex_);
       predictor_->move_to(camera_time(t_us));
       predictor_->prepare();
       logits = predictor_->classify();
     }
     return array_of(std::vector<float>(logits.begin(), logits.end()));
   }
-  std::uint64_t events() const { return predictor_->events(); }
-  void restart() { predictor_->restart(); }
+  std::uint64_t events() const {
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    return predictor_->events();
+  }
+  void restart() {
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    predictor_->restart();
+  }
 
  private:
+  mutable std::mutex mutex_;
   std::unique_ptr<model::EventClassifier> predictor_;
 };
 
@@ -117,6 +134,7 @@ void bind_engine(nb::module_& module) {
       .def(
           "__init__",
           [](Classifier* self, const std::string& bundle, const std::string& precision, unsigned threads) {
+            const nb::gil_scoped_release other_threads_run;
             new (self) Classifier(bundle, threads, {.precision = model::precision_named(precision)});
           },
           nb::arg("bundle"), nb::arg("precision"), nb::arg("threads"))

@@ -2,6 +2,7 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "arrays.hpp"
 #include "recording.hpp"
@@ -118,14 +119,27 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
   return render().arrays();
 }
 
-/// A renderer of events that Python gives.
+/// A renderer of events that Python gives. Python's threads may share it.
 class Renderer {
  public:
   Renderer(int width, int height, const std::string& settings) : renderer_({width, height}, options_in(settings)) {}
 
-  void add(const GivenEventBytes& events) { renderer_.add(events_of(events)); }
-  void move_to(std::int64_t t_us) { renderer_.move_to(camera_time(t_us)); }
-  std::uint64_t events() const { return renderer_.events(); }
+  void add(const GivenEventBytes& bytes) {
+    const std::span<const Event> events = events_of(bytes);
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    renderer_.add(events);
+  }
+  void move_to(std::int64_t t_us) {
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    renderer_.move_to(camera_time(t_us));
+  }
+  std::uint64_t events() const {
+    const nb::gil_scoped_release other_threads_run;
+    const std::scoped_lock lock(mutex_);
+    return renderer_.events();
+  }
 
   NumpyArray<std::uint8_t> render() { return rendered<std::uint8_t>(); }
   NumpyArray<float> render_exact() { return rendered<float>(); }
@@ -136,10 +150,15 @@ class Renderer {
     const auto height = static_cast<std::size_t>(renderer_.size().height),
                width = static_cast<std::size_t>(renderer_.size().width);
     std::vector<Number> values(width * height);
-    renderer_.render(std::span(values));
+    {
+      const nb::gil_scoped_release other_threads_run;
+      const std::scoped_lock lock(mutex_);
+      renderer_.render(std::span(values));
+    }
     return array_of(std::move(values), {height, width});
   }
 
+  mutable std::mutex mutex_;
   HeatmapRenderer renderer_;
 };
 

@@ -1,5 +1,6 @@
 #include "tactile/experiments/slurm.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +33,9 @@ TEST(Slurm, IsNamedWithOrWithoutAPartition) {
 
 TEST(Slurm, ThatIsNotInstalledIsNamed) {
   const test::TemporaryFolder folder;
-  const std::string path = std::getenv("PATH");
+  const char* const before = std::getenv("PATH");
+  ASSERT_NE(before, nullptr);
+  const std::string path = before;
   ::setenv("PATH", folder.path().c_str(), 1);
   const std::string error = test::error_of([&] {
     run_on_slurm({{"one", {}, folder / "one.log", "key"}}, ProcessesOptions{}, folder / "slurm", {});
@@ -79,6 +82,7 @@ class SlurmJobs : public testing::Test {
 
 TEST_F(SlurmJobs, EachRunOnceInArraysOfTheLargestSizeAndAreReported) {
   std::vector<ProcessPlan> plans;
+  plans.reserve(7);
   for (int i = 0; i < 7; ++i) plans.push_back(task("task " + std::to_string(i)));  // MaxArraySize is 4
   for (ProcessPlan& plan : plans) plan.arguments[1] = "true && echo done >>'" + file(plan.name + ".txt") + "'";
   run(plans);
@@ -161,6 +165,19 @@ TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnother) {
   EXPECT_EQ(text("one.txt"), "done\n");
 }
 
+TEST_F(SlurmJobs, ThatASignalEndsRunAgain) {
+  run({task("one", "[ -e " + file("second") + " ] || { : >" + file("second") + "; kill -9 $$; }")});
+  EXPECT_EQ(text("one.txt"), "done\n");
+
+  slurm_.attempts = 2;
+  const std::string error = test::error_of([&] { run({task("two", "echo begun >>" + file("begun.txt") + "; kill -9 $$")}); });
+  EXPECT_EQ(error,
+            "'two' failed: it was started 2 times, and signal 9 ended it the last time; if memory was short, expected --sbatch "
+            "with more, such as \"--mem=4G\" (its log: " +
+                file("logs/two.log") + ")");
+  EXPECT_EQ(text("begun.txt"), "begun\nbegun\n");
+}
+
 TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
   const std::string study =
       "reproduce --preset tiny --objects plastic-container,water-bottle --th 20,40 --held-out plastic-container --epochs 1 "
@@ -168,7 +185,7 @@ TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
       "2 --no-report";
   for (const std::string where : {"local", "slurm:short"}) {
     fs::create_directory(folder_ / where);
-    const auto result = test::run_tactile(study + " --executor " + where, folder_ / where);
+    const auto result = test::run_tactile(fmt::format("{} --executor {}", study, where), folder_ / where);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
   std::map<std::string, nlohmann::json> studies;
@@ -198,7 +215,7 @@ TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
       "--model th40-single-1-epochs1 --model half ";
   std::map<std::string, nlohmann::json> stressed;
   for (const std::string where : {"local", "slurm:short"}) {
-    run(stress + "--out " + where + " --executor " + where);
+    run(fmt::format("{}--out {} --executor {}", stress, where, where));
     stressed[where] = read_json(folder_ / where / "stress.json").at("models");
     EXPECT_EQ(stressed[where][0].at("curves").size(), 2U);
   }

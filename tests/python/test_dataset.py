@@ -46,6 +46,16 @@ def test_workers_of_a_loader_read_for_themselves(lab, method):
     assert np.array_equal(pickle.loads(pickle.dumps(dataset)).heatmaps([5]), dataset.heatmaps([5]))
 
 
+def test_pytorch_loads_it_with_workers(lab):
+    torch = pytest.importorskip("torch")
+    dataset = tactile.Dataset(lab.folder / "data/dataset.h5", split="single-run")
+    loader = torch.utils.data.DataLoader(dataset, batch_size=8, num_workers=2)
+    heatmaps, labels = zip(*loader)
+    assert torch.cat(heatmaps).shape == (len(dataset), 1, 96, 128)
+    assert np.array_equal(torch.cat(labels).numpy(), dataset.labels)
+    assert np.array_equal(torch.cat(heatmaps)[11].numpy(), dataset[11][0])
+
+
 def test_a_batch_has_what_single_samples_have(lab):
     dataset = tactile.Dataset(lab.folder / "data/dataset.h5", split="single-run")
     batch = dataset.__getitems__([4, 0, 4])

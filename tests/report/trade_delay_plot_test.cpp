@@ -23,11 +23,20 @@ results::TradedSetting setting_with(double episodes_per_min, double delay_us, do
 
 TEST(TradeDelayPlot, ShowsDelaysOfMillisecondsBesideAnIntervalOfSeconds) {
   results::Trade trade;
-  trade.points = {setting_with(9, 9000, 99'000), setting_with(0, 999, 9'999e3)};
+  trade.points = {setting_with(9, 9000, 9'999e3), setting_with(0, 999, 99'000)};
   const pictures::Plot plot = trade_delay_plot(trade);
-  EXPECT_TRUE(has_row(plot, {1, 1, std::log10(9), 2}));
-  EXPECT_TRUE(has_row(plot, {0, std::log10(1.999), 0, 4})) << "a bound below 0 is drawn at 0";
-  EXPECT_TRUE(contains(drawn(plot), "3000")) << "a tic";
+  EXPECT_TRUE(has_row(plot, {1, 1, std::log10(9), 4}));
+  EXPECT_TRUE(has_row(plot, {0, std::log10(1.999), 0, 2})) << "a bound below 0 is drawn at 0";
+  EXPECT_TRUE(contains(drawn(plot), ">3000<")) << "a tic";
+}
+
+TEST(TradeDelayPlot, LeavesOutAnIntervalWithoutMeaningfulBounds) {
+  results::Trade trade;
+  trade.points = {setting_with(9, 3000, 4000), setting_with(4, 3000, 4000)};
+  trade.points[1].reported.figures.delay_median_us = {3000, 1e-3, 1e15, 10};
+  const pictures::Plot plot = trade_delay_plot(trade);
+  EXPECT_TRUE(has_row(plot, {1, std::log10(4), std::log10(3), std::log10(5)}));
+  EXPECT_TRUE(has_row(plot, {std::log10(5), std::log10(4), std::log10(4), std::log10(4)}));
 }
 
 }  // namespace

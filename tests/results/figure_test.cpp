@@ -48,6 +48,14 @@ TEST(Figure, IsScaledWithItsInterval) {
   EXPECT_EQ(percent.n, 3U);
 }
 
+TEST(Figure, KeepsItsIntervalInOrderWhenItsSignChanges) {
+  const Figure figure = scaled({.value = 0, .low = -1, .high = 0, .n = 3}, -1);
+  EXPECT_FALSE(std::signbit(figure.value)) << "0, not -0";
+  EXPECT_EQ(figure.low, 0);
+  EXPECT_FALSE(std::signbit(*figure.low));
+  EXPECT_EQ(figure.high, 1);
+}
+
 TEST(Figure, IsWrittenWithItsIntervalAndUnit) {
   const Figure figure{.value = 0.8832, .low = 0.8126, .high = 0.9449, .n = 10, .trainings = 5};
   EXPECT_EQ(text_of(scaled(figure, 100), " %"), "88.3 % [81.3, 94.5]");

@@ -11,15 +11,15 @@
 namespace tactile::events {
 namespace {
 
-/// Of a thread: with fewer packets, threads wait longer in all for the last ones of each batch.
-constexpr std::size_t packets_each = 40;
+/// The packets of a batch. At its end, threads wait for the last packet: with larger batches that happens less often.
+std::size_t packets_of_batch(std::size_t threads) { return threads == 1 ? 1 : std::max<std::size_t>(8 * threads, 80); }
 
 }  // namespace
 
 PacketBatch::PacketBatch(Compression compression, unsigned threads)
     : compression_(compression),
       compressors_(compression == Compression::none ? 1 : std::max(1U, threads)),
-      packets_(compressors_.size() == 1 ? 1 : packets_each * compressors_.size()) {}
+      packets_(packets_of_batch(compressors_.size())) {}
 
 void PacketBatch::add(const PacketRecord& record, PacketBuffer& content, std::size_t content_size) {
   Packet& packet = packets_[count_++];
@@ -41,8 +41,8 @@ void PacketBatch::write_all(const std::function<void(const PacketRecord& record,
     std::memcpy(bytes + sizeof packet.record.stream_id, &packet.record.payload_size, sizeof packet.record.payload_size);
     write(packet.record, {bytes, packet_header_size + packet.record.payload_size});
     waiting_bytes_ -= packet.content_size;
-    // Each of many places would keep the memory of a large packet.
-    constexpr std::size_t large = std::size_t{1} << 20;
+    // Each of many places would keep the memory of a large packet. Full packets of events have 128 KiB.
+    constexpr std::size_t large = std::size_t{256} << 10;
     if (packets_.size() > 1 && packet.content.capacity() > large) {
       packet.content = PacketBuffer();
       packet.stored = PacketBuffer();

@@ -29,8 +29,8 @@ struct WrittenStream {
 
 /// Writes an AEDAT4 recording that the vendor's software reads. The file has its final name from the start, and is always
 /// readable up to its last whole packet. Elements are collected until a packet is full; `flush` writes the waiting ones. With
-/// more than one thread, up to 40 packets per thread, or 16 MiB, wait while as many are written beside the caller, and a later
-/// call throws the error of an earlier one.
+/// more than one thread, up to 80 packets, or 8 per thread if these are more, and at most 16 MiB, wait while as many are
+/// compressed and written beside the caller. Then a later call throws the error of an earlier one.
 ///
 /// The times of a stream must not go back, and events must lie inside the sensor. Otherwise the whole span is refused. Further
 /// `info` of a stream is written as whole numbers if possible, otherwise as text. Memory grows by the data table, about 7 bytes

@@ -26,8 +26,10 @@ using Clock = std::chrono::steady_clock;
 /// What a task leaves when its process has ended.
 struct Mark {
   std::string key;
-  int code = 0;
+  int code = 0;  ///< 128 and more: the number of the signal that ended it, plus 128, as shells have it
   double seconds = 0;
+
+  bool is_of_signal() const { return code >= 128; }
 };
 
 /// A process as a task of a job.
@@ -115,7 +117,7 @@ void Jobs::remember() const {
   write_json(folder_ / "jobs.json", jobs);
 }
 
-/// One branch for each task. Its mark appears in one step. A process that a signal ended leaves none: it is to be repeated.
+/// One branch for each task. Its mark appears in one step.
 std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
   std::string script = fmt::format(
       "#!/bin/sh\n"
@@ -127,7 +129,6 @@ std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
       "  begun=$(date +%s%N)\n"
       "  \"$@\" </dev/null >/dev/null 2>\"$log\"\n"
       "  code=$?\n"
-      "  [ $code -lt 128 ] || return $code\n"
       "  mark={}/$name\n"
       "  echo \"$key $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
       "  return $code\n"
@@ -174,7 +175,7 @@ void Jobs::submit(std::vector<Task*> tasks) {
 bool Jobs::look_for_mark(Task& task) {
   if (task.id.empty()) return false;  // of work that was done long ago, and is due again
   const std::optional<Mark> mark = read_mark(task);
-  if (!mark) return false;
+  if (!mark || mark->is_of_signal()) return false;  // Slurm's state says why, and whether to repeat it
   const ProcessPlan& plan = plans_[task.index];
   if (mark->code != 0) {
     const std::string words = last_message(plan.log);
@@ -197,6 +198,12 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
                     "\"--mem=4G\"",
                     name, task.id));  // clang-format off
   if (state == "CANCELLED") throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
+  if (const std::optional<Mark> mark = read_mark(task); state == "FAILED" && mark && mark->is_of_signal()) {
+    if (task.attempts < slurm_.attempts) return;
+    throw Error(fmt::format("'{}' failed: it was started {} times, and signal {} ended it the last time; if memory was short, "
+                            "expected --sbatch with more, such as \"--mem=4G\" (its log: {})",
+                            name, task.attempts, mark->code - 128, plans_[task.index].log.string()));
+  }
   if (!may_repeat.contains(state))
     throw Error(fmt::format("'{}' failed: Slurm ended job {} as {}, and there is no {}; expected a folder that all nodes share "
                             "(what Slurm printed: {})", name, task.id, state, mark_of(task).string(), (folder_ / "slurm.log").string()));
@@ -206,12 +213,14 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
   // clang-format on
 }
 
-/// The tasks that Slurm no longer runs, and that left no mark: a mark may reach this machine some seconds late.
+/// The tasks that Slurm no longer runs, and whose process has not ended by itself: a mark may reach this machine some seconds
+/// late.
 std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& states) {
   static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
                                            "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
   constexpr unsigned patience = 4;
   std::vector<Task*> lost;
+  std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
     if (task.ended) continue;
     const auto found = states.find(task.id);
@@ -224,8 +233,15 @@ std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& st
       continue;
     }
     if (!task.id.empty() && ++task.looks_without_it < patience) continue;
-    if (!task.id.empty()) check_may_repeat(task, found != states.end() ? found->second : accounted_state(task.id));
+    if (!task.id.empty() && found == states.end()) forgotten.insert(task.id);
     lost.push_back(&task);
+  }
+  const std::map<std::string, std::string> accounted = accounted_states(forgotten);
+  for (const Task* task : lost) {
+    if (task->id.empty()) continue;
+    const auto& known = forgotten.contains(task->id) ? accounted : states;
+    const auto found = known.find(task->id);
+    check_may_repeat(*task, found == known.end() ? "" : found->second);
   }
   return lost;
 }

@@ -12,11 +12,11 @@ namespace tactile::experiments {
 
 /// How processes run on a cluster.
 struct SlurmOptions {
-  std::string partition;                  ///< empty: the site's default
-  std::vector<std::string> sbatch;        ///< further words for sbatch, which come last: "--time=2:00:00"
-  std::function<bool()> cancel;           ///< whether to cancel the jobs if the waiting is interrupted. Empty: they are left
+  std::string partition;            ///< empty: the site's default
+  std::vector<std::string> sbatch;  ///< further words for sbatch, which come last: "--time=2:00:00"
+  std::function<bool()> cancel;     ///< whether to cancel the jobs if the waiting is interrupted or ended. Empty: they are left
   std::chrono::milliseconds poll{3'000};  ///< between two looks at the queue, of one call each
-  unsigned attempts = 4;                  ///< of a task whose node fails, whose time ends, or that is preempted
+  unsigned attempts = 4;  ///< of a task whose node fails, whose time ends, that is preempted, or that a signal ends
 };
 
 /// "slurm" or "slurm:PARTITION". @throws Error  if it is neither

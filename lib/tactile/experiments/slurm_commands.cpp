@@ -80,7 +80,7 @@ std::string submit_array(const std::filesystem::path& script, std::size_t tasks,
   arguments.insert(arguments.end(), words.begin(), words.end());
   arguments.push_back(script.string());
   const Answer answer = answer_of("sbatch", arguments);
-  const std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
+  std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
   if (answer.succeeded && whole_number_in(job)) return job;
   throw Error(
       fmt::format("sbatch refused the jobs: {}; expected a partition and options that the cluster takes", answer.complaint));
@@ -99,16 +99,22 @@ std::map<std::string, std::string> task_states(const std::set<std::string>& jobs
   return states;
 }
 
-std::string accounted_state(const std::string& task) {
+std::map<std::string, std::string> accounted_states(const std::set<std::string>& tasks) {
+  std::map<std::string, std::string> states;
+  if (tasks.empty()) return states;
   try {
-    const Answer answer = answer_of("sacct", {"--noheader", "--allocations", "--parsable2", "--format=State", "--jobs=" + task});
-    std::istringstream words(answer.succeeded ? answer.printed : "");
-    std::string state;
-    words >> state;  // "CANCELLED by 1000" is CANCELLED
-    return state;
+    const Answer answer =
+        answer_of("sacct", {"--noheader", "--allocations", "--parsable2", "--format=JobID,State", "--jobs=" + joined(tasks)});
+    std::istringstream lines(answer.succeeded ? answer.printed : "");
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t bar = line.find('|');
+      if (bar == std::string::npos) continue;
+      states[line.substr(0, bar)] = line.substr(bar + 1, line.find(' ', bar) - bar - 1);  // "CANCELLED by 1000" is CANCELLED
+    }
   } catch (const Error&) {
-    return "";
+    // There is no sacct.
   }
+  return states;
 }
 
 void cancel_tasks(const std::vector<std::string>& tasks) {

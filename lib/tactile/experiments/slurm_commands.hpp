@@ -16,8 +16,8 @@ std::string submit_array(const std::filesystem::path& script, std::size_t tasks,
 /// @throws Error  if squeue does not answer
 std::map<std::string, std::string> task_states(const std::set<std::string>& jobs);
 
-/// The last state of a task by the site's accounting; empty if it has none.
-std::string accounted_state(const std::string& task);
+/// The last states of tasks by the site's accounting, by "12_3"; of those alone that it knows.
+std::map<std::string, std::string> accounted_states(const std::set<std::string>& tasks);
 
 void cancel_tasks(const std::vector<std::string>& tasks);  ///< as many as Slurm still knows; never throws
 

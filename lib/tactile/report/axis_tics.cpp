@@ -14,6 +14,8 @@ double log_position(double value) { return value > 0 ? std::log10(value) : NAN; 
 
 double log_position_from_zero(double value) { return value >= 0 ? std::log10(value + 1) : NAN; }
 
+double drawn_from_zero(double value) { return log_position_from_zero(value < 0 ? 0 : value); }
+
 AxisRange range_around(double least, double most, double shortest, double pixels) {
   if (!(least <= most)) least = most = 0;  // there is no value
   const double lacking = std::max(0.0, shortest - (most - least)) / 2;

@@ -13,6 +13,9 @@ double log_position(double value);
 /// The position on an axis that is linear near 0 and logarithmic beyond: log10(value + 1); NaN unless value >= 0.
 double log_position_from_zero(double value);
 
+/// The same of a value or a bound that may be below 0, and is then drawn at 0.
+double drawn_from_zero(double value);
+
 /// The positions [begin, end] of an axis, and its length in pixels.
 struct AxisRange {
   double begin = 0, end = 1;

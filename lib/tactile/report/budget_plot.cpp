@@ -33,13 +33,11 @@ constexpr std::array<Panel, panels> all_panels{
           [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.accuracy, 100); }, false},
     Panel{"median delay, misses included [ms]",
           [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.delay_median_us, 1e-3); },
-          false},
+          true},
     Panel{"false alarms per minute",
           [](const results::TradedSetting& setting) { return setting.reported.figures.episodes_per_min; }, true}};
 
-double position_of(double value, const Panel& panel) {
-  return panel.from_zero ? log_position_from_zero(std::max(0.0, value)) : value;
-}
+double position_of(double value, const Panel& panel) { return panel.from_zero ? drawn_from_zero(value) : value; }
 
 /// Rows of place, value, low, high. @param aside  added to the place, so that bars of several kinds do not hide each other
 std::vector<double> rows_of(const BestOfKind& best, const Panel& panel, double aside) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -25,12 +26,12 @@ constexpr int left = 90, right = 40, panel_height = 420, below = 72;
 
 using Position = double (*)(double);
 
-/// With y as positions on an axis of `DotAxes::y_from_zero`.
+/// The dots with y as positions on an axis of `DotAxes::y_from_zero`.
 std::vector<Dot> from_zero(std::vector<Dot> dots) {
   for (Dot& dot : dots) {
-    dot.y.value = log_position_from_zero(dot.y.value);
+    dot.y.value = drawn_from_zero(dot.y.value);
     for (std::optional<double>* bound : {&dot.y.low, &dot.y.high}) {
-      if (*bound) *bound = log_position_from_zero(std::max(**bound, 0.0));
+      if (*bound) *bound = drawn_from_zero(**bound);
     }
   }
   return dots;
@@ -40,7 +41,7 @@ std::vector<Dot> from_zero(std::vector<Dot> dots) {
 std::vector<std::string> name_lines(std::string name, std::size_t characters) {
   constexpr char stays = '\x1F';  // in the place of a blank at which no line ends
   for (std::size_t i = 1; i < name.size(); ++i) {
-    if (name[i] == ' ' && name[i - 1] != ',' && !name.substr(i + 1).starts_with('(')) name[i] = stays;
+    if (name[i] == ' ' && name[i - 1] != ',' && name[i + 1] != '(') name[i] = stays;
   }
   std::vector<std::string> lines = lines_of(wrapped(name, 0, characters));
   for (std::string& line : lines) {
@@ -161,7 +162,8 @@ struct DotPanel {
 };
 
 DotPanel panel_of(const DotGroups& groups, const DotAxes& axes, Position position_of, int top) {
-  double least_x = INFINITY, most_x = -INFINITY, least_y = INFINITY, most_y = -INFINITY;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least_x = infinity, most_x = -infinity, least_y = infinity, most_y = -infinity;
   const auto include = [&](const Dot* dot) {
     const double x = position_of(dot->x);
     least_x = std::min(least_x, x), most_x = std::max(most_x, x);

@@ -23,9 +23,9 @@ struct DotAxes {
   std::string bars;   ///< what they are intervals of
   std::string x_label, y_label;
   bool x_from_zero = false;              ///< linear near 0, logarithmic beyond; else logarithmic throughout
-  bool y_from_zero = false;              ///< the same of values >= 0; else linear
+  bool y_from_zero = false;              ///< the same, and what is below 0 is drawn at 0; else linear
   double least_y_span = 1;               ///< a shorter linear axis would show differences that mean nothing
-  double y_begin = 0, y_end = INFINITY;  ///< no value lies outside
+  double y_begin = 0, y_end = INFINITY;  ///< of the axis: no value lies outside
 };
 
 /// Settings as dots. Those on the front are filled, with their interval, and numbered; the first 24 have their names below. The

@@ -64,7 +64,7 @@ results::Figure figure_of(const results::StressPoint& point, StressMeasure measu
 }
 
 double position_of(double value, StressMeasure measure) {
-  return measure == StressMeasure::false_alarms ? log_position_from_zero(std::max(0.0, value)) : value;
+  return measure == StressMeasure::false_alarms ? drawn_from_zero(value) : value;
 }
 
 /// Rows of place, value, low, high. @param aside  added to the place, so that bars of several lines do not hide each other

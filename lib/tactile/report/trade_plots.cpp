@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/text_lines.hpp"
@@ -12,11 +14,14 @@
 #include "tactile/report/axis_tics.hpp"
 #include "tactile/report/dots_plot.hpp"
 #include "tactile/report/figure_parts.hpp"
+#include "tactile/results/figure_text.hpp"
 
 namespace tactile::report {
 namespace {
 
 using pictures::figure_colours::faint_ink;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string titled(const results::Trade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
@@ -54,6 +59,7 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
     Dot dot = dot_of(setting);
     dot.x = setting.reported.figures.episodes_per_min.value;
     dot.y = results::scaled(setting.reported.figures.delay_median_us, 1e-3);
+    if (dot.y.has_interval() && !results::is_bounded(dot.y)) dot.y.low = dot.y.high = std::nullopt;
     dot.on_front = setting.on_delay_front;
     if (std::isfinite(setting.reported.figures.missed.value))
       dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.reported.figures.missed.value);
@@ -114,7 +120,7 @@ std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
   constexpr std::array<int, 3> widths{384, 200, 270};  // a panel with more labels is wider
   static_assert(growth_left + widths[0] + widths[1] + widths[2] + 2 * growth_gap + growth_right == page_width);
   // No events at all have a position left of the lowest rate.
-  double least_rate = INFINITY;
+  double least_rate = infinity;
   for (const results::GrowthPoint& point : growth.by_rate) {
     if (point.events_per_s > 0) least_rate = std::min(least_rate, point.events_per_s);
   }
@@ -157,7 +163,7 @@ std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
 
 /// Tics at the steps: level where all labels fit, else at an angle.
 pictures::PlotAxis x_axis_of(const GrowthPanel& panel) {
-  double first = INFINITY, last = -INFINITY;
+  double first = infinity, last = -infinity;
   for (const GrowthStep& step : panel.steps) first = std::min(first, step.position), last = std::max(last, step.position);
   const AxisRange range = range_around(first, last, std::log10(4), panel.width);
   AxisTics level(range), at_an_angle(range, true);
@@ -208,7 +214,7 @@ pictures::Plot trade_growth_plot(const results::Trade& trade) {
   script.note("which computes every pixel and every output of the network.");
   script.text("median time per tick [us]", 20, 100, "left font ',12'");
   const results::CostGrowth growth = trade.growth.value_or(results::CostGrowth{});
-  double most = -INFINITY, least = INFINITY;
+  double most = -infinity, least = infinity;
   for (const auto* points : {&growth.by_rate, &growth.by_history, &growth.by_resolution}) {
     for (const results::GrowthPoint& point : *points) {
       for (const double us : times_of(point)) {

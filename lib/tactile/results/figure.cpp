@@ -11,9 +11,10 @@
 namespace tactile::results {
 
 Figure scaled(Figure figure, double factor) {
-  figure.value *= factor;
-  if (figure.low) *figure.low *= factor;
-  if (figure.high) *figure.high *= factor;
+  const auto times_factor = [factor](double value) { return value * factor + 0.0; };  // never -0
+  figure.value = times_factor(figure.value);
+  if (figure.low) figure.low = times_factor(*figure.low);
+  if (figure.high) figure.high = times_factor(*figure.high);
   if (factor < 0) std::swap(figure.low, figure.high);
   return figure;
 }
@@ -22,7 +23,7 @@ std::string text_of(const Figure& figure, std::string_view unit, std::string_vie
   if (!std::isfinite(figure.value)) return "unknown";
   const std::string of_number = fmt::format("{{:{}}}", format);
   const auto number = [&](double value) { return fmt::format(fmt::runtime(of_number), value); };
-  const std::string value = fmt::format("{}{}", number(figure.value), unit);
+  std::string value = fmt::format("{}{}", number(figure.value), unit);
   if (!figure.has_interval()) return value;
   if (!is_bounded(figure)) return value + " [not bounded]";
   return fmt::format("{} [{}, {}]", value, number(*figure.low), number(*figure.high));

@@ -437,6 +437,9 @@ TEST(Claims, UnseenObjectsAreWorseInTheMeanAndNoneIsAbove95) {
   const auto better = claim_named(inputs, "seen-better");
   EXPECT_NEAR(better.measured.value, (7 + 10 + 5 + 4 + 6) / 5.0, 1e-9) << "the exception is one of the objects";
   EXPECT_EQ(better.measured.n, 5U);
+  const results::Figure gain = evaluation::accuracy_difference(inputs.held_out, inputs.seen).mean;
+  EXPECT_NEAR(*better.measured.low, 100 * *gain.low, 1e-10);
+  EXPECT_NEAR(*better.measured.high, 100 * *gain.high, 1e-10);
   EXPECT_EQ(better.in_words, "In training 5 of 5 objects are classified better; the mean gains 6.40 points.");
   EXPECT_EQ(better.outcome, results::Outcome::holds);
   const auto accurate = claim_named(inputs, "unseen-accurate");

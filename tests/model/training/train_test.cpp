@@ -85,7 +85,7 @@ TEST(TrainModel, RefusesARecordingThatHasChangedSinceTheDataset) {
   test::make_run(folder / "data/usb-hub/01", 2);  // with another seed
   const windows::Dataset dataset(folder / "data/dataset.h5");
   const std::string error =
-      test::error_of([&] { train_model(dataset, {}, ModelBundle{folder / "models/small"}, {.threads = 1}); });
+      test::error_of([&] { train_model(dataset, {}, ModelBundle{folder / "models/small"}, {.threads = 2}); });
   EXPECT_NE(error.find("usb-hub/01/events.aedat4: differs from the recording that"), std::string::npos) << error;
   EXPECT_FALSE(std::filesystem::exists(folder / "models/small"));
 }

@@ -43,7 +43,8 @@ void NetworkTrainer::train(const std::vector<TradeNetwork>& networks, double res
     }
   }
   runner_.run_side_by_side(kept);
-  const std::size_t at_once = plan_.options.budget_minutes ? plan_.options.threads : std::max<std::size_t>(due.size(), 1);
+  const bool few_at_once = plan_.options.budget_minutes && !plan_.options.slurm;
+  const std::size_t at_once = few_at_once ? plan_.options.threads : std::max<std::size_t>(due.size(), 1);
   for (std::size_t begin = 0; begin < due.size(); begin += at_once) {
     const std::size_t end = std::min(begin + at_once, due.size());
     if (!budget_.allows(longest_s(runner_, "train-") + reserve_s + each_s * static_cast<double>(end))) return;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
@@ -36,12 +38,17 @@ std::optional<std::vector<std::filesystem::path>> recordings_of(const windows::D
   return recordings;
 }
 
-/// @throws Error  if the recording differs from the one of the dataset
-void check_recording(const windows::Dataset& dataset, std::uint32_t run, const std::filesystem::path& recording) {
-  if (sha256_of_file(recording) == dataset.runs()[run].events_sha256) return;
-  throw Error(
-      fmt::format("{}: differs from the recording that {} was made from; expected the same, or run 'tactile windows' again",
-                  recording.string(), dataset.file().string()));
+/// @throws Error  if one differs from the recording that the dataset was made from
+void check_recordings(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
+                      const std::vector<std::filesystem::path>& recordings, unsigned threads) {
+  std::vector<std::string> digests(runs.size());
+  parallel_for(runs.size(), threads, [&](std::size_t i) { digests[i] = sha256_of_file(recordings[i]); });
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (digests[i] == dataset.runs()[runs[i]].events_sha256) continue;
+    throw Error(
+        fmt::format("{}: differs from the recording that {} was made from; expected the same, or run 'tactile windows' again",
+                    recordings[i].string(), dataset.file().string()));
+  }
 }
 
 std::vector<TouchInterval> labelled_in(const windows::Dataset& dataset, std::uint32_t run) {
@@ -64,11 +71,11 @@ SeenInRuns seen_in(const windows::Dataset& dataset, std::span<const std::uint32_
   };
   std::vector<SeenInRun> of_runs(runs.size());
   const auto recordings = recordings_of(dataset, runs);
+  if (recordings) check_recordings(dataset, runs, *recordings, threads);
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     SeenInRun& of_run = of_runs[i];
     of_run.counts = touch_counts(dataset, runs[i], rendering);
     if (!recordings) return;
-    check_recording(dataset, runs[i], (*recordings)[i]);
     events::RecordingReader reader((*recordings)[i]);
     of_run.ratios = opening_ratios(reader, labelled_in(dataset, runs[i]), rendering);
     of_run.scenes = characterise::scenes_of(reader, rendering.mask);

@@ -10,6 +10,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/machine.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/start_beside.hpp"
 #include "tactile/core/utc_time.hpp"
@@ -331,12 +332,13 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   const std::optional<Weights> from = starting_weights(settings, options.from, description);
   description.manifest_hash = dataset.manifest_hash();
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
-  // It takes most of a second. Who uses libtorch first waits for it.
+  // Loading libtorch takes most of a second. Where memory is limited, it must not run short meanwhile.
   std::future<void> loading;
-  if (settings.kind != ModelKind::trees) loading = start_beside(options.threads, load_libtorch);
+  if (settings.kind != ModelKind::trees && !memory_is_limited()) loading = start_beside(options.threads, load_libtorch);
   SeenInRuns seen = seen_in(dataset, split.train_runs, settings.rendering, options.threads);
   description.gate = std::move(seen.gate);
   description.scene = seen.scene;
+  if (loading.valid()) loading.get();  // what follows may fork
 
   const std::filesystem::path beside = CheckpointFolder::beside(bundle.folder);
   CheckpointFolder kept(beside);

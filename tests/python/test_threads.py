@@ -1,0 +1,65 @@
+"""Python's other threads run while the module works."""
+
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import tactile
+
+
+@pytest.fixture
+def turns():
+    """How often another thread had its turn; it gets one only while this thread gives up the GIL."""
+    count, ends = [0], threading.Event()
+
+    def work():
+        while not ends.is_set():
+            count[0] += 1
+            time.sleep(0)
+
+    interval = sys.getswitchinterval()
+    worker = threading.Thread(target=work)
+    worker.start()
+    sys.setswitchinterval(1000)
+    yield lambda: count[0]
+    sys.setswitchinterval(interval)
+    ends.set()
+    worker.join()
+
+
+def has_turns_during(turns, work):
+    before = turns()
+    for _ in range(50):
+        work()
+        if turns() > before:
+            return True
+    return False
+
+
+def test_have_no_turn_during_a_loop_of_python(turns):
+    assert not has_turns_during(turns, lambda: sum(range(10_000)))
+
+
+def test_have_turns_while_events_are_added_and_rendered(lab, turns):
+    events = tactile.Recording(lab.recording).events()
+    assert has_turns_during(turns, lambda: tactile.HeatmapRenderer((640, 480), 40).add(events))
+    assert has_turns_during(turns, tactile.HeatmapRenderer((640, 480), 40).render)
+    stream = tactile.Engine(lab.bundle).stream((640, 480))
+    assert has_turns_during(turns, lambda: stream.add(np.zeros(0, events.dtype)))
+
+
+def test_may_share_a_renderer(lab):
+    events = tactile.Recording(lab.recording).events()
+    renderer = tactile.HeatmapRenderer((640, 480), 40)
+    renderer.add(events)
+    renderer.move_to(int(events["t"][-1]))
+    expected, found = renderer.render(), []
+    workers = [threading.Thread(target=lambda: found.extend(renderer.render() for _ in range(100))) for _ in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(found) == 400 and all(np.array_equal(one, expected) for one in found)
