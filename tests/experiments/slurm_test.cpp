@@ -17,6 +17,7 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/experiments/slurm_commands.hpp"
 
 namespace tactile::experiments {
 namespace {
@@ -42,6 +43,26 @@ TEST(Slurm, ThatIsNotInstalledIsNamed) {
   });
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(error, "scontrol: there is no such program; expected Slurm's commands on this machine, or --executor local");
+}
+
+TEST(Slurm, AccountingIsAskedOnceForAllTasks) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "sacct") << "#!/bin/sh\n"
+                                     "echo \"$@\" >>'"
+                                  << folder.path().string()
+                                  << "/calls'\n"
+                                     "echo '12_3|NODE_FAIL'\n"
+                                     "echo '12_4|CANCELLED by 1000'\n";
+  fs::permissions(folder / "sacct", fs::perms::owner_all);
+  const char* const before = std::getenv("PATH");
+  ASSERT_NE(before, nullptr);
+  const std::string path = before;
+  ::setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+  const std::map<std::string, std::string> states = accounted_states({"12_3", "12_4", "12_5"});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(states, (std::map<std::string, std::string>{{"12_3", "NODE_FAIL"}, {"12_4", "CANCELLED"}}));
+  EXPECT_EQ(test::text_in_file(folder / "calls"),
+            "--noheader --allocations --parsable2 --format=JobID,State --jobs=12_3,12_4,12_5\n");
 }
 
 /// On a cluster of its own. The machine may be unable to start one: then the message says so.

@@ -26,7 +26,8 @@ TEST(Package, HasTheInstalledFilesNamesItsLibrariesAndIsRemovedWithoutATrace) {
   const std::string control = test::run_shell(fmt::format("dpkg-deb -f {}", deb("tactile")), folder.path()).out;
   EXPECT_NE(control.find("\nVersion: " + std::string(version()) + "\n"), std::string::npos) << control;
   EXPECT_NE(control.find("\nMaintainer: A Hand <hand@lab.example>\n"), std::string::npos) << control;
-  for (const char* library : {"libtorch", "libopencv-core", "libhdf5", "libavcodec", "libstdc\\+\\+", "gnuplot-nox"})
+  for (const char* library :
+       {"libtorch", "libopencv-core", "libhdf5", "libdeflate", "libavcodec", "libstdc\\+\\+", "gnuplot-nox"})
     EXPECT_TRUE(std::regex_search(control, std::regex(fmt::format("\nDepends: .*{}", library)))) << library << "\n" << control;
   EXPECT_EQ(control.find("-dev"), std::string::npos) << control;
 

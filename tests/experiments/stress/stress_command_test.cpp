@@ -37,8 +37,12 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   make_model(folder.path());
   const std::string arguments =
       "--recipe loss:20,95 --recipe noise:500 --world light-dim:90 --quiet-recording data/sprayer/01/events.aedat4 ";
+  const auto dry_run = [&] { return stressed(folder.path(), arguments + "--dry-run"); };
+  for (const auto& part : dry_run().at("parts")) EXPECT_EQ(part.at("exist"), 0) << part;
+  EXPECT_FALSE(fs::exists(folder / "stress"));
   const nlohmann::json stress = stressed(folder.path(), arguments);
   ASSERT_TRUE(stress.is_object());
+  for (const auto& part : dry_run().at("parts")) EXPECT_EQ(part.at("exist"), part.at("count")) << part;
   EXPECT_EQ(stress.at("simulated"), true);
   const nlohmann::json& model = stress.at("models")[0];
   ASSERT_EQ(model.at("curves").size(), 3U);
