@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 test::CommandResult run_in(const fs::path& folder, const std::string& command) {
-  const auto result = test::run_tactile(command + " --threads 2", folder);
+  auto result = test::run_tactile(command + " --threads 2", folder);
   EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
   return result;
 }
