@@ -29,10 +29,11 @@ const std::vector<std::string> commands{"simulate", "record", "serve",     "info
 TEST(CommandLine, VersionNamesTheGitRevisionTheLibrariesAndTheCpuFeatures) {
   const auto result = run_tactile("--version");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(std::regex_match(result.out, std::regex(R"(tactile \d+\.\d+\.\d+ \(.+\)\n)"
-                                                      R"(libtorch +\d+\.\d+\..+\nOpenCV +\d+\.\d+\..+\nHDF5 +\d+\.\d+\.\d+\n)"
-                                                      R"(FFmpeg +\d+\..+\nXGBoost +\d+\..+\nLZ4 +\d+\..+\nzstd +\d+\..+\n)"
-                                                      R"(CPU features +[A-Z0-9_]+ in use(, also [A-Z0-9_, ]+)?\n)")))
+  EXPECT_TRUE(std::regex_match(
+      result.out, std::regex(R"(tactile \d+\.\d+\.\d+ \(.+\)\n)"
+                             R"(libtorch +\d+\.\d+\..+\nOpenCV +\d+\.\d+\..+\nHDF5 +\d+\.\d+\.\d+\n)"
+                             R"(FFmpeg +\d+\..+\nXGBoost +\d+\..+\nLZ4 +\d+\..+\nzstd +\d+\..+\nlibdeflate +\d+\..+\n)"
+                             R"(CPU features +[A-Z0-9_]+ in use(, also [A-Z0-9_, ]+)?\n)")))
       << result.out;
 }
 
@@ -298,7 +299,7 @@ TEST(Config, FilesThatComeAlongAreTakenByTheirCommands) {
   for (const char* name : {"heatmaps-as-printed", "windows-as-paper", "train-thorough"}) {
     const std::string file = std::string(test::data_folder) + "/../../configs/" + name + ".json";
     const std::string command(name, std::string(name).find('-'));
-    const auto result = run_tactile(command + " --config '" + file + "'", folder.path());
+    const auto result = run_tactile(fmt::format("{} --config '{}'", command, file), folder.path());
     EXPECT_EQ(result.exit_code, 1) << "there is no data here";
     EXPECT_EQ(result.err.find(name), std::string::npos) << result.err;
   }
