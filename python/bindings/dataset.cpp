@@ -12,6 +12,7 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/windows/dataset_split.hpp"
+#include "working_alone.hpp"
 
 namespace tactile::python {
 namespace {
@@ -71,8 +72,7 @@ NumpyArray<std::uint8_t> heatmaps_of(Dataset& file, const std::string& name, con
   }
   std::vector<std::uint8_t> values;
   {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(file.mutex);
+    const WorkingAlone alone(file.mutex);
     values = file.dataset.read_heatmaps(name, indexes);
   }
   return array_of(std::move(values), {indexes.size(), static_cast<std::size_t>(height), static_cast<std::size_t>(width)});
@@ -81,8 +81,7 @@ NumpyArray<std::uint8_t> heatmaps_of(Dataset& file, const std::string& name, con
 EventBytes events_of_run(Dataset& file, std::uint32_t run) {
   std::vector<events::Event> events;
   {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(file.mutex);
+    const WorkingAlone alone(file.mutex);
     events = file.dataset.events(run);
   }
   return event_bytes_of(std::move(events));

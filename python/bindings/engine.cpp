@@ -10,6 +10,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/events/run_ticks.hpp"
 #include "tactile/model/inference/classifier.hpp"
+#include "working_alone.hpp"
 
 namespace tactile::python {
 namespace {
@@ -63,8 +64,7 @@ nb::tuple predict(const Classifier& classifier, Recording& recording, double tic
   std::vector<Logits> logits;
   std::vector<std::uint64_t> events;
   {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(recording.mutex);
+    const WorkingAlone alone(recording.mutex);
     const auto predictor = classifier.on_events(*recording.stream.size, rendering);
     const auto add = [&](std::span<const events::Event> chunk) { predictor->add(chunk); };
     const auto predict_tick = [&](CameraTime tick) {
@@ -87,16 +87,14 @@ class EventStream {
 
   void add(const GivenEventBytes& bytes) {
     const std::span<const events::Event> events = events_of(bytes);
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     predictor_->add(events);
   }
 
   NumpyArray<float> classify(std::int64_t t_us) {
     Logits logits{};
     {
-      const nb::gil_scoped_release other_threads_run;
-      const std::scoped_lock lock(mutex_);
+      const WorkingAlone alone(mutex_);
       predictor_->move_to(camera_time(t_us));
       predictor_->prepare();
       logits = predictor_->classify();
@@ -104,13 +102,11 @@ class EventStream {
     return array_of(std::vector<float>(logits.begin(), logits.end()));
   }
   std::uint64_t events() const {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     return predictor_->events();
   }
   void restart() {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     predictor_->restart();
   }
 

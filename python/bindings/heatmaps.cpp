@@ -10,6 +10,7 @@
 #include "tactile/events/run_ticks.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
+#include "working_alone.hpp"
 
 namespace tactile::python {
 namespace {
@@ -57,8 +58,7 @@ nb::tuple render_every_tick(Recording& recording, const std::string& settings) {
   const HeatmapOptions options = options_in(settings);
   const SensorSize sensor = sensor_of(recording);
   const auto render = [&] {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(recording.mutex);
+    const WorkingAlone alone(recording.mutex);
     const TickRange listed = heatmaps::listed_ticks(recording.reader, recording.stream.id, options);
     if (const std::string reason = why_too_many(listed); !reason.empty())
       throw Error(recording.reader.file().string() + ": " + reason);
@@ -82,8 +82,7 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
   const std::string name = recording.reader.file().string();
   if (!std::is_sorted(times.begin(), times.end())) throw Error(name + ": ticks_us descend; expected ascending times");
   const auto render = [&] {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(recording.mutex);
+    const WorkingAlone alone(recording.mutex);
     Heatmaps rendered(heatmaps::heatmap_size(sensor, options.factor), times.size());
     HeatmapRenderer renderer(sensor, options);
     std::vector<std::uint8_t> heatmap(rendered.cells());
@@ -126,18 +125,15 @@ class Renderer {
 
   void add(const GivenEventBytes& bytes) {
     const std::span<const Event> events = events_of(bytes);
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     renderer_.add(events);
   }
   void move_to(std::int64_t t_us) {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     renderer_.move_to(camera_time(t_us));
   }
   std::uint64_t events() const {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(mutex_);
+    const WorkingAlone alone(mutex_);
     return renderer_.events();
   }
 
@@ -151,8 +147,7 @@ class Renderer {
                width = static_cast<std::size_t>(renderer_.size().width);
     std::vector<Number> values(width * height);
     {
-      const nb::gil_scoped_release other_threads_run;
-      const std::scoped_lock lock(mutex_);
+      const WorkingAlone alone(mutex_);
       renderer_.render(std::span(values));
     }
     return array_of(std::move(values), {height, width});

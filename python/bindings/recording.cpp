@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "tactile/core/error.hpp"
+#include "working_alone.hpp"
 
 namespace tactile::python {
 namespace {
@@ -41,8 +42,7 @@ std::vector<std::tuple<std::size_t, std::int64_t, std::int64_t, std::int64_t>> p
 EventBytes take_events(Recording& recording, std::size_t packet) {
   events::OwnedEvents taken;
   {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(recording.mutex);
+    const WorkingAlone alone(recording.mutex);
     taken = recording.reader.take_events(recording.reader.packets()[packet]);
   }
   auto* first = reinterpret_cast<std::uint8_t*>(taken.events.data());
@@ -53,8 +53,7 @@ EventBytes take_events(Recording& recording, std::size_t packet) {
 /// Calls `use(reader, packet)` for every packet of a type, of the camera of the event stream if several have the type.
 template <class Use>
 void for_packets(Recording& recording, events::StreamType type, const Use& use) {
-  const nb::gil_scoped_release other_threads_run;
-  const std::scoped_lock lock(recording.mutex);
+  const WorkingAlone alone(recording.mutex);
   for (const PacketRecord& packet : recording.reader.packets()) {
     const events::Stream& stream = recording.reader.stream(packet.stream_id);
     if (stream.type == type && stream.source == recording.stream.source) use(recording.reader, packet);
@@ -102,8 +101,7 @@ std::vector<std::size_t> frame_packets_of(Recording& recording) {
 nb::object frame_of(Recording& recording, std::size_t packet) {
   std::optional<events::Frame> frame;
   {
-    const nb::gil_scoped_release other_threads_run;
-    const std::scoped_lock lock(recording.mutex);
+    const WorkingAlone alone(recording.mutex);
     frame = recording.reader.read_frame(recording.reader.packets()[packet]);
   }
   if (!frame) return nb::none();

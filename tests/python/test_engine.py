@@ -26,13 +26,13 @@ def test_predictions_equal_those_of_eval(lab, engine):
 
 
 def test_predictions_equal_those_of_detect(lab, engine):
-    lab.run("detect", "--model", lab.bundle, "--from", f"file:{lab.recording}", "--speed", "0", "--ticks", "said.csv", "--camera-time")
-    with open(lab.folder / "said.csv") as file:
-        said = {int(row["t_us"]): row for row in csv.DictReader(file)}
+    lab.run("detect", "--model", lab.bundle, "--from", f"file:{lab.recording}", "--speed", "0", "--ticks", "ticks.csv", "--camera-time")
+    with open(lab.folder / "ticks.csv") as file:
+        detected = {int(row["t_us"]): row for row in csv.DictReader(file)}
     predicted = engine.predict(tactile.Recording(lab.recording))
-    both = [i for i, t_us in enumerate(predicted.t_us) if t_us in said]
+    both = [i for i, t_us in enumerate(predicted.t_us) if t_us in detected]
     assert len(both) > 0.95 * len(predicted.t_us)  # the first ticks of a stream have no whole history
-    rows = [said[predicted.t_us[i]] for i in both]
+    rows = [detected[predicted.t_us[i]] for i in both]
     probabilities = np.array([[float(row[f"p_{name}"]) for name in tactile.CLASSES] for row in rows])
     assert np.abs(probabilities - predicted.probabilities[both]).max() < 2e-6  # as the table rounds them
     assert [row["verdict"] for row in rows] == [tactile.CLASSES[predicted.classes[i]] for i in both]
