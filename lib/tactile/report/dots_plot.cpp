@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -162,8 +161,7 @@ struct DotPanel {
 };
 
 DotPanel panel_of(const DotGroups& groups, const DotAxes& axes, Position position_of, int top) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  double least_x = infinity, most_x = -infinity, least_y = infinity, most_y = -infinity;
+  double least_x = HUGE_VAL, most_x = -HUGE_VAL, least_y = HUGE_VAL, most_y = -HUGE_VAL;
   const auto include = [&](const Dot* dot) {
     const double x = position_of(dot->x);
     least_x = std::min(least_x, x), most_x = std::max(most_x, x);

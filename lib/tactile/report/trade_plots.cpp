@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "tactile/core/duration_units.hpp"
@@ -20,8 +19,6 @@ namespace tactile::report {
 namespace {
 
 using pictures::figure_colours::faint_ink;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string titled(const results::Trade& trade, const std::string& words) {
   return trade.simulated ? words + " (simulated runs)" : words;
@@ -120,7 +117,7 @@ std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
   constexpr std::array<int, 3> widths{384, 200, 270};  // a panel with more labels is wider
   static_assert(growth_left + widths[0] + widths[1] + widths[2] + 2 * growth_gap + growth_right == page_width);
   // No events at all have a position left of the lowest rate.
-  double least_rate = infinity;
+  double least_rate = HUGE_VAL;
   for (const results::GrowthPoint& point : growth.by_rate) {
     if (point.events_per_s > 0) least_rate = std::min(least_rate, point.events_per_s);
   }
@@ -163,7 +160,7 @@ std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
 
 /// Tics at the steps: level where all labels fit, else at an angle.
 pictures::PlotAxis x_axis_of(const GrowthPanel& panel) {
-  double first = infinity, last = -infinity;
+  double first = HUGE_VAL, last = -HUGE_VAL;
   for (const GrowthStep& step : panel.steps) first = std::min(first, step.position), last = std::max(last, step.position);
   const AxisRange range = range_around(first, last, std::log10(4), panel.width);
   AxisTics level(range), at_an_angle(range, true);
@@ -214,7 +211,7 @@ pictures::Plot trade_growth_plot(const results::Trade& trade) {
   script.note("which computes every pixel and every output of the network.");
   script.text("median time per tick [us]", 20, 100, "left font ',12'");
   const results::CostGrowth growth = trade.growth.value_or(results::CostGrowth{});
-  double most = -infinity, least = infinity;
+  double most = -HUGE_VAL, least = HUGE_VAL;
   for (const auto* points : {&growth.by_rate, &growth.by_history, &growth.by_resolution}) {
     for (const results::GrowthPoint& point : *points) {
       for (const double us : times_of(point)) {
