@@ -35,7 +35,7 @@ void judge(const JudgeArguments& args, const CommonArguments& common) {
 
 void add_judge_command(CLI::App& app) {
   auto args = std::make_shared<JudgeArguments>();
-  Command command = add_command(app, "judge", "Judge a model on the samples of runs: a part of a study that runs on a cluster",
+  Command command = add_command(app, "judge", "Judge a model on the samples of runs: a part of a study",
                                 [args](const CommonArguments& common) { judge(*args, common); });
   command.add_option("dataset", args->dataset, "Dataset file").type_name("FILE.h5").required();
   command.add_option("--model", args->model, "Model bundle").type_name("DIR").required();
@@ -45,7 +45,7 @@ void add_judge_command(CLI::App& app) {
       .required();
   command.add_option("--out", args->out, "File of the result").type_name("FILE.json").required();
   command.add_option("--engine", args->engine, "Engine: fast or libtorch").check(one_of({"fast", "libtorch"})).show_default();
-  command.hide();  // only 'reproduce --executor slurm' starts it
+  command.hide();  // only 'reproduce' starts it
 }
 
 }  // namespace tactile::cli

@@ -66,6 +66,16 @@ TEST_F(Processes, RunSideBySide) {
   run_processes({shell("a", waits("a.there", "b.there")), shell("b", waits("b.there", "a.there"))}, options(2));
 }
 
+TEST_F(Processes, OneThatWaitsForAnotherLetsLaterOnesPass) {
+  const auto writes = [&](const std::string& name) { return "echo " + name + " >> " + file("out"); };
+  std::vector<ProcessPlan> plans{
+      shell("first", "while [ ! -s " + file("out") + " ]; do sleep 0.01; done; sleep 0.1; " + writes("first")),
+      shell("after-it", writes("after it")), shell("third", writes("third"))};
+  plans[1].after = 0;
+  run_processes(plans, options(2));
+  EXPECT_EQ(read_text(file("out")), "third\nfirst\nafter it\n");
+}
+
 TEST_F(Processes, AFailureIsReportedWithItsLastMessageAndEndsTheOthers) {
   const std::string error = test::error_of([&] {
     run_processes(

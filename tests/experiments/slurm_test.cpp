@@ -88,7 +88,19 @@ class SlurmJobs : public testing::Test {
             folder_ / "logs" / (name + ".log"),
             "key-of-" + name.substr(name.find(' ') + 1)};
   }
+  /// A training, and its judgement, which fails if the training has not ended.
+  std::vector<ProcessPlan> judged_training(const std::string& name, const std::string& commands = "true") const {
+    std::vector<ProcessPlan> plans{task("train-" + name, commands),
+                                   task("judge-" + name, "[ -e " + file("train-" + name + ".txt") + " ]")};
+    plans[1].after = 0;
+    return plans;
+  }
   void run(const std::vector<ProcessPlan>& plans) { run_on_slurm(plans, how_, folder_ / "slurm", slurm_); }
+
+  void run_command(const std::string& command) const {
+    const auto result = test::run_tactile(command, folder_.path());
+    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+  }
 
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::string text(const std::string& name) const { return test::text_in_file(folder_ / name); }
@@ -171,9 +183,10 @@ TEST_F(SlurmJobs, AreRefusedWithTheWordsOfSbatch) {
   EXPECT_NE(error.find("artition"), std::string::npos) << error;
 }
 
-TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnother) {
+TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnotherAndThenWhatComesAfter) {
   // The first attempt never ends by itself.
-  const ProcessPlan plan = task("one", "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }");
+  const std::vector<ProcessPlan> plans =
+      judged_training("a", "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }");
   bool killed = false;
   how_.while_waiting = [&] {
     if (killed || !fs::exists(file("first"))) return;
@@ -181,9 +194,9 @@ TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnother) {
     cluster_->kill_busy_node();
     killed = true;
   };
-  run({plan});
+  run(plans);
   EXPECT_TRUE(killed);
-  EXPECT_EQ(text("one.txt"), "done\n");
+  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
 }
 
 TEST_F(SlurmJobs, ThatASignalEndsRunAgain) {
@@ -197,6 +210,44 @@ TEST_F(SlurmJobs, ThatASignalEndsRunAgain) {
             "with more, such as \"--mem=4G\" (its log: " +
                 file("logs/two.log") + ")");
   EXPECT_EQ(text("begun.txt"), "begun\nbegun\n");
+}
+
+TEST_F(SlurmJobs, AfterOthersBeginWhereNobodyWaits) {
+  constexpr std::size_t trainings = 5;  // in two arrays
+  std::vector<ProcessPlan> plans, judgements;
+  for (std::size_t i = 0; i < trainings; ++i) {
+    std::vector<ProcessPlan> two = judged_training(std::to_string(i), "while [ ! -e " + file("go") + " ]; do sleep 0.1; done");
+    two[1].after = i;
+    plans.push_back(two[0]);
+    judgements.push_back(two[1]);
+  }
+  plans.insert(plans.end(), judgements.begin(), judgements.end());
+  how_.while_waiting = [&] {
+    if (!begun_.empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  std::ofstream(file("go")) << "now";
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+  for (const ProcessPlan& judgement : judgements) EXPECT_EQ(text(judgement.name + ".txt"), "done\n");
+
+  how_.while_waiting = {};
+  run(plans);
+  EXPECT_EQ(ended_.size(), plans.size());
+  for (const ProcessPlan& plan : plans) EXPECT_EQ(text(plan.name + ".txt"), "done\n") << "it ran once";
+}
+
+TEST_F(SlurmJobs, AfterOneThatASignalEndsBeginWhenItHasRunAgain) {
+  run(judged_training("a", "[ -e " + file("second") + " ] || { : >" + file("second") + "; kill -9 $$; }"));
+  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
+}
+
+TEST_F(SlurmJobs, AfterOneThatFailsNeverBegin) {
+  const std::string error = test::error_of([&] { run(judged_training("a", "echo tactile: no light >&2; exit 3")); });
+  EXPECT_EQ(error, "'train-a' failed: no light");
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+  EXPECT_FALSE(fs::exists(file("judge-a.txt")));
+  run(judged_training("a"));
+  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
 }
 
 TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
@@ -222,21 +273,71 @@ TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
   EXPECT_FALSE(fs::exists(folder_ / "local/study/slurm"));
 }
 
-TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
-  const auto run = [this](const std::string& command) {
-    const auto result = test::run_tactile(command, folder_.path());
-    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
+TEST_F(SlurmJobs, AreLeftOrCancelledByTheAnswerAfterCtrlC) {
+  const std::string study =
+      "reproduce --preset tiny --objects plastic-container --th 40 --epochs 100000 --splits 0 --no-report --executor slurm";
+  // A terminal, where a person interrupts the command as soon as a training runs, and then answers.
+  const auto answered = [&](const std::string& answer) {
+    return test::run_shell(
+               "{ while ! squeue --noheader --states=RUNNING | grep -q tactile; do sleep 0.1; done; sleep 4; printf '\\003'; "
+               "sleep 2; printf '" +
+                   answer + "\\n'; sleep 2; } | script -qec \"" + test::tactile_binary + " " + study + "\" /dev/null",
+               folder_.path())
+        .out;
   };
+  const std::string left = answered("n");
+  EXPECT_NE(left.find("Cancel the jobs on the cluster? Otherwise they continue, and the same command collects them later. [y/N]"),
+            std::string::npos)
+      << left;
+  EXPECT_NE(left.find("the jobs on the cluster continue"), std::string::npos) << left;
+  EXPECT_NE(queue().find("RUNNING"), std::string::npos);
+  const std::string jobs = text("study/slurm/jobs.json");
+  const std::string cancelled = answered("y");
+  EXPECT_EQ(cancelled.find("the jobs on the cluster continue"), std::string::npos) << cancelled;
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+  EXPECT_NE(jobs, "{}\n") << "the second call waited for the jobs of the first";
+  EXPECT_TRUE(read_json(folder_ / "study/slurm/jobs.json").empty());
+}
+
+TEST_F(SlurmJobs, OfATradeTrainTheSameModelsAsOneMachine) {
+  run_command("simulate --preset tiny --runs 3 --objects plastic-container,water-bottle");
+  run_command("label --no-pictures");
+  run_command("windows");
+  const std::string trade =
+      "trade --th 20,40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine "
+      "fast --precision fp32 --pass sparse --confirm 1/1 --kind lenet --filter off --gate off --epochs 1 --trainings 1 "
+      "--timed-ticks 600 --no-growth --no-figures --threads 2 ";
+  for (const std::string where : {"local", "slurm:short"})
+    run_command(fmt::format("{}--out {} --executor {}", trade, where, where));
+  const auto weights = [this](const std::string& where) {
+    std::map<std::string, std::string> all;
+    for (const auto& model : fs::directory_iterator(folder_ / where / "models"))
+      if (model.is_directory()) all[model.path().filename()] = test::text_in_file(model.path() / "weights.safetensors");
+    return all;
+  };
+  EXPECT_EQ(weights("local").size(), 2U);
+  EXPECT_TRUE(weights("slurm:short") == weights("local"));
+  EXPECT_TRUE(read_json(folder_ / "slurm:short/slurm/jobs.json").empty());
+  const auto accuracies = [this](const std::string& where) {
+    std::vector<nlohmann::json> all;
+    for (const auto& point : read_json(folder_ / where / "trade.json").at("points"))
+      all.push_back(point.at("reported").at("accuracy"));
+    return all;
+  };
+  EXPECT_EQ(accuracies("slurm:short"), accuracies("local"));
+}
+
+TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
   for (const char* command : {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows",
                               "train --epochs 1", "train --epochs 1 --width 0.5 --name half"})
-    run(command);
+    run_command(command);
   // A recipe with its own seed, a simulated world and a quiet recording.
   const std::string stress =
       "stress --recipe noise:50 --world light-dim:90 --quiet-recording data/water-bottle/01/events.aedat4 --seed 7 --no-figures "
       "--model th40-single-1-epochs1 --model half ";
   std::map<std::string, nlohmann::json> stressed;
   for (const std::string where : {"local", "slurm:short"}) {
-    run(fmt::format("{}--out {} --executor {}", stress, where, where));
+    run_command(fmt::format("{}--out {} --executor {}", stress, where, where));
     stressed[where] = read_json(folder_ / where / "stress.json").at("models");
     EXPECT_EQ(stressed[where][0].at("curves").size(), 2U);
   }

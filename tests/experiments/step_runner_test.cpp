@@ -117,6 +117,52 @@ TEST_F(Steps, ProcessesRunSideBySideAndAreRecordedInTheirOrder) {
   EXPECT_EQ(starts_.size(), 3U);
 }
 
+TEST_F(Steps, OneAfterAnotherBeginsWhenThatOneIsDoneAndHasInputsOfIts) {
+  Step first = by_process("a", {{"x", 1}});
+  Step second = by_process("b", {{"y", 2}});
+  second.after = "a";
+  second.later_inputs = [file = folder_ / "a"] { return nlohmann::json{{"a", read_text(file)}}; };
+  second.arguments = [this](const StepStart&) {
+    return std::vector<std::string>{"-c", "cat '" + (folder_ / "a").string() + "' >'" + (folder_ / "b").string() + "'"};
+  };
+  const auto done_by = [&](const std::vector<Step>& all) {
+    StepRunner steps = runner();
+    steps.run_side_by_side(all);
+    EXPECT_EQ(steps.records().size(), all.size());
+    EXPECT_EQ(steps.records().back().name, "b");
+    return steps.done_now();
+  };
+  EXPECT_EQ(done_by({first, second}), 2U);
+  EXPECT_EQ(runner().inputs_of("b"), (nlohmann::json{{"a", "made"}, {"y", 2}}));
+  EXPECT_EQ(done_by({first, second}), 0U);
+  fs::remove(folder_ / "b");
+  EXPECT_EQ(done_by({first, second}), 1U) << "the first is kept";
+  first.inputs = {{"x", 2}};
+  EXPECT_EQ(done_by({first, second}), 2U);
+
+  // The key is that of a step that knew all inputs at once.
+  second.inputs = {{"a", "made"}, {"y", 2}};
+  second.later_inputs = {};
+  EXPECT_EQ(done_by({second}), 0U);
+}
+
+TEST_F(Steps, TheProgressCountsEachKind) {
+  std::vector<std::string> progress;
+  StepRunner steps({.folder = folder_.path(), .program = "/bin/sh", .threads = 1, .new_progress = [&] {
+                      return [&](const Progress& now) {
+                        if (progress.empty() || progress.back() != now.what) progress.push_back(now.what);
+                      };
+                    }});
+  Step first = by_process("a", {}), second = by_process("b", {});
+  first.kind = "training";
+  second.kind = "judgement";
+  second.after = "a";
+  steps.run_side_by_side({first, second});
+  ASSERT_GE(progress.size(), 2U);
+  EXPECT_EQ(progress[0], "0 of 1 trainings, 0 of 1 judgements");
+  EXPECT_EQ(progress[1], "1 of 1 trainings, 0 of 1 judgements");
+}
+
 TEST_F(Steps, AreReportedByTheirDescriptionAsEachBegins) {
   std::vector<std::string> reported;
   StepRunner steps({.folder = folder_ / "study",

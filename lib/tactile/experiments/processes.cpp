@@ -9,7 +9,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <deque>
 #include <fstream>
+#include <numeric>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -56,17 +58,24 @@ void stop(std::vector<Child>& children) {
 
 std::string why_it_failed(const ProcessPlan& plan, int status) {
   if (WIFSIGNALED(status)) return fmt::format("it was killed by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
-  const std::string words = last_message(plan.log);
+  std::string words = last_message(plan.log);
   if (!words.empty()) return words;
   return fmt::format("it ended with {} and no message", WEXITSTATUS(status));
 }
 
 void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, std::vector<Child>& children) {
-  std::size_t next = 0;
-  while (next < plans.size() || !children.empty()) {
-    for (; next < plans.size() && children.size() < std::max(1U, options.at_once); ++next) {
-      children.push_back({start(plans[next], options.program), next, Clock::now()});
-      if (options.begun) options.begun(next);
+  std::deque<std::size_t> waiting(plans.size());
+  std::iota(waiting.begin(), waiting.end(), std::size_t{0});
+  std::vector<bool> succeeded(plans.size());
+  const auto may_begin = [&](std::size_t index) { return !plans[index].after || succeeded[*plans[index].after]; };
+  while (!waiting.empty() || !children.empty()) {
+    while (children.size() < std::max(1U, options.at_once)) {
+      const auto next = std::find_if(waiting.begin(), waiting.end(), may_begin);
+      if (next == waiting.end()) break;
+      const std::size_t index = *next;
+      waiting.erase(next);
+      children.push_back({start(plans[index], options.program), index, Clock::now()});
+      if (options.begun) options.begun(index);
     }
     if (options.while_waiting) options.while_waiting();
     const std::size_t running = children.size();
@@ -79,6 +88,7 @@ void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& opti
       const Child child = std::move(children[i]);
       children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
       if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) {
+        succeeded[child.index] = true;
         if (options.ended) options.ended(child.index, std::chrono::duration<double>(Clock::now() - child.begun).count());
         continue;
       }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,10 +10,11 @@ namespace tactile::experiments {
 
 /// A command that runs as a process of its own.
 struct ProcessPlan {
-  std::string name;                    ///< for messages
-  std::vector<std::string> arguments;  ///< after the program's name
-  std::filesystem::path log;           ///< replaced by what the process writes to stderr; its stdout is not kept
-  std::string key = {};                ///< identifies the work; only `run_on_slurm` uses it
+  std::string name;                       ///< for messages
+  std::vector<std::string> arguments;     ///< after the program's name
+  std::filesystem::path log;              ///< replaced by what the process writes to stderr; its stdout is not kept
+  std::string key = {};                   ///< identifies the work; only `run_on_slurm` uses it
+  std::optional<std::size_t> after = {};  ///< an earlier plan of the same call, which must have succeeded before this one begins
 };
 
 struct ProcessesOptions {
@@ -23,8 +25,9 @@ struct ProcessesOptions {
   std::function<void(std::size_t index, double seconds)> ended;  ///< called when a process has succeeded. May be empty
 };
 
-/// Runs the processes in order, several at a time, and waits for them. They end when this process ends, for whatever reason.
-/// If one fails, or an exception leaves a callback, the others get SIGINT, and SIGKILL after ten seconds.
+/// Runs the processes in order, several at a time, and waits for them. One that waits for another lets later ones pass. They end
+/// when this process ends, for whatever reason. If one fails, or an exception leaves a callback, the others get SIGINT, and
+/// SIGKILL after ten seconds.
 /// @throws Error  that names the process that failed and its last message; whatever `while_waiting` or `ended` throws
 void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options);
 

@@ -12,6 +12,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/numbers.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -34,9 +35,12 @@ struct Mark {
 
 /// A process as a task of a job.
 struct Task {
-  std::size_t index = 0;  ///< in the plans
-  std::string name;       ///< of its files
-  std::string id;         ///< "12_3"
+  std::size_t index = 0;   ///< in the plans
+  std::string name;        ///< of its files
+  std::string id;          ///< "12_3"
+  Task* before = nullptr;  ///< must succeed first
+  bool depends = false;    ///< was submitted before that one had ended: Slurm cancels it if that one ends otherwise
+  bool due = false;        ///< to be submitted
   unsigned attempts = 0;
   unsigned looks_without_it = 0;  ///< at which Slurm did not run it, and there was no mark
   bool begun = false, ended = false;
@@ -49,6 +53,9 @@ class Jobs {
       : plans_(plans), options_(options), folder_(fs::absolute(folder)), slurm_(slurm) {
     fs::create_directories(folder_ / "ended");
     for (std::size_t i = 0; i < plans.size(); ++i) tasks_.push_back({.index = i, .name = plans[i].log.stem().string(), .id = {}});
+    for (Task& task : tasks_) {
+      if (const auto after = plans[task.index].after) task.before = &tasks_[*after];
+    }
   }
 
   void run();
@@ -62,11 +69,12 @@ class Jobs {
   std::optional<Mark> read_mark(const Task& task) const;
   void find_earlier_tasks();
   void remember() const;
-  void submit(std::vector<Task*> tasks);
-  std::string script_of(const std::vector<Task*>& tasks) const;
+  void submit_due();
+  void submit(const std::map<std::size_t, Task*>& tasks, const std::string& after);
+  std::string script_of(const std::map<std::size_t, Task*>& tasks) const;
   void look();
   bool look_for_mark(Task& task);
-  std::vector<Task*> lost_tasks(const std::map<std::string, std::string>& states);
+  void find_due(const std::map<std::string, std::string>& states);
   void check_may_repeat(const Task& task, const std::string& state) const;
 
   const std::vector<ProcessPlan>& plans_;
@@ -102,6 +110,7 @@ void Jobs::find_earlier_tasks() {
     const bool is_this_work = found->value("key", "") == plans_[task.index].key;
     if (is_this_work) {
       task.id = found->value("task", "");
+      task.depends = task.before != nullptr;
     } else if (const std::string id = found->value("task", ""); !id.empty()) {
       others.push_back(id);
     }
@@ -117,8 +126,8 @@ void Jobs::remember() const {
   write_json(folder_ / "jobs.json", jobs);
 }
 
-/// One branch for each task. Its mark appears in one step.
-std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
+/// One branch for each task, by its number in the array. Its mark appears in one step.
+std::string Jobs::script_of(const std::map<std::size_t, Task*>& tasks) const {
   std::string script = fmt::format(
       "#!/bin/sh\n"
       "# The tasks of a job array.\n"
@@ -135,9 +144,9 @@ std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
       "}}\n"
       "case $SLURM_ARRAY_TASK_ID in\n",
       shell_word(fs::current_path().string()), shell_word((folder_ / "ended").string()));
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    const ProcessPlan& plan = plans_[tasks[i]->index];
-    script += fmt::format("{}) run {} {} {} {}", i, shell_word(tasks[i]->name), shell_word(plan.key),
+  for (const auto& [number, task] : tasks) {
+    const ProcessPlan& plan = plans_[task->index];
+    script += fmt::format("{}) run {} {} {} {}", number, shell_word(task->name), shell_word(plan.key),
                           shell_word(fs::absolute(plan.log).string()), shell_word(options_.program.string()));
     for (const std::string& word : plan.arguments) script += " " + shell_word(word);
     script += " ;;\n";
@@ -145,34 +154,63 @@ std::string Jobs::script_of(const std::vector<Task*>& tasks) const {
   return script + "esac\n";
 }
 
-void Jobs::submit(std::vector<Task*> tasks) {
-  const std::size_t most = largest_array();
-  for (std::size_t first = 0; first < tasks.size(); first += most) {
-    const std::vector<Task*> part(tasks.begin() + static_cast<std::ptrdiff_t>(first),
-                                  tasks.begin() + static_cast<std::ptrdiff_t>(std::min(tasks.size(), first + most)));
-    for (const Task* task : part) {
-      fs::remove(mark_of(*task));
-      fs::create_directories(plans_[task->index].log.parent_path());
-    }
-    const std::string text = script_of(part);
-    const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
-    write_whole(script, text);
-    std::vector<std::string> words{"--job-name=tactile", "--requeue",          "--ntasks=1",
-                                   "--cpus-per-task=1",  "--open-mode=append", "--output=" + (folder_ / "slurm.log").string()};
-    if (!slurm_.partition.empty()) words.push_back("--partition=" + slurm_.partition);
-    words.insert(words.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
-    const std::string job = submit_array(script, part.size(), words);
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      part[i]->id = fmt::format("{}_{}", job, i);
-      part[i]->looks_without_it = 0;
-      ++part[i]->attempts;
-    }
-    remember();
+/// Submits tasks by their numbers in an array. @param after  the job whose tasks of the same numbers come first; empty: none
+void Jobs::submit(const std::map<std::size_t, Task*>& tasks, const std::string& after) {
+  std::vector<std::size_t> numbers;
+  for (const auto& [number, task] : tasks) {
+    numbers.push_back(number);
+    fs::remove(mark_of(*task));
+    fs::create_directories(plans_[task->index].log.parent_path());
   }
+  const std::string text = script_of(tasks);
+  const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
+  write_whole(script, text);
+  std::vector<std::string> words{"--job-name=tactile", "--requeue",          "--ntasks=1",
+                                 "--cpus-per-task=1",  "--open-mode=append", "--output=" + (folder_ / "slurm.log").string()};
+  if (!slurm_.partition.empty()) words.push_back("--partition=" + slurm_.partition);
+  words.insert(words.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
+  if (!after.empty()) words.insert(words.end(), {"--dependency=aftercorr:" + after, "--kill-on-invalid-dep=yes"});
+  const std::string job = submit_array(script, numbers, words);
+  for (const auto& [number, task] : tasks) {
+    task->id = fmt::format("{}_{}", job, number);
+    task->depends = !after.empty();
+    task->due = false;
+    task->looks_without_it = 0;
+    task->attempts = task->depends ? 1 : task->attempts + 1;
+  }
+  remember();
+}
+
+void Jobs::submit_due() {
+  if (std::none_of(tasks_.begin(), tasks_.end(), [](const Task& task) { return task.due; })) return;
+  std::map<std::size_t, Task*> tasks;
+  std::vector<Task*> dependent;
+  std::vector<std::string> outdated;  // they depend on a task that is submitted again
+  const std::size_t most = largest_array();
+  for (Task& task : tasks_) {
+    if (!task.due) continue;
+    if (task.before && !task.before->ended) {
+      dependent.push_back(&task);
+      if (!task.id.empty()) outdated.push_back(task.id);
+      continue;
+    }
+    tasks.emplace(tasks.size(), &task);
+    if (tasks.size() == most) submit(std::exchange(tasks, {}), "");
+  }
+  if (!tasks.empty()) submit(tasks, "");
+  cancel_tasks(outdated);
+  std::map<std::string, std::map<std::size_t, Task*>> by_job;
+  for (Task* task : dependent) {
+    const std::string& id = task->before->id;
+    const std::size_t line = id.find('_');
+    by_job[id.substr(0, line)].emplace(whole_number_in(id.substr(line + 1)).value_or(0), task);
+  }
+  for (const auto& [job, after_it] : by_job) submit(after_it, job);
 }
 
 /// Whether the task has ended. @throws Error  if its process failed
 bool Jobs::look_for_mark(Task& task) {
+  if (task.before && !task.before->ended) return false;
   if (task.id.empty()) return false;  // of work that was done long ago, and is due again
   const std::optional<Mark> mark = read_mark(task);
   if (!mark || mark->is_of_signal()) return false;  // Slurm's state says why, and whether to repeat it
@@ -197,14 +235,15 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
         fmt::format("'{}' failed: job {} needed more memory than it was given; expected --sbatch with more, such as "
                     "\"--mem=4G\"",
                     name, task.id));  // clang-format off
-  if (state == "CANCELLED") throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
+  const bool by_slurm = state == "CANCELLED" && task.depends;
+  if (state == "CANCELLED" && !by_slurm) throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
   if (const std::optional<Mark> mark = read_mark(task); state == "FAILED" && mark && mark->is_of_signal()) {
     if (task.attempts < slurm_.attempts) return;
     throw Error(fmt::format("'{}' failed: it was started {} times, and signal {} ended it the last time; if memory was short, "
                             "expected --sbatch with more, such as \"--mem=4G\" (its log: {})",
                             name, task.attempts, mark->code - 128, plans_[task.index].log.string()));
   }
-  if (!may_repeat.contains(state))
+  if (!by_slurm && !may_repeat.contains(state))
     throw Error(fmt::format("'{}' failed: Slurm ended job {} as {}, and there is no {}; expected a folder that all nodes share "
                             "(what Slurm printed: {})", name, task.id, state, mark_of(task).string(), (folder_ / "slurm.log").string()));
   if (task.attempts >= slurm_.attempts)
@@ -213,16 +252,20 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
   // clang-format on
 }
 
-/// The tasks that Slurm no longer runs, and whose process has not ended by itself: a mark may reach this machine some seconds
-/// late.
-std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& states) {
+/// Tasks that Slurm no longer runs, and whose process has not ended by itself, are due again: a mark may reach this machine some
+/// seconds late. A task that comes after one that is due is due with it.
+void Jobs::find_due(const std::map<std::string, std::string>& states) {
   static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
                                            "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
   constexpr unsigned patience = 4;
-  std::vector<Task*> lost;
+  std::vector<const Task*> lost;
   std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
     if (task.ended) continue;
+    if (task.before && !task.before->ended) {
+      task.due = task.id.empty() || task.before->due;
+      continue;
+    }
     const auto found = states.find(task.id);
     if (found != states.end() && alive.contains(found->second)) {
       task.looks_without_it = 0;
@@ -233,17 +276,17 @@ std::vector<Task*> Jobs::lost_tasks(const std::map<std::string, std::string>& st
       continue;
     }
     if (!task.id.empty() && ++task.looks_without_it < patience) continue;
-    if (!task.id.empty() && found == states.end()) forgotten.insert(task.id);
+    task.due = true;
+    if (task.id.empty()) continue;
     lost.push_back(&task);
+    if (found == states.end()) forgotten.insert(task.id);
   }
   const std::map<std::string, std::string> accounted = accounted_states(forgotten);
   for (const Task* task : lost) {
-    if (task->id.empty()) continue;
     const auto& known = forgotten.contains(task->id) ? accounted : states;
     const auto found = known.find(task->id);
     check_may_repeat(*task, found == known.end() ? "" : found->second);
   }
-  return lost;
 }
 
 /// One look at the marks and the queue; submits what no job does.
@@ -269,7 +312,8 @@ void Jobs::look() {
     if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw;
     return;  // the scheduler restarts, or is busy
   }
-  if (std::vector<Task*> lost = lost_tasks(states); !lost.empty()) submit(std::move(lost));
+  find_due(states);
+  submit_due();
 }
 
 void Jobs::run() {

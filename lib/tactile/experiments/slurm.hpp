@@ -26,6 +26,9 @@ SlurmOptions slurm_named(const std::string& name);
 /// does this work is known: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run
 /// again.
 ///
+/// A task that comes after another is submitted with it, and depends on it (`aftercorr`), so it also begins where nobody waits.
+/// At most one may come after each.
+///
 /// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
 /// `ended/` for each task that has ended: these files, and not the queue, show that a task is done.
 ///

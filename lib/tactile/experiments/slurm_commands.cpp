@@ -75,8 +75,9 @@ std::string joined(const std::set<std::string>& words) { return fmt::format("{}"
 
 }  // namespace
 
-std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words) {
-  std::vector<std::string> arguments{"--parsable", fmt::format("--array=0-{}", tasks - 1)};
+std::string submit_array(const std::filesystem::path& script, const std::vector<std::size_t>& tasks,
+                         const std::vector<std::string>& words) {
+  std::vector<std::string> arguments{"--parsable", fmt::format("--array={}", fmt::join(tasks, ","))};
   arguments.insert(arguments.end(), words.begin(), words.end());
   arguments.push_back(script.string());
   const Answer answer = answer_of("sbatch", arguments);

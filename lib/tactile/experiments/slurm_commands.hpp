@@ -9,8 +9,9 @@
 
 namespace tactile::experiments {
 
-/// Submits an array of `tasks` tasks. @return  the job's number. @throws Error  with what sbatch prints
-std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words);
+/// Submits an array of tasks with these numbers. @return  the job's number. @throws Error  with what sbatch prints
+std::string submit_array(const std::filesystem::path& script, const std::vector<std::size_t>& tasks,
+                         const std::vector<std::string>& words);
 
 /// The states of the tasks of these jobs that Slurm still knows, by "12_3": "PENDING", "RUNNING", "NODE_FAIL", …
 /// @throws Error  if squeue does not answer

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -26,6 +28,12 @@ std::string utc_now() {
 const std::string& command_or_name(const Step& step) { return step.command.empty() ? step.name : step.command; }
 const std::string& description_or_name(const Step& step) { return step.description.empty() ? step.name : step.description; }
 
+nlohmann::json all_inputs(const Step& step) {
+  nlohmann::json inputs = step.inputs;
+  if (step.later_inputs) inputs.update(step.later_inputs());
+  return inputs;
+}
+
 }  // namespace
 
 /// The contents of `steps/NAME.json`; empty if the file is missing or damaged.
@@ -37,10 +45,37 @@ struct StepRunner::Known {  // NOLINT(bugprone-exception-escape): moving nlohman
   results::StepRecord record;
 };
 
+/// A process that is to run.
+struct StepRunner::DueStep {
+  const Step* step;
+  const Step* before;                ///< the step that must be done first; null: none
+  std::optional<std::size_t> after;  ///< the place of that step, if it is to run, too
+};
+
+namespace {
+
+/// "3 of 11 trainings, 2 of 11 judgements"
+std::string counts_of(const std::vector<std::pair<std::string, bool>>& kinds_ended) {
+  std::vector<std::string> kinds;
+  std::map<std::string, std::pair<std::size_t, std::size_t>> counts;
+  for (const auto& [kind, ended] : kinds_ended) {
+    auto [count, is_new] = counts.try_emplace(kind);
+    if (is_new) kinds.push_back(kind);
+    count->second.first += ended ? 1 : 0;
+    ++count->second.second;
+  }
+  std::string text;
+  for (const std::string& kind : kinds)
+    text += fmt::format("{}{} of {} {}s", text.empty() ? "" : ", ", counts[kind].first, counts[kind].second, kind);
+  return text;
+}
+
+}  // namespace
+
 std::string key_of(const Step& step) {
   // Later versions do what this one did, but for the last digits of weights. Raise it where a step does something else.
   constexpr const char* steps_since = "0.1.0";
-  return hash_of({{"name", step.name}, {"version", steps_since}, {"inputs", step.inputs}});
+  return hash_of({{"name", step.name}, {"version", steps_since}, {"inputs", all_inputs(step)}});
 }
 
 StepRunner::StepRunner(StepRunnerOptions options) : options_(std::move(options)) {}
@@ -72,7 +107,7 @@ void StepRunner::write(const Step& step, const Known& known) const {
                                   {"key", key_of(step)},
                                   {"done", known.done},
                                   {"made_outputs", known.made_outputs},
-                                  {"inputs", step.inputs},
+                                  {"inputs", all_inputs(step)},
                                   {"outputs", known.outputs},
                                   {"seconds", known.record.seconds},
                                   {"finished_at", known.record.finished_at}});
@@ -139,12 +174,19 @@ void StepRunner::run(const Step& step) {
 
 void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   const std::size_t first_record = records_.size();
-  std::vector<const Step*> due;
+  std::vector<DueStep> due;
+  std::map<std::string, const Step*> earlier;
+  std::map<std::string, std::size_t> places;  // of those that are due
   for (const Step& step : steps) {
+    const auto before = earlier.find(step.after);
+    const auto place = places.find(step.after);
+    earlier[step.name] = &step;
     if (!is_a_process(step)) {
       run(step);
-    } else if (!find_done(step)) {
-      due.push_back(&step);
+    } else if (place != places.end() || !find_done(step)) {
+      places[step.name] = due.size();
+      due.push_back({&step, before == earlier.end() ? nullptr : before->second,
+                     place == places.end() ? std::nullopt : std::optional(place->second)});
     }
   }
   run_processes_of(due);
@@ -156,33 +198,49 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
                    [&](const results::StepRecord& a, const results::StepRecord& b) { return place_of(a) < place_of(b); });
 }
 
-void StepRunner::run_processes_of(const std::vector<const Step*>& due) {
-  std::vector<ProcessPlan> plans;
-  const auto share = static_cast<unsigned>(options_.threads / std::max<std::size_t>(due.size(), 1));
+ProcessPlan StepRunner::plan_of(const DueStep& due, unsigned threads) const {
+  const Step& step = *due.step;
+  const Known known = read(step.name);
+  // The inputs of a step that waits are not known yet. Those of the step before it stand for them, also when it is done.
+  const std::string key =
+      due.before ? hash_of({{"name", step.name}, {"inputs", step.inputs}, {"after", key_of(*due.before)}}) : key_of(step);
+  const bool other_inputs = !due.after && !known.key.empty() && known.key != key_of(step);
+  return {.name = command_or_name(step),
+          .arguments = step.arguments ? step.arguments({other_inputs, known.made_outputs, threads}) : step.on_cluster(),
+          .log = options_.folder / "logs" / (step.name + ".log"),
+          .key = key,
+          .after = due.after};
+}
+
+void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
+  const auto at_first = std::count_if(due.begin(), due.end(), [](const DueStep& one) { return !one.after; });
+  const auto share = static_cast<unsigned>(options_.threads / std::max<std::size_t>(static_cast<std::size_t>(at_first), 1));
   const unsigned threads_each = options_.slurm ? 1 : std::max(1U, share);
-  for (const Step* step : due) {
-    const Known known = read(step->name);
-    const bool other_inputs = !known.key.empty() && known.key != key_of(*step);
+  std::vector<ProcessPlan> plans;
+  std::vector<std::pair<std::string, bool>> kinds_ended;
+  for (const DueStep& one : due) {
     // `arguments` removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between
     // would make the old leftovers look like the new step's own.
-    plans.push_back({command_or_name(*step),
-                     step->arguments ? step->arguments({other_inputs, known.made_outputs, threads_each}) : step->on_cluster(),
-                     options_.folder / "logs" / (step->name + ".log"), key_of(*step)});
-    begin(*step);
+    plans.push_back(plan_of(one, threads_each));
+    kinds_ended.emplace_back(one.step->kind, false);
+    if (!one.after) begin(*one.step);
   }
   std::size_t ended = 0;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
-  const std::string_view what = !due.empty() && due.front()->arguments ? "trainings" : "judgements";
-  const ProcessesOptions how{
-      .program = options_.program,
-      .at_once = options_.threads,
-      .while_waiting = [&] { report_progress(progress, ended, due.size(), fmt::format("{} of {} {}", ended, due.size(), what)); },
-      .begun = [&](std::size_t index) { report(*due[index], false); },
-      .ended =
-          [&](std::size_t index, double seconds) {
-            finish(*due[index], seconds);
-            ++ended;
-          }};
+  const ProcessesOptions how{.program = options_.program,
+                             .at_once = options_.threads,
+                             .while_waiting = [&] { report_progress(progress, ended, due.size(), counts_of(kinds_ended)); },
+                             .begun =
+                                 [&](std::size_t index) {
+                                   if (due[index].after) begin(*due[index].step);
+                                   report(*due[index].step, false);
+                                 },
+                             .ended =
+                                 [&](std::size_t index, double seconds) {
+                                   finish(*due[index].step, seconds);
+                                   kinds_ended[index].second = true;
+                                   ++ended;
+                                 }};
   options_.slurm ? run_on_slurm(plans, how, options_.folder / "slurm", *options_.slurm) : run_processes(plans, how);
 }
 

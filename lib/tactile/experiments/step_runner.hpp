@@ -23,16 +23,19 @@ struct StepStart {
 
 /// A piece of work that is done once, and again only if its inputs change or its outputs are missing or changed.
 struct Step {
-  std::string name;       ///< also a file's name: "train-th040-single-run-01-s1"
-  std::string command;    ///< what a person types to do the same; empty if there is no such command
-  nlohmann::json inputs;  ///< settings and hashes of what goes in. The step's key is the hash of this and its name
-  std::function<nlohmann::json()> outputs;  ///< identifies the outputs that exist; null if they are not complete
+  std::string name;        ///< also a file's name: "train-th040-single-run-01-s1"
+  std::string command;     ///< what a person types to do the same; empty if there is no such command
+  nlohmann::json inputs;   ///< settings and hashes of what goes in. The step's key is the hash of this and its name
+  std::string after = {};  ///< name of an earlier step of the same call, which must be done first; both are processes
+  std::function<nlohmann::json()> later_inputs = {};  ///< more `inputs`, which are known when the step `after` is done
+  std::function<nlohmann::json()> outputs;            ///< identifies the outputs that exist; null if they are not complete
 
   std::function<void(const ProgressCallback&)> work = {};  ///< runs in this process; empty if `arguments` are given
   std::function<std::vector<std::string>(const StepStart&)> arguments = {};  ///< of a process that does the work
   /// On a cluster: of a process that does `work` there. Empty: this process always does it.
   std::function<std::vector<std::string>()> on_cluster = {};
   std::string description = {};  ///< reported while it runs: "training 3 of 11: t_h 20 ms"; the name if empty
+  std::string kind = "step";     ///< of a process, as its progress counts it: "training"
 };
 
 /// Returns the callback for one step's progress; may be empty.
@@ -59,8 +62,8 @@ class StepRunner {
   /// @throws Error  that names the step's command, or the step, and what went wrong
   void run(const Step& step);
 
-  /// Runs steps that do not depend on each other. Those with `arguments` run side by side, in one process each; on a cluster also
-  /// those with `on_cluster`.
+  /// Runs steps that depend on each other only by `Step::after`. Those with `arguments` run side by side, in one process each; on
+  /// a cluster also those with `on_cluster`.
   void run_side_by_side(const std::vector<Step>& steps);
 
   /// Steps that were run or found done, in order.
@@ -76,6 +79,7 @@ class StepRunner {
 
  private:
   struct Known;
+  struct DueStep;
   std::filesystem::path file_of(const std::string& name) const;
   Known read(const std::string& name) const;
   void write(const Step& step, const Known& known) const;
@@ -85,7 +89,8 @@ class StepRunner {
   void report(const Step& step, bool kept) const;
   void finish(const Step& step, double seconds);
   bool is_a_process(const Step& step) const { return step.arguments || (options_.slurm && step.on_cluster); }
-  void run_processes_of(const std::vector<const Step*>& due);
+  ProcessPlan plan_of(const DueStep& due, unsigned threads) const;
+  void run_processes_of(const std::vector<DueStep>& due);
 
   StepRunnerOptions options_;
   std::vector<results::StepRecord> records_;
@@ -96,7 +101,8 @@ class StepRunner {
 /// done again.
 std::vector<nlohmann::json> step_records(const std::filesystem::path& experiment, std::string_view begin);
 
-/// Identifies a step of this name with these inputs. Later versions have the same keys until a step does something else.
+/// Identifies a step of this name with these inputs, which must all be known. Later versions have the same keys until a step does
+/// something else.
 std::string key_of(const Step& step);
 
 }  // namespace tactile::experiments

@@ -74,7 +74,8 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
                 if (!one_thread) all.insert(all.end(), {"--threads", std::to_string(start.threads)});
                 if (start.made_outputs) all.emplace_back("--force");
                 return all;
-              }};
+              },
+          .kind = "training"};
 }
 
 }  // namespace tactile::experiments

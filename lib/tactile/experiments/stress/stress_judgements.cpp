@@ -127,6 +127,7 @@ std::vector<experiments::Step> steps_of(const StressPlan& plan) {
         name_of(judgement), inputs_of(plan, judgement, quiet_files), file_of(plan, judgement),
         [&plan, judgement](const ProgressCallback& progress) { judge(plan, judgement, progress); },
         description_of(plan, judgement)));
+    steps.back().kind = "judgement";
     if (plan.options.task) {
       steps.back().on_cluster = [&plan, name = name_of(judgement), &model = judgement.training->bundle.folder] {
         return plan.options.task(name, model);

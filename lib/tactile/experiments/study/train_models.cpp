@@ -23,31 +23,31 @@ experiments::Step step_to_train(const StudyPlan& plan, const StudyModel& model) 
 experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model) {
   const auto file = samples_file(plan, model);
   const std::vector<std::string> runs = names_of(plan.dataset, model.runs);
-  experiments::Step step = experiments::file_step(
-      "judge-" + model.name(),
-      with_engine({{"manifest", plan.dataset.manifest_hash()},
-                   {"weights", model::read_description(model.bundle).weights_sha256},
-                   {"runs", runs}},
-                  plan.options.engine),
-      file, [&plan, model, file](const ProgressCallback& progress) {
-        judge_samples(plan.dataset, {model.bundle.folder, model.runs, plan.options.engine, plan.options.threads}, file, progress);
-      });
-  step.on_cluster = [&plan, model, file, runs] {
-    return std::vector<std::string>{"judge",     plan.dataset.file().string(),
-                                    "--model",   model.bundle.folder.string(),
-                                    "--runs",    fmt::format("{}", fmt::join(runs, ",")),
-                                    "--out",     file.string(),
-                                    "--engine",  std::string(name_of(plan.options.engine)),
-                                    "--threads", "1"};
-  };
-  return step;
+  return {.name = "judge-" + model.name(),
+          .command = "",
+          .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()}, {"runs", runs}}, plan.options.engine),
+          .after = step_to_train(plan, model).name,
+          .later_inputs =
+              [bundle = model.bundle] {
+                return nlohmann::json{{"weights", model::read_description(bundle).weights_sha256}};
+              },
+          .outputs = [file] { return experiments::hash_of_file(file); },
+          .arguments =
+              [&plan, model, file, runs](const experiments::StepStart& start) {
+                return std::vector<std::string>{"judge",     plan.dataset.file().string(),
+                                                "--model",   model.bundle.folder.string(),
+                                                "--runs",    fmt::format("{}", fmt::join(runs, ",")),
+                                                "--out",     file.string(),
+                                                "--engine",  std::string(name_of(plan.options.engine)),
+                                                "--threads", std::to_string(start.threads)};
+              },
+          .kind = "judgement"};
 }
 
 void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& models, experiments::StepRunner& runner) {
   std::vector<experiments::Step> steps;
+  steps.reserve(2 * models.size());
   for (const StudyModel& model : models) steps.push_back(step_to_train(plan, model));
-  runner.run_side_by_side(steps);
-  steps.clear();
   for (const StudyModel& model : models) steps.push_back(step_to_judge(plan, model));
   runner.run_side_by_side(steps);
 }
