@@ -4,7 +4,8 @@
     threads.py TACTILE FOLDER [THREADS…]
 
 THREADS are 1, 2, 4, … up to the number of cores by default; the first is what the others are compared with. FOLDER is emptied, and
-gets simulated runs and all that is made of them. Each command runs once for each number. In the environment: TACTILE_BENCH_RUNS of each
+gets simulated runs and all that is made of them. Each command runs once for each number. Last, as many processes of one thread run at
+the same time, each for itself, on copies beside FOLDER: what the machine allows. In the environment: TACTILE_BENCH_RUNS of each
 object (5); TACTILE_BENCH_TURNS repeats each command, and the shortest time counts; TACTILE_BENCH_STUDY has options of `reproduce`, which
 is then measured with the most threads. With more threads than cores, a third table has the threads at work, in one more run of each.
 """
@@ -16,6 +17,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from loads import cost_of
@@ -97,6 +99,29 @@ def measure_at_work(tactile, work, threads):
     return result
 
 
+def measure_independent(tactile, folder, name, processes):
+    """The shortest of TURNS runs of so many independent processes at the same time, with one thread each [s]."""
+    copies = [folder.with_name(f"{folder.name}-{number}") for number in range(processes)]
+    seconds = []
+    for _ in range(TURNS):
+        commands = []
+        for copy in copies:
+            shutil.rmtree(copy, ignore_errors=True)
+            shutil.copytree(folder, copy, copy_function=os.link)
+            work = works(copy)[name]
+            work.clear()
+            commands.append([str(word) for word in (tactile, *work.words, "--threads", 1, "--quiet")])
+        begin = time.monotonic()
+        running = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for command in commands]
+        failed = [process.args for process in running if process.wait() != 0]
+        seconds.append(time.monotonic() - begin)
+        for copy in copies:
+            shutil.rmtree(copy)
+        if failed:
+            sys.exit(f"threads.py: {' '.join(failed[0])} failed")
+    return min(seconds)
+
+
 def simulate_long_run(tactile, folder):
     """A run of about 45 s by a camera with much noise, in one recording."""
     physics = folder / "long.json"
@@ -136,7 +161,8 @@ def main():
     counts = [int(word) for word in sys.argv[3:]] or numbers_of_threads()
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    measured, shared, epochs_s = {}, {}, []
+    measured, shared, epochs_s, independent = {}, {}, [], {}
+    together = min(CORES, counts[-1])
     for name, work in works(folder).items():
         if name == "convert":
             simulate_long_run(tactile, folder)
@@ -145,14 +171,17 @@ def main():
             measured[name].append(measure(tactile, work, count))
             if name == "train":
                 epochs_s.append(seconds_of_last_epoch(folder))
+        if counts[0] == 1 and together > 1:
+            independent[name] = measured[name][0][0] / measure_independent(tactile, folder, name, together) * together
         if counts[-1] > CORES:
             shared[name] = measure_at_work(tactile, work, counts[-1])
         print(f"{name}: {' '.join(f'{cost[0]:.2f}' for cost in measured[name])} s", file=sys.stderr, flush=True)
 
     first, last = counts[0], counts[-1]
-    table("times as fast with", [f"{count} threads" for count in counts[1:]] + [f"{first} thread [s]", "CPU time [s]", f"CPU with {last} [s]", "results"],
+    columns = [f"{count} threads" for count in counts[1:]] + [f"{together} processes"] * bool(independent)
+    table("times as fast with", columns + [f"{first} thread [s]", "CPU time [s]", f"CPU with {last} [s]", "results"],
           [(f"`{name}`", [f"{costs[0][0] / cost[0]:.2f}" for cost in costs[1:]]
-            + [f"{costs[0][0]:.2f}", f"{costs[0][1]:.2f}", f"{costs[-1][1]:.2f}",
+            + [f"{independent[name]:.2f}"] * bool(independent) + [f"{costs[0][0]:.2f}", f"{costs[0][1]:.2f}", f"{costs[-1][1]:.2f}",
                "-" if name == "info" else "equal" if len({cost[3] for cost in costs}) == 1 else "**differ**"])
            for name, costs in measured.items()])
     print()

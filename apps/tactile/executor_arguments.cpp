@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <iostream>
-#include <sstream>
+#include <string>
 
 #include "interruption.hpp"
 #include "option_checks.hpp"
@@ -49,8 +49,7 @@ std::optional<experiments::SlurmOptions> slurm_of(const ExecutorArguments& args)
     throw Error("--sbatch: the executor is local; expected --executor slurm with it");
   }
   experiments::SlurmOptions slurm = experiments::slurm_named(args.executor);
-  std::istringstream words(args.sbatch);
-  for (std::string word; words >> word;) slurm.sbatch.push_back(word);
+  slurm.sbatch = experiments::sbatch_words(args.sbatch);
   slurm.cancel = asked_to_cancel;
   return slurm;
 }

@@ -39,10 +39,7 @@ void add_judge_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { judge(*args, common); });
   command.add_option("dataset", args->dataset, "Dataset file").type_name("FILE.h5").required();
   command.add_option("--model", args->model, "Model bundle").type_name("DIR").required();
-  command.add_option("--runs", args->runs, "Runs to judge on, separated by commas")
-      .delimiter(',')
-      .type_name("RUN,...")
-      .required();
+  command.add_option("--runs", args->runs, "Runs to judge on").type_name("RUN...").required();
   command.add_option("--out", args->out, "File of the result").type_name("FILE.json").required();
   command.add_option("--engine", args->engine, "Engine: fast or libtorch").check(one_of({"fast", "libtorch"})).show_default();
   command.hide();  // only 'reproduce' starts it

@@ -173,9 +173,8 @@ std::string text_of(const study::StudySummary& summary) {
   if (study.variance) trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(*study.variance));
   return study.title + "\n\n" + histories_text(study) + unseen_text(study) + claims_text(study.claims) + wrapped(trainings) +
          "\n" +
-         wrapped(
-             fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings run side by side, with one thread each.",
-                         summary.done, summary.kept, clock_text(seconds))) +
+         wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings and judgements run side by side.",
+                             summary.done, summary.kept, clock_text(seconds))) +
          "\n\n";
 }
 

@@ -54,7 +54,7 @@ std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>> split_runs(con
 }
 
 std::pair<int, int> heatmap_size(Dataset& file, const std::string& name) {
-  const std::scoped_lock lock(file.mutex);
+  const WorkingAlone alone(file.mutex);
   if (const auto stored = file.dataset.find_heatmaps(name)) return {stored->height, stored->width};
   std::string names;
   for (const windows::StoredHeatmaps& stored : file.dataset.heatmaps()) names += (names.empty() ? "" : ", ") + stored.name;
@@ -99,7 +99,7 @@ void bind_dataset(nb::module_& module) {
   module.attr("default_held_out") = windows::default_held_out();
   module.def("labels_text", &labels_text, nb::arg("path"));
   nb::class_<Dataset>(module, "DatasetFile")
-      .def(nb::init<const std::string&>(), nb::arg("path"))
+      .def(nb::init<const std::string&>(), nb::arg("path"), nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("runs", &runs_of)
       .def_prop_ro("simulated", [](const Dataset& file) { return file.dataset.simulated(); })
       .def_prop_ro("manifest_hash", [](const Dataset& file) { return file.dataset.manifest_hash(); })

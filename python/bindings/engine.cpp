@@ -44,11 +44,14 @@ NumpyArray<float> classify(const Classifier& classifier, const GivenArray<std::u
 NumpyArray<float> probabilities(const Classifier& classifier, const GivenArray<float, 2>& logits) {
   if (logits.shape(1) != touch_count) throw Error("logits: rows of " + std::to_string(logits.shape(1)) + "; expected rows of 3");
   std::vector<float> values;
-  values.reserve(logits.size());
-  for (std::size_t row = 0; row < logits.shape(0); ++row) {
-    const float* const first = logits.data() + row * touch_count;
-    const auto p = model::probabilities_of({first[0], first[1], first[2]}, classifier.temperature().value);
-    values.insert(values.end(), p.begin(), p.end());
+  {
+    const nb::gil_scoped_release other_threads_run;
+    values.reserve(logits.size());
+    for (std::size_t row = 0; row < logits.shape(0); ++row) {
+      const float* const first = logits.data() + row * touch_count;
+      const auto p = model::probabilities_of({first[0], first[1], first[2]}, classifier.temperature().value);
+      values.insert(values.end(), p.begin(), p.end());
+    }
   }
   return array_of(std::move(values), {logits.shape(0), touch_count});
 }

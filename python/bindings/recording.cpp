@@ -114,8 +114,11 @@ nb::object frame_of(Recording& recording, std::size_t packet) {
 }
 
 nb::dict problems_of(Recording& recording) {
-  const std::scoped_lock lock(recording.mutex);
-  const events::RecordingProblems& problems = recording.reader.problems();
+  events::RecordingProblems problems;
+  {
+    const WorkingAlone alone(recording.mutex);
+    problems = recording.reader.problems();
+  }
   nb::dict dict;
   if (!problems.table.empty()) dict["table"] = problems.table;
   const auto add = [&](const char* name, std::uint64_t count) {

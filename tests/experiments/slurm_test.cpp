@@ -24,6 +24,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// As long as it exists, programs are searched in these folders: "/a:/b".
+class ProgramFolders {
+ public:
+  explicit ProgramFolders(const std::string& folders) { ::setenv("PATH", folders.c_str(), 1); }
+  ~ProgramFolders() { ::setenv("PATH", before().c_str(), 1); }
+  ProgramFolders(const ProgramFolders&) = delete;
+  ProgramFolders& operator=(const ProgramFolders&) = delete;
+
+  /// Those of the tests.
+  static const std::string& before() {
+    static const std::string folders = test::run_shell("printf %s \"$PATH\"").out;
+    return folders;
+  }
+};
+
 TEST(Slurm, IsNamedWithOrWithoutAPartition) {
   EXPECT_EQ(slurm_named("slurm").partition, "");
   EXPECT_EQ(slurm_named("slurm:gpu").partition, "gpu");
@@ -32,16 +47,23 @@ TEST(Slurm, IsNamedWithOrWithoutAPartition) {
               "executor '" + std::string(name) + "': expected local, slurm or slurm:PARTITION");
 }
 
+TEST(Slurm, WordsForSbatchAreSplitAsByAShell) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(sbatch_words(" --time=1:00:00  --mem=4G "), (Words{"--time=1:00:00", "--mem=4G"}));
+  EXPECT_EQ(sbatch_words("--comment=\"press study\" --constraint='a|b' ''"),
+            (Words{"--comment=press study", "--constraint=a|b", ""}));
+  EXPECT_EQ(sbatch_words(""), Words{});
+  EXPECT_EQ(test::error_of([] { sbatch_words("--comment=\"press"); }),
+            "--sbatch '--comment=\"press': a quote has no end; expected words as in a shell");
+}
+
 TEST(Slurm, ThatIsNotInstalledIsNamed) {
   const test::TemporaryFolder folder;
-  const char* const before = std::getenv("PATH");
-  ASSERT_NE(before, nullptr);
-  const std::string path = before;
-  ::setenv("PATH", folder.path().c_str(), 1);
+  ASSERT_NE(ProgramFolders::before(), "");
+  const ProgramFolders none(folder.path().string());
   const std::string error = test::error_of([&] {
     run_on_slurm({{"one", {}, folder / "one.log", "key"}}, ProcessesOptions{}, folder / "slurm", {});
   });
-  ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(error, "scontrol: there is no such program; expected Slurm's commands on this machine, or --executor local");
 }
 
@@ -54,16 +76,14 @@ TEST(Slurm, AccountingIsAskedOnceForAllTasks) {
                                      "echo '12_3|NODE_FAIL'\n"
                                      "echo '12_4|CANCELLED by 1000'\n";
   fs::permissions(folder / "sacct", fs::perms::owner_all);
-  const char* const before = std::getenv("PATH");
-  ASSERT_NE(before, nullptr);
-  const std::string path = before;
-  ::setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+  const ProgramFolders with_sacct(folder.path().string() + ":" + ProgramFolders::before());
   const std::map<std::string, std::string> states = accounted_states({"12_3", "12_4", "12_5"});
-  ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(states, (std::map<std::string, std::string>{{"12_3", "NODE_FAIL"}, {"12_4", "CANCELLED"}}));
   EXPECT_EQ(test::text_in_file(folder / "calls"),
             "--noheader --allocations --parsable2 --format=JobID,State --jobs=12_3,12_4,12_5\n");
 }
+
+struct Interrupted {};
 
 /// On a cluster of its own. The machine may be unable to start one: then the message says so.
 class SlurmJobs : public testing::Test {
@@ -140,7 +160,37 @@ TEST_F(SlurmJobs, ThatFailNameTheirLastMessageAndEndTheOthers) {
   EXPECT_EQ(text("good.txt") + text("bad.txt"), "done\ndone\n");
 }
 
-struct Interrupted {};
+TEST_F(SlurmJobs, ThatEndedWellBeforeAnotherFailedAreKept) {
+  const std::vector<ProcessPlan> plans{task("bad", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done; exit 3"),
+                                       task("good")};
+  how_.while_waiting = [&] {
+    if (!begun_.empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  std::ofstream(file("go")) << "now";
+  EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
+  how_.while_waiting = {};
+  EXPECT_EQ(test::error_of([&] { run(plans); }), "'bad' failed: it ended with 3 and no message");
+  EXPECT_EQ(ended_, (std::vector<std::size_t>{1}));
+}
+
+TEST_F(SlurmJobs, ThatAreRefusedWhileOthersRunAreSubmittedLater) {
+  std::ofstream(file("sbatch")) << "#!/bin/sh\n"
+                                   "echo called >>'" +
+                                       file("calls") +
+                                       "'\n"
+                                       "[ $(wc -l <'" +
+                                       file("calls") +
+                                       "') != 2 ] || { echo 'Job violates accounting/QOS policy' >&2; exit 1; }\n"
+                                       "exec /usr/bin/sbatch \"$@\"\n";
+  fs::permissions(file("sbatch"), fs::perms::owner_all);
+  const ProgramFolders with_sbatch(folder_.path().string() + ":" + ProgramFolders::before());
+  std::vector<ProcessPlan> plans;  // of two arrays
+  for (const char* name : {"a", "b", "c", "d", "e"}) plans.push_back(task(name));
+  run(plans);
+  for (const ProcessPlan& plan : plans) EXPECT_EQ(text(plan.name + ".txt"), "done\n");
+  EXPECT_EQ(text("calls"), "called\ncalled\ncalled\n");
+}
 
 TEST_F(SlurmJobs, AreLeftWhenTheWaitingIsInterruptedAndCollectedLater) {
   const std::vector<ProcessPlan> plans{task("short"), task("long", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done")};
@@ -276,27 +326,32 @@ TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
 TEST_F(SlurmJobs, AreLeftOrCancelledByTheAnswerAfterCtrlC) {
   const std::string study =
       "reproduce --preset tiny --objects plastic-container --th 40 --epochs 100000 --splits 0 --no-report --executor slurm";
-  // A terminal, where a person interrupts the command as soon as a training runs, and then answers.
+  // In a terminal, a person interrupts the command when it waits for a training that runs, and then answers.
   const auto answered = [&](const std::string& answer) {
-    return test::run_shell(
-               "{ while ! squeue --noheader --states=RUNNING | grep -q tactile; do sleep 0.1; done; sleep 4; printf '\\003'; "
-               "sleep 2; printf '" +
-                   answer + "\\n'; sleep 2; } | script -qec \"" + test::tactile_binary + " " + study + "\" /dev/null",
-               folder_.path())
-        .out;
+    const std::string shown = file("terminal-" + answer);
+    const std::string wait =
+        "waits() { i=0; until \"$@\" >/dev/null 2>&1; do sleep 0.1; i=$((i + 1)); [ $i -lt 1200 ] || return; done; }; ";
+    test::run_shell(wait + "{ waits sh -c 'squeue --noheader --states=RUNNING | grep tactile'; waits grep 'of 2 trainings' " +
+                        shown + "; printf '\\003'; waits grep 'y/N' " + shown + "; printf '" + answer +
+                        "\\n'; } | script -qefc \"" + test::tactile_binary + " " + study + "\" " + shown,
+                    folder_.path());
+    return test::text_in_file(shown);
   };
   const std::string left = answered("n");
   EXPECT_NE(left.find("Cancel the jobs on the cluster? Otherwise they continue, and the same command collects them later. [y/N]"),
             std::string::npos)
       << left;
   EXPECT_NE(left.find("the jobs on the cluster continue"), std::string::npos) << left;
-  EXPECT_NE(queue().find("RUNNING"), std::string::npos);
-  const std::string jobs = text("study/slurm/jobs.json");
+  const std::string running = queue();
+  EXPECT_NE(running.find("RUNNING"), std::string::npos);
+
   const std::string cancelled = answered("y");
   EXPECT_EQ(cancelled.find("the jobs on the cluster continue"), std::string::npos) << cancelled;
   EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
-  EXPECT_NE(jobs, "{}\n") << "the second call waited for the jobs of the first";
   EXPECT_TRUE(read_json(folder_ / "study/slurm/jobs.json").empty());
+  // The second call waited for the jobs of the first: Slurm gave no number after those of the two tasks.
+  const std::string job = running.substr(0, running.find('_'));
+  EXPECT_NE(test::run_shell("scontrol show job " + std::to_string(std::stoi(job) + 2)).exit_code, 0);
 }
 
 TEST_F(SlurmJobs, OfATradeTrainTheSameModelsAsOneMachine) {

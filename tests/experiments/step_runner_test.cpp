@@ -140,9 +140,17 @@ TEST_F(Steps, OneAfterAnotherBeginsWhenThatOneIsDoneAndHasInputsOfIts) {
   first.inputs = {{"x", 2}};
   EXPECT_EQ(done_by({first, second}), 2U);
 
+  Step third = by_process("c", {});
+  third.after = "d";
+  EXPECT_EQ(test::error_of([&] {
+              runner().run_side_by_side({first, third});
+            }),
+            "'c' comes after 'd', which is no earlier step; expected one");
+
   // The key is that of a step that knew all inputs at once.
   second.inputs = {{"a", "made"}, {"y", 2}};
   second.later_inputs = {};
+  second.after = {};
   EXPECT_EQ(done_by({second}), 0U);
 }
 

@@ -51,6 +51,11 @@ def test_have_turns_while_events_are_added_and_rendered(lab, turns):
         lambda: tactile.HeatmapRenderer((640, 480), 40).add(events),
         lambda: engine.stream((640, 480)).add(events),
         rendered.render,
+        lambda: engine.probabilities(np.zeros((100_000, 3), np.float32)),
+        lambda: tactile.Recording(lab.recording).events(),
+        lambda: tactile.heatmaps(tactile.Recording(lab.recording), th_ms=40),
+        lambda: engine.predict(tactile.Recording(lab.recording)),
+        lambda: tactile.Dataset(lab.folder / "data/dataset.h5", 40),
     ):
         assert has_turns_during(turns, work, 60)
 

@@ -14,7 +14,7 @@ struct ProcessPlan {
   std::vector<std::string> arguments;     ///< after the program's name
   std::filesystem::path log;              ///< replaced by what the process writes to stderr; its stdout is not kept
   std::string key = {};                   ///< identifies the work; only `run_on_slurm` uses it
-  std::optional<std::size_t> after = {};  ///< an earlier plan of the same call, which must have succeeded before this one begins
+  std::optional<std::size_t> after = {};  ///< index of an earlier plan: this one begins after that one has succeeded
 };
 
 struct ProcessesOptions {
@@ -25,10 +25,10 @@ struct ProcessesOptions {
   std::function<void(std::size_t index, double seconds)> ended;  ///< called when a process has succeeded. May be empty
 };
 
-/// Runs the processes in order, several at a time, and waits for them. One that waits for another lets later ones pass. They end
-/// when this process ends, for whatever reason. If one fails, or an exception leaves a callback, the others get SIGINT, and
-/// SIGKILL after ten seconds.
-/// @throws Error  that names the process that failed and its last message; whatever `while_waiting` or `ended` throws
+/// Runs the processes in order, several at a time, and waits for them. Later ones may begin before one that waits for another.
+/// They end when this process ends, for whatever reason. If one fails, or an exception leaves a callback, the others get SIGINT,
+/// and SIGKILL after ten seconds.
+/// @throws Error  that names the process that failed and its last message; whatever a callback throws
 void run_processes(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options);
 
 /// The last line of a log that is not empty, without the program's name; empty if there is none.

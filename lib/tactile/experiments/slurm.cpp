@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -12,7 +13,6 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/numbers.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -24,27 +24,32 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// What a task leaves when its process has ended.
+/// What a process leaves when it has ended.
 struct Mark {
   std::string key;
-  int code = 0;  ///< 128 and more: the number of the signal that ended it, plus 128, as shells have it
+  std::string task;  ///< of Slurm, in which it ran
+  int code = 0;      ///< 128 and more: the number of the signal that ended it, plus 128, as shells have it
   double seconds = 0;
 
   bool is_of_signal() const { return code >= 128; }
 };
 
-/// A process as a task of a job.
+/// A process in a task of a job.
 struct Task {
   std::size_t index = 0;   ///< in the plans
   std::string name;        ///< of its files
-  std::string id;          ///< "12_3"
+  std::string id;          ///< "12_3"; the same for processes that come after each other
   Task* before = nullptr;  ///< must succeed first
-  bool depends = false;    ///< was submitted before that one had ended: Slurm cancels it if that one ends otherwise
   bool due = false;        ///< to be submitted
   unsigned attempts = 0;
   unsigned looks_without_it = 0;  ///< at which Slurm did not run it, and there was no mark
   bool begun = false, ended = false;
+
+  bool waits() const { return before && !before->ended; }
 };
+
+/// Tasks whose processes run one after the other, in one task of Slurm.
+using Chain = std::vector<Task*>;
 
 /// The tasks of one call, and their files in `folder`.
 class Jobs {
@@ -70,8 +75,9 @@ class Jobs {
   void find_earlier_tasks();
   void remember() const;
   void submit_due();
-  void submit(const std::map<std::size_t, Task*>& tasks, const std::string& after);
-  std::string script_of(const std::map<std::size_t, Task*>& tasks) const;
+  void submit(const std::vector<Chain>& chains);
+  std::string command_of(const Task& task) const;
+  std::string script_of(const std::vector<Chain>& chains) const;
   void look();
   bool look_for_mark(Task& task);
   void find_due(const std::map<std::string, std::string>& states);
@@ -83,13 +89,15 @@ class Jobs {
   const SlurmOptions& slurm_;
   std::vector<Task> tasks_;
   Clock::time_point last_answer_ = Clock::now();
+  Clock::time_point next_submission_{};  ///< after Slurm has refused one
 };
 
 std::optional<Mark> Jobs::read_mark(const Task& task) const {
   std::ifstream file(mark_of(task));
   Mark mark;
   double milliseconds = 0;
-  if (!(file >> mark.key >> mark.code >> milliseconds) || mark.key != plans_[task.index].key) return std::nullopt;
+  if (!(file >> mark.key >> mark.task >> mark.code >> milliseconds)) return std::nullopt;
+  if (mark.key != plans_[task.index].key || mark.task != task.id) return std::nullopt;
   mark.seconds = milliseconds / 1e3;
   return mark;
 }
@@ -103,17 +111,19 @@ void Jobs::find_earlier_tasks() {
   } catch (const Error&) {
     return;
   }
-  std::vector<std::string> others;
+  std::set<std::string> others;
   for (Task& task : tasks_) {
     const auto found = jobs.find(task.name);
     if (found == jobs.end() || !found->is_object()) continue;
     const bool is_this_work = found->value("key", "") == plans_[task.index].key;
     if (is_this_work) {
       task.id = found->value("task", "");
-      task.depends = task.before != nullptr;
     } else if (const std::string id = found->value("task", ""); !id.empty()) {
-      others.push_back(id);
+      others.insert(id);
     }
+  }
+  for (Task& task : tasks_) {
+    if (others.contains(task.id)) task.id.clear();  // other work comes after this one
   }
   cancel_tasks(others);
 }
@@ -126,8 +136,16 @@ void Jobs::remember() const {
   write_json(folder_ / "jobs.json", jobs);
 }
 
-/// One branch for each task, by its number in the array. Its mark appears in one step.
-std::string Jobs::script_of(const std::map<std::size_t, Task*>& tasks) const {
+std::string Jobs::command_of(const Task& task) const {
+  const ProcessPlan& plan = plans_[task.index];
+  std::string command = fmt::format("run {} {} {} {}", shell_word(task.name), shell_word(plan.key),
+                                    shell_word(fs::absolute(plan.log).string()), shell_word(options_.program.string()));
+  for (const std::string& word : plan.arguments) command += " " + shell_word(word);
+  return command;
+}
+
+/// One branch for each chain. A mark appears in one step.
+std::string Jobs::script_of(const std::vector<Chain>& chains) const {
   std::string script = fmt::format(
       "#!/bin/sh\n"
       "# The tasks of a job array.\n"
@@ -138,80 +156,78 @@ std::string Jobs::script_of(const std::map<std::size_t, Task*>& tasks) const {
       "  begun=$(date +%s%N)\n"
       "  \"$@\" </dev/null >/dev/null 2>\"$log\"\n"
       "  code=$?\n"
-      "  mark={}/$name\n"
-      "  echo \"$key $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
+      "  mark={}/$name task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\n"
+      "  echo \"$key $task $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
       "  return $code\n"
       "}}\n"
       "case $SLURM_ARRAY_TASK_ID in\n",
       shell_word(fs::current_path().string()), shell_word((folder_ / "ended").string()));
-  for (const auto& [number, task] : tasks) {
-    const ProcessPlan& plan = plans_[task->index];
-    script += fmt::format("{}) run {} {} {} {}", number, shell_word(task->name), shell_word(plan.key),
-                          shell_word(fs::absolute(plan.log).string()), shell_word(options_.program.string()));
-    for (const std::string& word : plan.arguments) script += " " + shell_word(word);
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    script += fmt::format("{}) {}", i, command_of(*chains[i].front()));
+    for (std::size_t next = 1; next < chains[i].size(); ++next) script += " && " + command_of(*chains[i][next]);
     script += " ;;\n";
   }
   return script + "esac\n";
 }
 
-/// Submits tasks by their numbers in an array. @param after  the job whose tasks of the same numbers come first; empty: none
-void Jobs::submit(const std::map<std::size_t, Task*>& tasks, const std::string& after) {
-  std::vector<std::size_t> numbers;
-  for (const auto& [number, task] : tasks) {
-    numbers.push_back(number);
-    fs::remove(mark_of(*task));
-    fs::create_directories(plans_[task->index].log.parent_path());
+void Jobs::submit(const std::vector<Chain>& chains) {
+  for (const Chain& chain : chains) {
+    for (const Task* task : chain) {
+      fs::remove(mark_of(*task));
+      fs::create_directories(plans_[task->index].log.parent_path());
+    }
   }
-  const std::string text = script_of(tasks);
+  const std::string text = script_of(chains);
   const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
   write_whole(script, text);
   std::vector<std::string> words{"--job-name=tactile", "--requeue",          "--ntasks=1",
                                  "--cpus-per-task=1",  "--open-mode=append", "--output=" + (folder_ / "slurm.log").string()};
   if (!slurm_.partition.empty()) words.push_back("--partition=" + slurm_.partition);
   words.insert(words.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
-  if (!after.empty()) words.insert(words.end(), {"--dependency=aftercorr:" + after, "--kill-on-invalid-dep=yes"});
-  const std::string job = submit_array(script, numbers, words);
-  for (const auto& [number, task] : tasks) {
-    task->id = fmt::format("{}_{}", job, number);
-    task->depends = !after.empty();
-    task->due = false;
-    task->looks_without_it = 0;
-    task->attempts = task->depends ? 1 : task->attempts + 1;
+  const std::string job = submit_array(script, chains.size(), words);
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    for (Task* task : chains[i]) {
+      task->id = fmt::format("{}_{}", job, i);
+      task->due = false;
+      task->looks_without_it = 0;
+      task->attempts = task->waits() ? 1 : task->attempts + 1;
+    }
   }
   remember();
 }
 
+/// Submits what is due. What Slurm refuses while other tasks are there stays due.
 void Jobs::submit_due() {
-  if (std::none_of(tasks_.begin(), tasks_.end(), [](const Task& task) { return task.due; })) return;
-  std::map<std::size_t, Task*> tasks;
-  std::vector<Task*> dependent;
-  std::vector<std::string> outdated;  // they depend on a task that is submitted again
-  const std::size_t most = largest_array();
+  std::vector<Chain> chains;
+  std::map<const Task*, std::size_t> chain_of;
+  bool others_run = false;
   for (Task& task : tasks_) {
+    others_run = others_run || (!task.due && !task.ended);
     if (!task.due) continue;
-    if (task.before && !task.before->ended) {
-      dependent.push_back(&task);
-      if (!task.id.empty()) outdated.push_back(task.id);
-      continue;
+    const auto earlier = chain_of.find(task.before);
+    if (earlier == chain_of.end()) chains.emplace_back();
+    const std::size_t chain = earlier == chain_of.end() ? chains.size() - 1 : earlier->second;
+    chains[chain].push_back(&task);
+    chain_of[&task] = chain;
+  }
+  if (chains.empty() || Clock::now() < next_submission_) return;
+  const std::size_t most = largest_array();
+  for (std::size_t first = 0; first < chains.size(); first += most) {
+    const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(first);
+    try {
+      submit({begin, begin + static_cast<std::ptrdiff_t>(std::min(most, chains.size() - first))});
+      others_run = true;
+    } catch (const Error&) {
+      if (!others_run) throw;
+      next_submission_ = Clock::now() + 20 * slurm_.poll;
+      return;
     }
-    tasks.emplace(tasks.size(), &task);
-    if (tasks.size() == most) submit(std::exchange(tasks, {}), "");
   }
-  if (!tasks.empty()) submit(tasks, "");
-  cancel_tasks(outdated);
-  std::map<std::string, std::map<std::size_t, Task*>> by_job;
-  for (Task* task : dependent) {
-    const std::string& id = task->before->id;
-    const std::size_t line = id.find('_');
-    by_job[id.substr(0, line)].emplace(whole_number_in(id.substr(line + 1)).value_or(0), task);
-  }
-  for (const auto& [job, after_it] : by_job) submit(after_it, job);
 }
 
 /// Whether the task has ended. @throws Error  if its process failed
 bool Jobs::look_for_mark(Task& task) {
-  if (task.before && !task.before->ended) return false;
-  if (task.id.empty()) return false;  // of work that was done long ago, and is due again
+  if (task.waits() || task.id.empty()) return false;  // without a number: of work that was done long ago, and is due again
   const std::optional<Mark> mark = read_mark(task);
   if (!mark || mark->is_of_signal()) return false;  // Slurm's state says why, and whether to repeat it
   const ProcessPlan& plan = plans_[task.index];
@@ -235,15 +251,14 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
         fmt::format("'{}' failed: job {} needed more memory than it was given; expected --sbatch with more, such as "
                     "\"--mem=4G\"",
                     name, task.id));  // clang-format off
-  const bool by_slurm = state == "CANCELLED" && task.depends;
-  if (state == "CANCELLED" && !by_slurm) throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
+  if (state == "CANCELLED") throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
   if (const std::optional<Mark> mark = read_mark(task); state == "FAILED" && mark && mark->is_of_signal()) {
     if (task.attempts < slurm_.attempts) return;
     throw Error(fmt::format("'{}' failed: it was started {} times, and signal {} ended it the last time; if memory was short, "
                             "expected --sbatch with more, such as \"--mem=4G\" (its log: {})",
                             name, task.attempts, mark->code - 128, plans_[task.index].log.string()));
   }
-  if (!by_slurm && !may_repeat.contains(state))
+  if (!may_repeat.contains(state))
     throw Error(fmt::format("'{}' failed: Slurm ended job {} as {}, and there is no {}; expected a folder that all nodes share "
                             "(what Slurm printed: {})", name, task.id, state, mark_of(task).string(), (folder_ / "slurm.log").string()));
   if (task.attempts >= slurm_.attempts)
@@ -253,7 +268,7 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
 }
 
 /// Tasks that Slurm no longer runs, and whose process has not ended by itself, are due again: a mark may reach this machine some
-/// seconds late. A task that comes after one that is due is due with it.
+/// seconds late. What comes after a task that is due is due with it.
 void Jobs::find_due(const std::map<std::string, std::string>& states) {
   static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
                                            "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
@@ -262,8 +277,8 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
   std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
     if (task.ended) continue;
-    if (task.before && !task.before->ended) {
-      task.due = task.id.empty() || task.before->due;
+    if (task.waits()) {
+      task.due = task.before->due;
       continue;
     }
     const auto found = states.find(task.id);
@@ -293,16 +308,22 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
 void Jobs::look() {
   std::set<std::string> jobs;
   std::vector<fs::path> used_marks;
+  std::exception_ptr failure;  // the first one, once all that has ended well is known
   for (Task& task : tasks_) {
     if (task.ended) continue;
-    if (look_for_mark(task)) {
-      used_marks.push_back(mark_of(task));
-    } else if (!task.id.empty()) {
-      jobs.insert(task.id.substr(0, task.id.find('_')));
+    try {
+      if (look_for_mark(task)) {
+        used_marks.push_back(mark_of(task));
+        continue;
+      }
+    } catch (const Error&) {
+      if (!failure) failure = std::current_exception();
     }
+    if (!task.id.empty()) jobs.insert(task.id.substr(0, task.id.find('_')));
   }
   if (!used_marks.empty()) remember();
   for (const fs::path& mark : used_marks) fs::remove(mark);
+  if (failure) std::rethrow_exception(failure);
   if (all_ended()) return;
   std::map<std::string, std::string> states;
   try {
@@ -330,9 +351,9 @@ void Jobs::run() {
 
 /// Also forgets the tasks: the same command submits them again.
 void Jobs::cancel() {
-  std::vector<std::string> ids;
+  std::set<std::string> ids;
   for (Task& task : tasks_) {
-    if (!task.id.empty()) ids.push_back(std::exchange(task.id, {}));
+    if (!task.id.empty()) ids.insert(std::exchange(task.id, {}));
   }
   cancel_tasks(ids);
   remember();
@@ -349,6 +370,28 @@ SlurmOptions slurm_named(const std::string& name) {
     return options;
   }
   throw Error(fmt::format("executor '{}': expected local, slurm or slurm:PARTITION", name));
+}
+
+std::vector<std::string> sbatch_words(const std::string& text) {
+  std::vector<std::string> words;
+  bool in_word = false;
+  char quote = 0;
+  for (const char letter : text) {
+    if (quote == 0 && (letter == ' ' || letter == '\t' || letter == '\n')) {
+      in_word = false;
+      continue;
+    }
+    if (!std::exchange(in_word, true)) words.emplace_back();
+    if (letter == quote) {
+      quote = 0;
+    } else if (quote == 0 && (letter == '\'' || letter == '"')) {
+      quote = letter;
+    } else {
+      words.back() += letter;
+    }
+  }
+  if (quote != 0) throw Error(fmt::format("--sbatch '{}': a quote has no end; expected words as in a shell", text));
+  return words;
 }
 
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,

@@ -22,18 +22,22 @@ struct SlurmOptions {
 /// "slurm" or "slurm:PARTITION". @throws Error  if it is neither
 SlurmOptions slurm_named(const std::string& name);
 
+/// The words of `text`, split at blanks that are not in quotes (' or "). @throws Error  if a quote has no end
+std::vector<std::string> sbatch_words(const std::string& text);
+
 /// Runs the processes as tasks of job arrays, and waits for them. By `plans[].key` a task that was submitted earlier and
 /// does this work is known: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run
 /// again.
 ///
-/// A task that comes after another is submitted with it, and depends on it (`aftercorr`), so it also begins where nobody waits.
-/// At most one may come after each.
+/// Processes that come after each other (`ProcessPlan::after`) are one task, so the later ones also run if the waiting was
+/// interrupted.
 ///
 /// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
 /// `ended/` for each task that has ended: these files, and not the queue, show that a task is done.
 ///
 /// A task that Slurm ends before its process has ended is submitted again, up to `attempts` times: what runs must be able to
-/// resume. Out of memory, cancelled and any other end is an error. If a process fails, the other tasks are cancelled.
+/// resume. Out of memory, cancelled and any other end is an error. If a process fails, the other tasks are cancelled. If Slurm
+/// refuses tasks while others run, as where their number is limited, they are submitted later.
 /// @throws Error  as `run_processes`; also if Slurm's commands are missing, refuse the jobs, or do not answer for five minutes
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const std::filesystem::path& folder,
                   const SlurmOptions& slurm);

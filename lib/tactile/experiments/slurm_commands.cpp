@@ -75,16 +75,16 @@ std::string joined(const std::set<std::string>& words) { return fmt::format("{}"
 
 }  // namespace
 
-std::string submit_array(const std::filesystem::path& script, const std::vector<std::size_t>& tasks,
-                         const std::vector<std::string>& words) {
-  std::vector<std::string> arguments{"--parsable", fmt::format("--array={}", fmt::join(tasks, ","))};
+std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words) {
+  std::vector<std::string> arguments{"--parsable", fmt::format("--array=0-{}", tasks - 1)};
   arguments.insert(arguments.end(), words.begin(), words.end());
   arguments.push_back(script.string());
   const Answer answer = answer_of("sbatch", arguments);
   std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
   if (answer.succeeded && whole_number_in(job)) return job;
   throw Error(
-      fmt::format("sbatch refused the jobs: {}; expected a partition and options that the cluster takes", answer.complaint));
+      fmt::format("sbatch refused the jobs: {}; expected a partition, options and a number of jobs that the cluster takes",
+                  answer.complaint));
 }
 
 std::map<std::string, std::string> task_states(const std::set<std::string>& jobs) {
@@ -118,11 +118,11 @@ std::map<std::string, std::string> accounted_states(const std::set<std::string>&
   return states;
 }
 
-void cancel_tasks(const std::vector<std::string>& tasks) {
+void cancel_tasks(const std::set<std::string>& tasks) {
   constexpr std::size_t at_once = 500;  // a command's arguments have a limit
-  for (std::size_t first = 0; first < tasks.size(); first += at_once) {
+  for (auto next = tasks.begin(); next != tasks.end();) {
     std::vector<std::string> arguments{"--quiet"};
-    for (std::size_t i = first; i < std::min(tasks.size(), first + at_once); ++i) arguments.push_back(tasks[i]);
+    for (; next != tasks.end() && arguments.size() <= at_once; ++next) arguments.push_back(*next);
     try {
       answer_of("scancel", arguments);
     } catch (const Error&) {

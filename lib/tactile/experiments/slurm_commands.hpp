@@ -9,9 +9,8 @@
 
 namespace tactile::experiments {
 
-/// Submits an array of tasks with these numbers. @return  the job's number. @throws Error  with what sbatch prints
-std::string submit_array(const std::filesystem::path& script, const std::vector<std::size_t>& tasks,
-                         const std::vector<std::string>& words);
+/// Submits an array of `tasks` tasks. @return  the job's number. @throws Error  with what sbatch prints
+std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words);
 
 /// The states of the tasks of these jobs that Slurm still knows, by "12_3": "PENDING", "RUNNING", "NODE_FAIL", …
 /// @throws Error  if squeue does not answer
@@ -20,7 +19,7 @@ std::map<std::string, std::string> task_states(const std::set<std::string>& jobs
 /// The last states of tasks by the site's accounting, by "12_3"; of those alone that it knows.
 std::map<std::string, std::string> accounted_states(const std::set<std::string>& tasks);
 
-void cancel_tasks(const std::vector<std::string>& tasks);  ///< as many as Slurm still knows; never throws
+void cancel_tasks(const std::set<std::string>& tasks);  ///< as many as Slurm still knows; never throws
 
 /// The most tasks of one array here.
 std::size_t largest_array();

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -49,25 +48,28 @@ struct StepRunner::Known {  // NOLINT(bugprone-exception-escape): moving nlohman
 struct StepRunner::DueStep {
   const Step* step;
   const Step* before;                ///< the step that must be done first; null: none
-  std::optional<std::size_t> after;  ///< the place of that step, if it is to run, too
+  std::optional<std::size_t> after;  ///< the place of that step among those that are to run; nothing: it is done
 };
 
 namespace {
 
+/// How many processes of a kind are to run, and have ended.
+struct KindCount {
+  std::string kind;
+  std::size_t ended = 0, all = 0;
+};
+
 /// "3 of 11 trainings, 2 of 11 judgements"
-std::string counts_of(const std::vector<std::pair<std::string, bool>>& kinds_ended) {
-  std::vector<std::string> kinds;
-  std::map<std::string, std::pair<std::size_t, std::size_t>> counts;
-  for (const auto& [kind, ended] : kinds_ended) {
-    auto [count, is_new] = counts.try_emplace(kind);
-    if (is_new) kinds.push_back(kind);
-    count->second.first += ended ? 1 : 0;
-    ++count->second.second;
-  }
+std::string text_of(const std::vector<KindCount>& counts) {
   std::string text;
-  for (const std::string& kind : kinds)
-    text += fmt::format("{}{} of {} {}s", text.empty() ? "" : ", ", counts[kind].first, counts[kind].second, kind);
+  for (const KindCount& count : counts)
+    text += fmt::format("{}{} of {} {}s", text.empty() ? "" : ", ", count.ended, count.all, count.kind);
   return text;
+}
+
+KindCount& count_of(std::vector<KindCount>& counts, const std::string& kind) {
+  const auto found = std::find_if(counts.begin(), counts.end(), [&](const KindCount& count) { return count.kind == kind; });
+  return found != counts.end() ? *found : counts.emplace_back(KindCount{.kind = kind});
 }
 
 }  // namespace
@@ -175,33 +177,31 @@ void StepRunner::run(const Step& step) {
 void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   const std::size_t first_record = records_.size();
   std::vector<DueStep> due;
-  std::map<std::string, const Step*> earlier;
-  std::map<std::string, std::size_t> places;  // of those that are due
+  std::map<std::string, std::size_t> places, places_of_due;
   for (const Step& step : steps) {
-    const auto before = earlier.find(step.after);
-    const auto place = places.find(step.after);
-    earlier[step.name] = &step;
+    const auto before = places.find(step.after), due_before = places_of_due.find(step.after);
+    if (!step.after.empty() && before == places.end())
+      throw Error(fmt::format("'{}' comes after '{}', which is no earlier step; expected one", step.name, step.after));
+    places.emplace(step.name, places.size());
     if (!is_a_process(step)) {
       run(step);
-    } else if (place != places.end() || !find_done(step)) {
-      places[step.name] = due.size();
-      due.push_back({&step, before == earlier.end() ? nullptr : before->second,
-                     place == places.end() ? std::nullopt : std::optional(place->second)});
+    } else if (due_before != places_of_due.end() || !find_done(step)) {
+      places_of_due.emplace(step.name, due.size());
+      due.push_back({&step, before == places.end() ? nullptr : &steps[before->second],
+                     due_before == places_of_due.end() ? std::nullopt : std::optional(due_before->second)});
     }
   }
   run_processes_of(due);
   // In the order of `steps`, whichever ended first.
-  const auto place_of = [&](const results::StepRecord& record) {
-    return std::find_if(steps.begin(), steps.end(), [&](const Step& step) { return step.name == record.name; }) - steps.begin();
-  };
-  std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(first_record), records_.end(),
-                   [&](const results::StepRecord& a, const results::StepRecord& b) { return place_of(a) < place_of(b); });
+  std::stable_sort(
+      records_.begin() + static_cast<std::ptrdiff_t>(first_record), records_.end(),
+      [&](const results::StepRecord& a, const results::StepRecord& b) { return places.at(a.name) < places.at(b.name); });
 }
 
 ProcessPlan StepRunner::plan_of(const DueStep& due, unsigned threads) const {
   const Step& step = *due.step;
   const Known known = read(step.name);
-  // The inputs of a step that waits are not known yet. Those of the step before it stand for them, also when it is done.
+  // Not all inputs are known before the step `after` is done. Its key stands for them, also later: so the task is found again.
   const std::string key =
       due.before ? hash_of({{"name", step.name}, {"inputs", step.inputs}, {"after", key_of(*due.before)}}) : key_of(step);
   const bool other_inputs = !due.after && !known.key.empty() && known.key != key_of(step);
@@ -217,19 +217,19 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
   const auto share = static_cast<unsigned>(options_.threads / std::max<std::size_t>(static_cast<std::size_t>(at_first), 1));
   const unsigned threads_each = options_.slurm ? 1 : std::max(1U, share);
   std::vector<ProcessPlan> plans;
-  std::vector<std::pair<std::string, bool>> kinds_ended;
+  std::vector<KindCount> counts;
   for (const DueStep& one : due) {
     // `arguments` removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between
     // would make the old leftovers look like the new step's own.
     plans.push_back(plan_of(one, threads_each));
-    kinds_ended.emplace_back(one.step->kind, false);
+    ++count_of(counts, one.step->kind).all;
     if (!one.after) begin(*one.step);
   }
   std::size_t ended = 0;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
   const ProcessesOptions how{.program = options_.program,
                              .at_once = options_.threads,
-                             .while_waiting = [&] { report_progress(progress, ended, due.size(), counts_of(kinds_ended)); },
+                             .while_waiting = [&] { report_progress(progress, ended, due.size(), text_of(counts)); },
                              .begun =
                                  [&](std::size_t index) {
                                    if (due[index].after) begin(*due[index].step);
@@ -238,7 +238,7 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
                              .ended =
                                  [&](std::size_t index, double seconds) {
                                    finish(*due[index].step, seconds);
-                                   kinds_ended[index].second = true;
+                                   ++count_of(counts, due[index].step->kind).ended;
                                    ++ended;
                                  }};
   options_.slurm ? run_on_slurm(plans, how, options_.folder / "slurm", *options_.slurm) : run_processes(plans, how);

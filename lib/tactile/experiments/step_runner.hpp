@@ -26,7 +26,7 @@ struct Step {
   std::string name;        ///< also a file's name: "train-th040-single-run-01-s1"
   std::string command;     ///< what a person types to do the same; empty if there is no such command
   nlohmann::json inputs;   ///< settings and hashes of what goes in. The step's key is the hash of this and its name
-  std::string after = {};  ///< name of an earlier step of the same call, which must be done first; both are processes
+  std::string after = {};  ///< name of an earlier step of the same call, which must be done first: if it is due, so is this one
   std::function<nlohmann::json()> later_inputs = {};  ///< more `inputs`, which are known when the step `after` is done
   std::function<nlohmann::json()> outputs;            ///< identifies the outputs that exist; null if they are not complete
 
@@ -63,7 +63,7 @@ class StepRunner {
   void run(const Step& step);
 
   /// Runs steps that depend on each other only by `Step::after`. Those with `arguments` run side by side, in one process each; on
-  /// a cluster also those with `on_cluster`.
+  /// a cluster also those with `on_cluster`. Only such steps may have an `after`.
   void run_side_by_side(const std::vector<Step>& steps);
 
   /// Steps that were run or found done, in order.

@@ -1,7 +1,5 @@
 #include "tactile/experiments/study/train_models.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
@@ -20,13 +18,13 @@ experiments::Step step_to_train(const StudyPlan& plan, const StudyModel& model) 
                                     {options.data, options.models, experiments::from_folder(options.models, options.out)});
 }
 
-experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model) {
+experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model, const std::string& training) {
   const auto file = samples_file(plan, model);
   const std::vector<std::string> runs = names_of(plan.dataset, model.runs);
   return {.name = "judge-" + model.name(),
           .command = "",
           .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()}, {"runs", runs}}, plan.options.engine),
-          .after = step_to_train(plan, model).name,
+          .after = training,
           .later_inputs =
               [bundle = model.bundle] {
                 return nlohmann::json{{"weights", model::read_description(bundle).weights_sha256}};
@@ -34,12 +32,14 @@ experiments::Step step_to_judge(const StudyPlan& plan, const StudyModel& model) 
           .outputs = [file] { return experiments::hash_of_file(file); },
           .arguments =
               [&plan, model, file, runs](const experiments::StepStart& start) {
-                return std::vector<std::string>{"judge",     plan.dataset.file().string(),
-                                                "--model",   model.bundle.folder.string(),
-                                                "--runs",    fmt::format("{}", fmt::join(runs, ",")),
-                                                "--out",     file.string(),
-                                                "--engine",  std::string(name_of(plan.options.engine)),
-                                                "--threads", std::to_string(start.threads)};
+                std::vector<std::string> words{"judge",     plan.dataset.file().string(),
+                                               "--model",   model.bundle.folder.string(),
+                                               "--out",     file.string(),
+                                               "--engine",  std::string(name_of(plan.options.engine)),
+                                               "--threads", std::to_string(start.threads),
+                                               "--runs"};
+                words.insert(words.end(), runs.begin(), runs.end());
+                return words;
               },
           .kind = "judgement"};
 }
@@ -48,7 +48,7 @@ void train_and_judge(const StudyPlan& plan, const std::vector<StudyModel>& model
   std::vector<experiments::Step> steps;
   steps.reserve(2 * models.size());
   for (const StudyModel& model : models) steps.push_back(step_to_train(plan, model));
-  for (const StudyModel& model : models) steps.push_back(step_to_judge(plan, model));
+  for (std::size_t i = 0; i < models.size(); ++i) steps.push_back(step_to_judge(plan, models[i], steps[i].name));
   runner.run_side_by_side(steps);
 }
 
