@@ -9,10 +9,15 @@ install(TARGETS tactile-all tactile_torch tactile_opencv
   LIBRARY DESTINATION libexec/tactile COMPONENT program)
 install(DIRECTORY configs DESTINATION share/tactile COMPONENT program)
 install(PROGRAMS scripts/dv-bridge scripts/ros-bridge DESTINATION share/tactile/scripts COMPONENT program)
-install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION share/doc/tactile COMPONENT program)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE DESTINATION share/doc/tactile COMPONENT program)
 install(FILES LICENSE DESTINATION share/doc/tactile RENAME copyright COMPONENT program)
 install(FILES LICENSE DESTINATION share/doc/tactile-dev RENAME copyright COMPONENT development)
 install(DIRECTORY docs DESTINATION share/doc/tactile COMPONENT program)
+install(CODE [[  # the pages link to settings
+  set(pages "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/doc/tactile")
+  file(MAKE_DIRECTORY "${pages}")
+  file(CREATE_LINK ../../tactile/configs "${pages}/configs" SYMBOLIC)
+]] COMPONENT program)
 
 # The built program writes its man pages and completions, from the declarations that its help shows.
 install(CODE "set(TACTILE_PROGRAM \"$<TARGET_FILE:tactile-all>\")" COMPONENT program)

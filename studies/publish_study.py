@@ -207,7 +207,7 @@ def page(folder):
     histories = ", ".join(f"{training['th_ms']:g}" for training in study["trainings"])
     parts = [
         "# A study\n",
-        f"This page is made by [`scripts/publish-study`](../scripts/publish-study) from one `tactile reproduce --preset {settings['preset']}` and one `tactile trade` on "
+        f"This page is made by `scripts/publish-study` from one `tactile reproduce --preset {settings['preset']}` and one `tactile trade` on "
         f"its data. Its numbers are in [`docs/study/`](study). The runs are **{kind}**"
         + (": they compare methods, and do not predict what a method does on a real sensor.\n" if study["simulated"] else ".\n"),
         f"- Revision {study['software']['revision']}, seed {settings['seed']}; {settings['trainings']} trainings of each setting, with the seeds {seeds}, each on "

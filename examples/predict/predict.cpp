@@ -4,45 +4,34 @@
 #include <exception>
 #include <iostream>
 #include <span>
+#include <stdexcept>
 
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/run_ticks.hpp"
 #include "tactile/model/inference/classifier.hpp"
 
-namespace {
-
-void predict(const char* file, const char* bundle) {
+int main(int argc, char** argv) try {
+  namespace events = tactile::events;
   namespace model = tactile::model;
-  tactile::events::RecordingReader recording(file);
-  const tactile::events::Stream& stream = tactile::events::event_stream(recording);
-  const model::Classifier classifier(bundle, 1);
+  if (argc != 3) throw std::invalid_argument("expected RECORDING MODEL");
+  events::RecordingReader recording(argv[1]);
+  const events::Stream& stream = events::event_stream(recording);
+  const model::Classifier classifier(argv[2], 1);
   const auto& rendering = classifier.rendering();
   const auto predictor = classifier.on_events(stream.size.value(), rendering);
 
   std::cout << "t_us,predicted,p_none,p_press,p_slip\n";
+  const auto add = [&](std::span<const events::Event> next) { predictor->add(next); };
   const auto print_tick = [&](tactile::CameraTime tick) {
     predictor->move_to(tick);
     predictor->prepare();
     const model::Logits logits = predictor->classify();
-    const model::Probabilities p = model::probabilities_of(logits, classifier.temperature().value);
-    std::cout << tick.time_since_epoch().count() << ',' << name_of(model::verdict_of(logits)) << ',' << p[0] << ',' << p[1] << ','
-              << p[2] << '\n';
+    std::cout << tick.time_since_epoch().count() << ',' << name_of(model::verdict_of(logits));
+    for (const auto p : model::probabilities_of(logits, classifier.temperature().value)) std::cout << ',' << p;
+    std::cout << '\n';
   };
-  const auto add = [&](std::span<const tactile::events::Event> events) { predictor->add(events); };
   follow_ticks(recording, stream.id, rendering.history, rendering.tick, {add, print_tick});
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::cerr << "usage: predict RECORDING MODEL\n";
-    return 2;
-  }
-  try {
-    predict(argv[1], argv[2]);
-  } catch (const std::exception& error) {
-    std::cerr << "predict: " << error.what() << '\n';
-    return 1;
-  }
+} catch (const std::exception& error) {
+  std::cerr << "predict: " << error.what() << '\n';
+  return 1;
 }

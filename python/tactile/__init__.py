@@ -14,6 +14,18 @@ from tactile._events import EVENT, Frame, ImuSample, Recording, Trigger, event_a
 from tactile._heatmaps import HeatmapRenderer, Heatmaps, heatmaps
 from tactile._labels import Flag, Interval, Labels, read_labels
 from tactile._results import Delay, Evaluation, FalseAlarms, Figure, read_evaluation
+from tactile._studies import (
+    Claim,
+    Stress,
+    StressCurve,
+    StressPoint,
+    Study,
+    Trade,
+    TradePoint,
+    read_stress,
+    read_study,
+    read_trade,
+)
 from tactile._tactile import Error
 from tactile._tactile import version as __version__
 
@@ -22,6 +34,7 @@ CLASSES = ("none", "press", "slip")
 __all__ = [
     "CLASSES",
     "EVENT",
+    "Claim",
     "Dataset",
     "Delay",
     "Engine",
@@ -39,10 +52,19 @@ __all__ = [
     "Labels",
     "Predictions",
     "Recording",
+    "Stress",
+    "StressCurve",
+    "StressPoint",
+    "Study",
+    "Trade",
+    "TradePoint",
     "Trigger",
     "__version__",
     "event_array",
     "heatmaps",
     "read_evaluation",
     "read_labels",
+    "read_stress",
+    "read_study",
+    "read_trade",
 ]

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from tactile import _tactile
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -67,13 +70,48 @@ class Evaluation:
     """eval.json"""
 
 
-def _figure(entry: Any) -> Figure:
+def figure(entry: Any) -> Figure:
     return Figure(entry["value"], entry["low"], entry["high"], entry["n"])
 
 
 def _delay(entry: dict[str, Any]) -> Delay:
-    median, p90, mean, missed = (_figure(entry[name]) for name in ("median_of_all", "p90_of_all", "mean", "missed"))
+    median, p90, mean, missed = (figure(entry[name]) for name in ("median_of_all", "p90_of_all", "mean", "missed"))
     return Delay(median, p90, mean, missed, entry["intervals"])
+
+
+def read_json(path: str, written_as: str, build: Callable[[dict[str, Any]], T]) -> T:
+    """What `build` makes of a file that the program writes. Raises Error.
+
+    written_as  "eval.json of 'tactile eval'"
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            return build(json.load(file))
+    except OSError as error:
+        raise _tactile.Error(f"{path}: {error.strerror}; expected {written_as}") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise _tactile.Error(f"{path}: its contents cannot be used ({error!r}); expected {written_as}") from None
+
+
+def _evaluation(content: dict[str, Any]) -> Evaluation:
+    alarms = content["false_alarms"]
+    return Evaluation(
+        title=content["title"],
+        simulated=content["simulated"],
+        accuracy=figure(content["accuracy"]["mean"]),
+        accuracy_by_object={name: figure(entry) for name, entry in content["accuracy"]["objects"].items()},
+        delay={name: _delay(content["delay_ms"][name]) for name in ("press", "slip")},
+        false_alarms=FalseAlarms(
+            figure(alarms["outside_labels"]["per_min"]),
+            figure(alarms["outside_motion"]["per_min"]),
+            figure(alarms["none_in_alarm"]["share"]),
+            figure(alarms["wrong_class"]["per_min"]),
+        ),
+        baselines={name: figure(entry["accuracy"]) for name, entry in content["baselines"].items()},
+        calibration_error=figure(content["calibration"]["ece"]),
+        confusion=content["confusion"],
+        everything=content,
+    )
 
 
 def read_evaluation(path: str | os.PathLike[str]) -> Evaluation:
@@ -83,28 +121,4 @@ def read_evaluation(path: str | os.PathLike[str]) -> Evaluation:
         found = [name for name in os.listdir(path) if re.fullmatch(r"eval(-on-[0-9a-f]{8})?\.json", name)]
         files = [os.path.join(path, name) for name in found]
         path = max(files, key=os.path.getmtime, default=os.path.join(path, "eval.json"))
-    try:
-        with open(path, encoding="utf-8") as file:
-            content = json.load(file)
-        alarms = content["false_alarms"]
-        return Evaluation(
-            title=content["title"],
-            simulated=content["simulated"],
-            accuracy=_figure(content["accuracy"]["mean"]),
-            accuracy_by_object={name: _figure(entry) for name, entry in content["accuracy"]["objects"].items()},
-            delay={name: _delay(content["delay_ms"][name]) for name in ("press", "slip")},
-            false_alarms=FalseAlarms(
-                _figure(alarms["outside_labels"]["per_min"]),
-                _figure(alarms["outside_motion"]["per_min"]),
-                _figure(alarms["none_in_alarm"]["share"]),
-                _figure(alarms["wrong_class"]["per_min"]),
-            ),
-            baselines={name: _figure(entry["accuracy"]) for name, entry in content["baselines"].items()},
-            calibration_error=_figure(content["calibration"]["ece"]),
-            confusion=content["confusion"],
-            everything=content,
-        )
-    except OSError as error:
-        raise _tactile.Error(f"{path}: {error.strerror}; expected eval.json of 'tactile eval'") from None
-    except (ValueError, KeyError, TypeError) as error:
-        raise _tactile.Error(f"{path}: not as 'tactile eval' writes it ({error}); expected its eval.json") from None
+    return read_json(path, "eval.json of 'tactile eval'", _evaluation)

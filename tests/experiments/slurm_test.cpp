@@ -233,20 +233,38 @@ TEST_F(SlurmJobs, AreRefusedWithTheWordsOfSbatch) {
   EXPECT_NE(error.find("artition"), std::string::npos) << error;
 }
 
-TEST_F(SlurmJobs, OfANodeThatFailsRunAgainOnAnotherAndThenWhatComesAfter) {
-  // The first attempt never ends by itself.
-  const std::vector<ProcessPlan> plans =
-      judged_training("a", "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }");
+TEST_F(SlurmJobs, OfANodeThatFailsResumeOnAnotherAndGiveTheSameModel) {
+  for (const char* command : {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows",
+                              "train --epochs 20 --threads 1 --name whole"})
+    run_command(command);
+  const auto model_file = [this](const std::string& name) { return folder_ / "models" / name; };
+  std::vector<ProcessPlan> plans{
+      {.name = "training",
+       .arguments = {"train", file("data"), "--epochs", "20", "--threads", "1", "--models", file("models"), "--name", "killed",
+                     "--resume"},
+       .log = folder_ / "logs/training.log",
+       .key = "training"},
+      {.name = "judgement",
+       .arguments = {"judge", file("data/dataset.h5"), "--model", model_file("killed").string(), "--out", file("judged.json"),
+                     "--threads", "1", "--runs", "water-bottle/02", "plastic-container/02"},
+       .log = folder_ / "logs/judgement.log",
+       .key = "judgement",
+       .after = 0}};
+  how_.program = test::tactile_binary;
   bool killed = false;
   how_.while_waiting = [&] {
-    if (killed || !fs::exists(file("first"))) return;
-    std::ofstream(file("second")) << "now";
+    const std::string epochs = test::text_in_file(model_file("killed.training") / "history.csv");
+    if (killed || std::count(epochs.begin(), epochs.end(), '\n') < 5) return;
     cluster_->kill_busy_node();
     killed = true;
   };
   run(plans);
   EXPECT_TRUE(killed);
-  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
+  EXPECT_NE(text("logs/training.log").find("resuming killed in epoch "), std::string::npos) << text("logs/training.log");
+  const std::string whole = test::text_in_file(model_file("whole/weights.safetensors"));
+  EXPECT_FALSE(whole.empty());
+  EXPECT_TRUE(whole == test::text_in_file(model_file("killed/weights.safetensors")));
+  EXPECT_EQ(read_json(folder_ / "judged.json").at("runs").size(), 2U);
 }
 
 TEST_F(SlurmJobs, ThatASignalEndsRunAgain) {

@@ -44,6 +44,9 @@ TEST(Installation, HasWhatEachReaderLooksFor) {
         "share/man/man1/tactile.1.gz", "share/man/man1/tactile-label.1.gz", "share/bash-completion/completions/tactile",
         "share/zsh/site-functions/_tactile", "share/fish/vendor_completions.d/tactile.fish"})
     EXPECT_TRUE(files.contains(file)) << file;
+  const auto pages = test::run_shell(
+      fmt::format("python3 '{}/tests/docs/check_pages.py' '{}'", test::source_folder, (folder / "share/doc/tactile").string()));
+  EXPECT_EQ(pages.exit_code, 0) << pages.out << pages.err;
   for (const std::string& file : files) EXPECT_FALSE(file.ends_with(".a") || file.ends_with(".hpp")) << file;
   EXPECT_EQ(
       test::run_shell(fmt::format("man --warnings=w -l '{}' >/dev/null", (folder / "share/man/man1/tactile.1.gz").string())).err,

@@ -1,47 +1,58 @@
 #!/bin/bash
-# Tries the packages that scripts/package makes, as a user of a bare Debian: installs them with what they depend on, runs the README's
-# commands, builds the C++ example, and removes them without a trace. Changes the system that it runs on: use a container or a chroot.
+# Tries the packages that scripts/package makes, as a user of a bare Debian: installs what they depend on and nothing else, runs the
+# README's commands, builds the C++ example, and removes the packages without a trace. It changes the system: use a container or a chroot.
 #   tests/installed/try_package.sh FOLDER      as root; FOLDER has both packages for this Debian
 set -euo pipefail
-folder=$(realpath "${1:?which folder has the packages? Expected build/package}")
-source=$(realpath "$(dirname "$0")/../..")
+say() { echo "try_package: $*"; }
+fail() { say "$*" >&2; exit 1; }
+[[ $# -eq 1 && $EUID -eq 0 ]] || fail "expected to be root, and one folder with both packages, such as build/package"
+[[ -z $(dpkg-query -W -f='${db:Status-Status}' tactile 2>/dev/null || true) ]] || fail "tactile is installed; expected a bare Debian"
+folder=$(realpath "$1")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-export DEBIAN_FRONTEND=noninteractive
+export DEBIAN_FRONTEND=noninteractive HOME=$work
 
-files() { find / -xdev \( -path /proc -o -path /sys -o -path /dev -o -path /tmp -o -path /root -o -path "$source" -o -path "$folder" \) -prune -o -print | sort; }
-say() { echo "try_package: $*"; }
+# runs a command; shows the end of what it prints if it fails
+run() { "$@" </dev/null >log 2>&1 || { tail -15 log >&2; fail "'$*' failed"; }; }
+install() { run apt-get install -y -qq --no-install-recommends "$@"; }
+files() { find / -xdev \( -path /proc -o -path /sys -o -path /dev -o -path /tmp -o -path "$folder" \) -prune -o ! -type d -print | sort; }
 
-apt-get update -qq
+run apt-get update -qq
 files >before
 SECONDS=0
-apt-get install -y -qq "$folder"/tactile_*.deb >install.log 2>&1 || { tail -5 install.log >&2; exit 1; }
-say "installed with $(grep -c '^Setting up' install.log) packages in $SECONDS s"
-dpkg -L tactile | sort >installed
-
+install "$folder"/tactile_*.deb
+say "installed with $(grep -c '^Setting up' log) packages in $SECONDS s"
+dpkg -L tactile >installed
 tactile --version
-for page in /usr/share/man/man1/tactile{,-label,-reproduce}.1.gz /usr/share/bash-completion/completions/tactile \
-            /usr/share/zsh/vendor-completions/_tactile /usr/share/fish/vendor_completions.d/tactile.fish; do
-  [[ -s $page ]] || { say "$page is missing" >&2; exit 1; }
+
+for command in $(tactile --help | sed -n '/^Commands:/,/^Options:/s/^  \([a-z]\+\) .*/\1/p'); do
+  [[ -s /usr/share/man/man1/tactile-$command.1.gz ]] || fail "$command has no man page"
 done
+for file in bash-completion/completions/tactile zsh/vendor-completions/_tactile fish/vendor_completions.d/tactile.fish; do
+  [[ -s /usr/share/$file ]] || fail "/usr/share/$file is missing"
+done
+
 mkdir readme && cd readme
-awk '/empty folder:$/ { found = 1 } found && /^```/ { if (inside) exit; inside = 1; next } inside' /usr/share/doc/tactile/README.md >commands
-[[ $(wc -l <commands) -ge 8 ]] || { say "the README of the package has no commands" >&2; exit 1; }
+awk '/^empty folder:$/ { found = 1 } found && /^```/ { if (inside) exit; inside = 1; next } inside' /usr/share/doc/tactile/README.md >commands
+[[ $(wc -l <commands) -ge 8 ]] || fail "the README of the package has no commands"
 while read -r command; do
   say "$command"
-  bash -c "$command" </dev/null >log 2>&1 || { tail -5 log >&2; exit 1; }
+  run bash -c "$command"
 done <commands
+[[ -s report/report.html ]] || fail "there is no report"
 cd ..
 
-apt-get install -y -qq "$folder"/tactile-dev_*.deb cmake g++ >install.log 2>&1 || { tail -5 install.log >&2; exit 1; }
-cmake -S "$source/examples/predict" -B predict >log 2>&1 && cmake --build predict >>log 2>&1 || { tail -20 log >&2; exit 1; }
+install "$folder"/tactile-dev_*.deb cmake g++
+dpkg -L tactile-dev >>installed
+run cmake -S /usr/share/doc/tactile-dev/examples/predict -B predict
+run cmake --build predict
 ./predict/predict readme/data/fan/02/events.aedat4 readme/models/th40-single-1 >predictions
-say "the C++ example built, $(wc -l <predictions) ticks predicted"
-[[ -s predictions ]]
+[[ $(wc -l <predictions) -gt 1000 ]] || fail "the C++ example predicted $(wc -l <predictions) lines; expected thousands"
+say "the C++ example predicted $(($(wc -l <predictions) - 1)) ticks"
 
-apt-get remove -y -qq tactile tactile-dev >/dev/null 2>&1
-left=$(comm -23 <(comm -12 installed <(files)) before)
-left+=$(files | grep -i tactile || true)
-[[ -z $left ]] || { say "left after removal: $left" >&2; exit 1; }
+run apt-get remove -y -qq tactile tactile-dev
+files >after
+left=$(comm -13 before after | comm -12 - <(sort installed); grep -i tactile after || true)
+[[ -z $left ]] || fail "these files are left after the removal: $left"
 say "removed without a trace"

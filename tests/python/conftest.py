@@ -8,17 +8,25 @@ import pytest
 
 TACTILE = os.environ.get("TACTILE", str(pathlib.Path(__file__).resolve().parents[2] / "build/release/bin/tactile"))
 
+# One setting alone.
+TRADE = (
+    "--tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast --precision fp32 "
+    "--pass sparse --confirm 1/1 --kind lenet --filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth "
+    "--no-figures"
+).split()
+
 
 class Lab:
     def __init__(self, folder):
         self.folder = folder
-        self.run("simulate", "--preset", "tiny", "--objects", "fan,usb-hub", "--seed", "7")
+        self.run("simulate", "--preset", "tiny", "--objects", "fan,usb-hub", "--runs", "3", "--seed", "1")
         self.run("label")
         self.run("windows")
         self.run("heatmaps", "--th", "40,20")
         self.run("train", "--th", "40", "--epochs", "1")
         (self.bundle,) = self.bundles()
         self.run("eval", "--model", self.bundle)
+        self.run("trade", "--th", "40", *TRADE)
         self.recording = folder / "data/fan/02/events.aedat4"
 
     def run(self, *arguments):

@@ -35,9 +35,43 @@ def test_results_are_those_of_eval(lab):
     assert result.everything == content
 
 
+def test_results_are_those_of_a_study(lab):
+    lab.run("reproduce", "--th", "20,40", "--epochs", "1", "--trainings", "1", "--held-out", "fan", "--splits", "0", "--no-report")
+    study = tactile.read_study(lab.folder / "study")
+    content = json.loads((lab.folder / "study/study.json").read_text())
+    assert study.th_ms == content["choice"]["th_ms"] and list(study.accuracy) == [20, 40]
+    assert study.accuracy[40].value == content["histories"][1]["accuracy"]["reported"]["mean"]["value"]
+    assert study.unseen_difference.value == content["unseen"]["reported"]["mean"]["difference"]["value"]
+    assert len(study.claims) == 14 and {claim.verdict for claim in study.claims} <= {"holds", "does not", "cannot tell"}
+    assert study.everything == content
+
+
+def test_results_are_those_of_a_trade(lab):
+    trade = tactile.read_trade(lab.folder / "trade/trade.json")
+    usual = json.loads((lab.folder / "trade/trade.json").read_text())["points"][0]
+    assert trade.points[0].id == usual["id"] and trade.points[0].setting["th_ms"] == 40
+    assert trade.points[0].p99_us.value == usual["reported"]["us"]["p99"]["value"]
+    assert trade.points[0].missed.n == usual["reported"]["delay_us"]["missed"]["n"]
+    assert "No constraint given" in trade.recommendation
+
+
+def test_results_are_those_of_a_stress(lab):
+    lab.run("stress", "--recipe", "noise:50", "--no-figures", "--model", lab.bundle)
+    (curve,) = tactile.read_stress(lab.folder / "stress").curves
+    content = json.loads((lab.folder / "stress/stress.json").read_text())["models"][0]["curves"][0]
+    assert (curve.name, curve.unit, curve.points[0].severity) == ("noise", content["unit"], 0)
+    assert [point.accuracy.value for point in curve.points] == [point["accuracy"]["value"] for point in content["points"]]
+    assert curve.points[-1].accuracy_change.value == content["points"][-1]["accuracy_change"]["value"]
+
+
 def test_a_file_that_is_no_result_is_named(tmp_path):
     with pytest.raises(tactile.Error, match="eval.json: No such file or directory; expected eval.json of 'tactile eval'"):
         tactile.read_evaluation(tmp_path)
     (tmp_path / "eval.json").write_text("{}")
-    with pytest.raises(tactile.Error, match="not as 'tactile eval' writes it"):
+    with pytest.raises(tactile.Error, match="'false_alarms'"):
+        tactile.read_evaluation(tmp_path)
+    with pytest.raises(tactile.Error, match="study.json: No such file or directory; expected study.json of 'tactile reproduce'"):
+        tactile.read_study(tmp_path)
+    (tmp_path / "eval.json").write_text("[1]")
+    with pytest.raises(tactile.Error, match="its contents cannot be used"):
         tactile.read_evaluation(tmp_path)
