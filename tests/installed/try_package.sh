@@ -43,7 +43,7 @@ done <commands
 [[ -s report/report.html ]] || fail "there is no report"
 cd ..
 
-install "$folder"/tactile-dev_*.deb cmake g++
+install "$folder"/tactile-dev_*.deb cmake g++ make
 dpkg -L tactile-dev >>installed
 run cmake -S /usr/share/doc/tactile-dev/examples/predict -B predict
 run cmake --build predict
