@@ -4,8 +4,9 @@
     threads.py TACTILE FOLDER [THREADS…]
 
 THREADS are 1, 2, 4, … up to the number of cores by default; the first is what the others are compared with. FOLDER is emptied, and
-gets simulated runs and all that is made of them. Each command runs once for each number. Last, as many processes of one thread run at
-the same time, each for itself, on copies beside FOLDER: what the machine allows. In the environment: TACTILE_BENCH_RUNS of each
+gets simulated runs and all that is made of them. Each command runs once for each number. Then one process of one thread per core runs at
+the same time, each on a copy of FOLDER beside it: the column of processes is their work in the time of one alone, which is what the
+machine allows. A copy has links to the inputs, and results of its own. In the environment: TACTILE_BENCH_RUNS of each
 object (5); TACTILE_BENCH_TURNS repeats each command, and the shortest time counts; TACTILE_BENCH_STUDY has options of `reproduce`, which
 is then measured with the most threads. With more threads than cores, a third table has the threads at work, in one more run of each.
 """
@@ -102,24 +103,27 @@ def measure_at_work(tactile, work, threads):
 def measure_independent(tactile, folder, name, processes):
     """The shortest of TURNS runs of so many independent processes at the same time, with one thread each [s]."""
     copies = [folder.with_name(f"{folder.name}-{number}") for number in range(processes)]
-    seconds = []
-    for _ in range(TURNS):
-        commands = []
+    try:
+        return min(seconds_side_by_side(tactile, folder, copies, name) for _ in range(TURNS))
+    finally:
         for copy in copies:
             shutil.rmtree(copy, ignore_errors=True)
-            shutil.copytree(folder, copy, copy_function=os.link)
-            work = works(copy)[name]
-            work.clear()
-            commands.append([str(word) for word in (tactile, *work.words, "--threads", 1, "--quiet")])
-        begin = time.monotonic()
-        running = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for command in commands]
-        failed = [process.args for process in running if process.wait() != 0]
-        seconds.append(time.monotonic() - begin)
-        for copy in copies:
-            shutil.rmtree(copy)
-        if failed:
-            sys.exit(f"threads.py: {' '.join(failed[0])} failed")
-    return min(seconds)
+
+
+def seconds_side_by_side(tactile, folder, copies, name):
+    commands = []
+    for copy in copies:
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(folder, copy, copy_function=os.link)
+        work = works(copy)[name]
+        work.clear()
+        commands.append([str(word) for word in (tactile, *work.words, "--threads", 1, "--quiet")])
+    begin = time.monotonic()
+    running = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for command in commands]
+    failed = [process.args for process in running if process.wait() != 0]
+    if failed:
+        sys.exit(f"threads.py: {' '.join(failed[0])} failed")
+    return time.monotonic() - begin
 
 
 def simulate_long_run(tactile, folder):

@@ -32,16 +32,20 @@ class Dataset:
     ) -> None:
         """Opens a dataset.
 
-        history    t_h [ms] of the default rendering, or the name of stored heatmaps, such as "th_040-1a2b3c4d"
+        history    t_h [ms] of the default rendering, a whole number, or the name of stored heatmaps, such as "th_040-1a2b3c4d"
         split      "single-run", "unseen", or None for all samples; the splits of `tactile train`
         part       "train" or "test"
         train_run  the run of each object to train on
-        held_out   objects of the unseen test; the paper's five if None
+        held_out   objects of the unseen test; if None, those of the paper's five that the file has
 
         Raises Error.
         """
         if part not in ("train", "test"):
             raise _tactile.Error(f"part '{part}': expected train or test")
+        if isinstance(held_out, str):
+            raise _tactile.Error(f"held_out '{held_out}': expected a list of objects")
+        if not isinstance(history, str) and history != round(history):
+            raise _tactile.Error(f"history {history}: expected whole milliseconds, or the name of stored heatmaps")
         self.path = os.fspath(path)
         self.history = history if isinstance(history, str) else f"th_{round(history):03d}"
         self._open()
@@ -51,8 +55,7 @@ class Dataset:
         run, t_us, label = self._file.samples()
         rows = np.arange(len(run), dtype=np.uint32)
         if split is not None:
-            chosen = _tactile.default_held_out if held_out is None else list(held_out)
-            train, test = self._file.split_runs(split, train_run, chosen)
+            train, test = self._file.split_runs(split, self._known_run(train_run), self._held_out(held_out))
             rows = rows[np.isin(run, train if part == "train" else test)]
         self.rows: NDArray[np.uint32] = rows
         """[n] the rows of the file's samples"""
@@ -62,6 +65,18 @@ class Dataset:
         """[n] the ticks, us of camera time"""
         self.labels: NDArray[np.uint8] = label[rows]
         """[n] 0 none, 1 press, 2 slip"""
+
+    def _known_run(self, train_run: str) -> str:
+        names = sorted({run for _, run in self.runs})
+        if train_run not in names:
+            raise _tactile.Error(f"train_run {train_run!r}: no object has such a run; expected one of {', '.join(names)}")
+        return train_run
+
+    def _held_out(self, held_out: Sequence[str] | None) -> list[str]:
+        if held_out is not None:
+            return list(held_out)
+        objects = {name for name, _ in self.runs}
+        return [name for name in _tactile.default_held_out if name in objects]
 
     def _open(self) -> None:
         self._file = _tactile.DatasetFile(self.path)
@@ -102,6 +117,8 @@ class Dataset:
 
     def events(self, run: int) -> NDArray[Any]:
         """The stored events of a run, an array of EVENT. `run`: index into `runs`."""
+        if not 0 <= run < len(self.runs):
+            raise IndexError(f"run {run} of {len(self.runs)}")
         return self._of_this_process().events(run).view(EVENT)[:, 0]
 
     @property

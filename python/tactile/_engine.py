@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactile import _tactile
-from tactile._events import Recording, _event_bytes
+from tactile._events import Recording, _event_bytes, file_of
 
 
 class Predictions(NamedTuple):
@@ -72,12 +72,17 @@ class Engine:
         return self._classifier.classify(np.ascontiguousarray(heatmaps))
 
     def probabilities(self, logits: ArrayLike) -> NDArray[np.float32]:
-        """The probabilities of logits, [n, 3]."""
-        return self._classifier.probabilities(np.ascontiguousarray(logits, np.float32))
+        """The probabilities of logits: [n, 3] -> [n, 3], or [3] -> [3]. Raises Error."""
+        logits = np.ascontiguousarray(logits, np.float32)
+        if logits.ndim not in (1, 2):
+            raise _tactile.Error(f"logits: have {logits.ndim} dimensions; expected [n, 3] or [3]")
+        return self._classifier.probabilities(np.atleast_2d(logits)).reshape(logits.shape)
 
     def predict(self, recording: Recording, *, tick_ms: float = 0) -> Predictions:
         """The predictions at every full tick of a recording. `tick_ms`: another time between ticks; 0 is the model's. Raises Error."""
-        t_us, logits, events = self._classifier.predict(recording._file, tick_ms)
+        if not tick_ms >= 0:
+            raise _tactile.Error(f"tick_ms {tick_ms}: expected a time in milliseconds, or 0 for the model's")
+        t_us, logits, events = self._classifier.predict(file_of(recording), tick_ms)
         return Predictions(t_us, logits, self.probabilities(logits), logits.argmax(axis=1).astype(np.uint8), events)
 
     def stream(self, size: tuple[int, int]) -> EventStream:

@@ -24,13 +24,15 @@ _NAMES = {"t": ("t", "timestamp", "t_us"), "x": ("x",), "y": ("y",), "on": ("on"
 
 
 def event_array(t: ArrayLike, x: ArrayLike, y: ArrayLike, on: ArrayLike) -> NDArray[Any]:
-    """Events from four columns of equal length: an array of EVENT."""
+    """Events from four columns of equal length: an array of EVENT. `t` in us, `x` and `y` in px. Raises Error."""
     columns = {"t": np.asarray(t), "x": np.asarray(x), "y": np.asarray(y), "on": np.asarray(on)}
     events = np.zeros(columns["t"].shape, EVENT)
     for name, values in columns.items():
         if values.shape != events.shape:
             raise _tactile.Error(f"{name}: has the shape {values.shape}; expected {events.shape}, as t has")
         if values.size and name != "on":
+            if not np.array_equal(values, np.trunc(values)):
+                raise _tactile.Error(f"{name}: has values that are no whole numbers; expected {'microseconds' if name == 't' else 'pixels'}")
             info = np.iinfo(EVENT[name])
             if values.min() < info.min or values.max() > info.max:
                 raise _tactile.Error(f"{name}: {values.min()} to {values.max()}; expected {info.min} to {info.max}")
@@ -55,7 +57,7 @@ def _event_bytes(events: NDArray[Any]) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True)
 class ImuSample:
-    """The samples of the inertial sensor, one row each."""
+    """The samples of the inertial sensor, in arrays with a row for each."""
 
     t: NDArray[np.int64]
     """[n] us of camera time"""
@@ -188,3 +190,10 @@ class Recording:
             frame = self._file.frame(packet)
             if frame is not None:
                 yield Frame(*frame)
+
+
+def file_of(recording: Recording) -> Any:
+    """The compiled part of a recording. Raises Error if it is something else, such as a path."""
+    if not isinstance(recording, Recording):
+        raise _tactile.Error(f"{recording!r} is no recording; expected tactile.Recording(path)")
+    return recording._file

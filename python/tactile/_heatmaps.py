@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactile import _tactile
-from tactile._events import Recording, _event_bytes
+from tactile._events import Recording, _event_bytes, file_of
 
 
 class Heatmaps(NamedTuple):
@@ -68,8 +68,8 @@ def heatmaps(
     """
     settings = _settings(th_ms, tick_ms, denoise, resize, factor, mask)
     if ticks_us is None:
-        return Heatmaps(*_tactile.render_every_tick(recording._file, settings))
-    return Heatmaps(*_tactile.render_ticks(recording._file, settings, np.ascontiguousarray(ticks_us, np.int64)))
+        return Heatmaps(*_tactile.render_every_tick(file_of(recording), settings))
+    return Heatmaps(*_tactile.render_ticks(file_of(recording), settings, np.ascontiguousarray(ticks_us, np.int64)))
 
 
 class HeatmapRenderer:

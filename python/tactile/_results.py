@@ -16,13 +16,17 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Figure:
-    """A value and its 95 % interval. None where nothing was there to measure."""
+    """A value and its 95 % interval.
+
+    value      None where nothing was there to measure
+    low, high  None also where too few objects or runs were there for an interval
+    n          the runs or objects that the interval is drawn from
+    """
 
     value: float | None
     low: float | None
     high: float | None
     n: int
-    """the runs or objects that the interval is drawn from"""
 
 
 @dataclass(frozen=True)
@@ -79,18 +83,26 @@ def _delay(entry: dict[str, Any]) -> Delay:
     return Delay(median, p90, mean, missed, entry["intervals"])
 
 
-def read_json(path: str, written_as: str, build: Callable[[dict[str, Any]], T]) -> T:
+def read_json(path: str, written_as: str, build: Callable[[dict[str, Any]], T], format: str | None = None) -> T:
     """What `build` makes of a file that the program writes. Raises Error.
 
     written_as  "eval.json of 'tactile eval'"
+    format      what the file says of itself; None: it says nothing
     """
     try:
         with open(path, encoding="utf-8") as file:
-            return build(json.load(file))
+            content = json.load(file)
     except OSError as error:
         raise _tactile.Error(f"{path}: {error.strerror}; expected {written_as}") from None
+    except ValueError:
+        raise _tactile.Error(f"{path}: is no JSON text; expected {written_as}") from None
+    found = content.get("format") if isinstance(content, dict) else None
+    if format is not None and found != format:
+        raise _tactile.Error(f"{path}: is of format {found!r}; expected {format!r}, as in {written_as}")
+    try:
+        return build(content)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise _tactile.Error(f"{path}: its contents cannot be used ({error!r}); expected {written_as}") from None
+        raise _tactile.Error(f"{path}: its contents cannot be used ({error!r:.80}); expected {written_as}") from None
 
 
 def _evaluation(content: dict[str, Any]) -> Evaluation:
@@ -115,10 +127,10 @@ def _evaluation(content: dict[str, Any]) -> Evaluation:
 
 
 def read_evaluation(path: str | os.PathLike[str]) -> Evaluation:
-    """The results in eval.json, or the newest ones in the folder of a model bundle, on whichever data. Raises Error."""
+    """The results in eval.json, or the newest results in the folder of a model. Raises Error."""
     path = os.fspath(path)
     if os.path.isdir(path):
         found = [name for name in os.listdir(path) if re.fullmatch(r"eval(-on-[0-9a-f]{8})?\.json", name)]
         files = [os.path.join(path, name) for name in found]
         path = max(files, key=os.path.getmtime, default=os.path.join(path, "eval.json"))
-    return read_json(path, "eval.json of 'tactile eval'", _evaluation)
+    return read_json(path, "eval.json; 'tactile eval --model MODEL' writes it", _evaluation)

@@ -11,57 +11,74 @@ from tactile._results import Figure, figure, read_json
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper, and what was measured."""
+    """A claim of the paper, and what was measured.
+
+    paper     the paper's figures
+    measured  holds if it is `asked` ("below" or "above") the `limit`
+    unit      %, points (of percent), ms or objects
+    verdict   holds, does not, or cannot tell
+    why       why the claim cannot be decided; empty if it can
+    """
 
     id: str
     claim: str
+    paper: str
     measured: Figure
+    asked: str
+    limit: float
     unit: str
-    """%, points (of percent), ms or objects"""
     verdict: str
-    """holds, does not, or cannot tell"""
     why: str
-    """why the claim cannot be decided; empty if it can"""
 
 
 @dataclass(frozen=True)
 class Study:
-    """What `tactile reproduce` found."""
+    """What `tactile reproduce` found.
+
+    th_ms              the history to use
+    model              a model with this history: that of the first training, in the study's folder `models`
+    accuracy           by history [ms], on the runs that no training learned from or chose on
+    unseen_difference  accuracy on objects held out of training minus that of models trained on them; None: none held out
+    everything         study.json
+    """
 
     title: str
     simulated: bool
     th_ms: float
-    """the history to use"""
     model: str
-    """its model of the first training"""
     accuracy: dict[float, Figure]
-    """by history [ms], on the runs that no training learned from or chose on"""
     unseen_difference: Figure | None
-    """accuracy on objects held out of training minus that on the same objects in training; None if none was held out"""
     claims: list[Claim]
     everything: dict[str, Any]
-    """study.json"""
 
 
 @dataclass(frozen=True)
 class TradePoint:
-    """A setting, and how it does on the reported runs."""
+    """A setting, and how it does on the reported runs.
+
+    text                   its differences from the usual setting
+    setting                the value of each option
+    median_delay_us        over all presses and slips; a missed one counts with its limit
+    p90_delay_us           as above, the delay that 90 % do not exceed
+    missed                 share of presses and slips
+    false_alarms_per_min   alarms that begin outside labels, as `tactile trade` prints them
+    median_tick_us, p99_tick_us   time of a tick
+    is_on_accuracy_front   on the front of accuracy and p99_tick_us, on the runs to choose on
+    is_on_delay_front      on the front of false alarms, median delay and misses, on the runs to choose on
+    """
 
     id: str
     text: str
-    """its differences from the usual setting"""
     setting: dict[str, Any]
     accuracy: Figure
     median_delay_us: Figure
-    """over all presses and slips; a missed one counts with its limit"""
+    p90_delay_us: Figure
     missed: Figure
-    """share of presses and slips"""
     false_alarms_per_min: Figure
-    median_us: Figure
-    """time of a tick"""
-    p99_us: Figure
-    is_on_front: bool
-    """no other setting is more accurate and as fast, on the runs to choose on"""
+    median_tick_us: Figure
+    p99_tick_us: Figure
+    is_on_accuracy_front: bool
+    is_on_delay_front: bool
 
 
 @dataclass(frozen=True)
@@ -119,7 +136,7 @@ def _study(content: dict[str, Any]) -> Study:
         accuracy={entry["th_ms"]: figure(entry["accuracy"]["reported"]["mean"]) for entry in content["histories"]},
         unseen_difference=figure(unseen["mean"]["difference"]) if unseen else None,
         claims=[
-            Claim(entry["id"], entry["claim"], figure(entry["measured"]), entry["unit"], entry["verdict"], entry["why"])
+            Claim(**{**{name: entry[name] for name in Claim.__dataclass_fields__}, "measured": figure(entry["measured"])})
             for entry in content["claims"]
         ],
         everything=content,
@@ -134,11 +151,13 @@ def _point(entry: dict[str, Any]) -> TradePoint:
         setting=entry["setting"],
         accuracy=figure(reported["accuracy"]),
         median_delay_us=figure(reported["delay_us"]["median"]),
+        p90_delay_us=figure(reported["delay_us"]["p90"]),
         missed=figure(reported["delay_us"]["missed"]),
-        false_alarms_per_min=figure(reported["false_alarms_per_min"]),
-        median_us=figure(reported["us"]["p50"]),
-        p99_us=figure(reported["us"]["p99"]),
-        is_on_front=entry["front"]["accuracy"],
+        false_alarms_per_min=figure(reported["episodes_per_min"]),
+        median_tick_us=figure(reported["us"]["p50"]),
+        p99_tick_us=figure(reported["us"]["p99"]),
+        is_on_accuracy_front=entry["front"]["accuracy"],
+        is_on_delay_front=entry["front"]["delay"],
     )
 
 
@@ -166,14 +185,14 @@ def _file(path: str | os.PathLike[str], name: str) -> str:
 
 def read_study(path: str | os.PathLike[str] = "study") -> Study:
     """The results in study.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "study.json"), "study.json of 'tactile reproduce'", _study)
+    return read_json(_file(path, "study.json"), "study.json of 'tactile reproduce'", _study, "tactile-study-1")
 
 
 def read_trade(path: str | os.PathLike[str] = "trade") -> Trade:
     """The results in trade.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "trade.json"), "trade.json of 'tactile trade'", _trade)
+    return read_json(_file(path, "trade.json"), "trade.json of 'tactile trade'", _trade, "tactile-trade-1")
 
 
 def read_stress(path: str | os.PathLike[str] = "stress") -> Stress:
     """The results in stress.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "stress.json"), "stress.json of 'tactile stress'", _stress)
+    return read_json(_file(path, "stress.json"), "stress.json of 'tactile stress'", _stress, "tactile-stress-1")

@@ -88,6 +88,23 @@ TEST_F(Processes, AFailureIsReportedWithItsLastMessageAndEndsTheOthers) {
   EXPECT_FALSE(runs(static_cast<pid_t>(std::stol(read_text(file("pid"))))));
 }
 
+TEST_F(Processes, ThoseThatEndedWellBesideAFailureAreReported) {
+  std::vector<std::size_t> ended;
+  auto how = options(2);
+  how.ended = [&](std::size_t index, double) { ended.push_back(index); };
+  bool both_are_over = false;
+  how.while_waiting = [&] {
+    if (both_are_over) return;
+    both_are_over = test::comes_true([&] { return fs::exists(file("a")) && fs::exists(file("b")); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // files appear just before their processes end
+  };
+  const std::string error = test::error_of([&] {
+    run_processes({shell("bad", "touch " + file("a") + "; exit 3"), shell("good", "touch " + file("b"))}, how);
+  });
+  EXPECT_EQ(error, "'bad' failed: it ended with 3 and no message");
+  EXPECT_EQ(ended, (std::vector<std::size_t>{1}));
+}
+
 TEST_F(Processes, OneThatIsKilledIsReported) {
   const std::string error = test::error_of([&] { run_processes({shell("tactile train", "kill -9 $$")}, options()); });
   EXPECT_NE(error.find("'tactile train' failed: it was killed by signal 9"), std::string::npos) << error;

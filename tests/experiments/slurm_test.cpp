@@ -44,7 +44,7 @@ TEST(Slurm, IsNamedWithOrWithoutAPartition) {
   EXPECT_EQ(slurm_named("slurm:gpu").partition, "gpu");
   for (const char* name : {"slurm:", "Slurm", "lsf"})
     EXPECT_EQ(test::error_of([&] { slurm_named(name); }),
-              "executor '" + std::string(name) + "': expected local, slurm or slurm:PARTITION");
+              "'" + std::string(name) + "' is unknown; expected local, slurm or slurm:PARTITION");
 }
 
 TEST(Slurm, WordsForSbatchAreSplitAsByAShell) {
@@ -52,6 +52,11 @@ TEST(Slurm, WordsForSbatchAreSplitAsByAShell) {
   EXPECT_EQ(sbatch_words(" --time=1:00:00  --mem=4G "), (Words{"--time=1:00:00", "--mem=4G"}));
   EXPECT_EQ(sbatch_words("--comment=\"press study\" --constraint='a|b' ''"),
             (Words{"--comment=press study", "--constraint=a|b", ""}));
+  EXPECT_EQ(test::error_of([] { sbatch_words("short"); }),
+            "--sbatch: 'short' is no option; expected options of sbatch, such as --partition=short");
+  for (const std::string word : {"--array", "--wrap"})
+    EXPECT_EQ(test::error_of([&] { sbatch_words("--mem=4G " + word + "=1"); }),
+              "--sbatch: '" + word + "' is set by tactile; expected other options of sbatch");
   EXPECT_EQ(sbatch_words(""), Words{});
   EXPECT_EQ(test::error_of([] { sbatch_words("--comment=\"press"); }),
             "--sbatch '--comment=\"press': a quote has no end; expected words as in a shell");
@@ -174,22 +179,34 @@ TEST_F(SlurmJobs, ThatEndedWellBeforeAnotherFailedAreKept) {
   EXPECT_EQ(ended_, (std::vector<std::size_t>{1}));
 }
 
-TEST_F(SlurmJobs, ThatAreRefusedWhileOthersRunAreSubmittedLater) {
-  std::ofstream(file("sbatch")) << "#!/bin/sh\n"
-                                   "echo called >>'" +
-                                       file("calls") +
-                                       "'\n"
-                                       "[ $(wc -l <'" +
-                                       file("calls") +
-                                       "') != 2 ] || { echo 'Job violates accounting/QOS policy' >&2; exit 1; }\n"
-                                       "exec /usr/bin/sbatch \"$@\"\n";
+TEST_F(SlurmJobs, ThatAreRefusedBecauseThereAreManyAreSubmittedInParts) {
+  // Takes at most two tasks at a time, as where a site limits them.
+  std::ofstream(file("sbatch"))
+      << "#!/bin/sh\n"
+         "for word; do case $word in --array=0-*) more=${word#--array=0-} ;; esac; done\n"
+         "there=$(squeue --noheader --array --states=PENDING,RUNNING | wc -l)\n"
+         "[ $((there + more + 1)) -le 2 ] || { echo 'Job violates accounting/QOS policy' >&2; exit 1; }\n"
+         "exec /usr/bin/sbatch \"$@\"\n";
   fs::permissions(file("sbatch"), fs::perms::owner_all);
   const ProgramFolders with_sbatch(folder_.path().string() + ":" + ProgramFolders::before());
-  std::vector<ProcessPlan> plans;  // of two arrays
-  for (const char* name : {"a", "b", "c", "d", "e"}) plans.push_back(task(name));
+  std::vector<ProcessPlan> plans;
+  for (const char* name : {"a", "b", "c", "d", "e"}) plans.push_back(task(name, "sleep 1"));
   run(plans);
   for (const ProcessPlan& plan : plans) EXPECT_EQ(text(plan.name + ".txt"), "done\n");
-  EXPECT_EQ(text("calls"), "called\ncalled\ncalled\n");
+  EXPECT_NE(text("slurm/slurm.log").find("sbatch refused the jobs: Job violates accounting/QOS policy"), std::string::npos);
+}
+
+TEST_F(SlurmJobs, OfAnEarlierCallAreStillKnownAfterAnotherCall) {
+  const std::vector<ProcessPlan> plans{task("short"), task("long", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done")};
+  how_.while_waiting = [&] {
+    if (begun_.size() == 2) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  how_.while_waiting = {};
+  run({plans[0]});
+  std::ofstream(file("go")) << "now";
+  run({plans[1]});
+  EXPECT_EQ(text("short.txt") + text("long.txt"), "done\ndone\n");
 }
 
 TEST_F(SlurmJobs, AreLeftWhenTheWaitingIsInterruptedAndCollectedLater) {
@@ -227,7 +244,9 @@ TEST_F(SlurmJobs, OfOtherWorkOfTheSameNameAreNotTakenForIt) {
 }
 
 TEST_F(SlurmJobs, AreRefusedWithTheWordsOfSbatch) {
+  check_slurm(slurm_);
   slurm_.partition = "none";
+  EXPECT_NE(test::error_of([&] { check_slurm(slurm_); }).find("artition"), std::string::npos);
   const std::string error = test::error_of([&] { run({task("one")}); });
   EXPECT_NE(error.find("sbatch refused the jobs: "), std::string::npos) << error;
   EXPECT_NE(error.find("artition"), std::string::npos) << error;
@@ -302,6 +321,38 @@ TEST_F(SlurmJobs, AfterOthersBeginWhereNobodyWaits) {
   run(plans);
   EXPECT_EQ(ended_.size(), plans.size());
   for (const ProcessPlan& plan : plans) EXPECT_EQ(text(plan.name + ".txt"), "done\n") << "it ran once";
+}
+
+TEST_F(SlurmJobs, AfterOthersAreReplacedWithThemWhereTheyAreOtherWork) {
+  std::vector<ProcessPlan> plans =
+      judged_training("a", "echo begun >>" + file("begun.txt") + "; while [ ! -e " + file("go") + " ]; do sleep 0.1; done");
+  how_.while_waiting = [&] {
+    if (!text("begun.txt").empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  how_.while_waiting = [&] { std::ofstream(file("go")) << "now"; };
+  plans[1].key = "judged-otherwise";
+  run(plans);
+  EXPECT_EQ(text("begun.txt"), "begun\nbegun\n") << "the earlier task is cancelled";
+  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
+}
+
+TEST_F(SlurmJobs, AfterOneThatHasEndedAloneRunAgainWhereSlurmStartsTheirTaskAgain) {
+  std::vector<ProcessPlan> plans = judged_training("a");
+  plans[1].arguments[1] =
+      "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }; echo done >>" + file("judge-a.txt");
+  bool requeued = false;
+  how_.while_waiting = [&] {
+    if (requeued || !fs::exists(file("first")) || ended_.empty()) return;
+    std::ofstream(file("second")) << "now";
+    const std::string task = read_json(folder_ / "slurm/jobs.json").at("judge-a").at("task");
+    EXPECT_EQ(test::run_shell("scontrol requeue " + task).exit_code, 0);
+    requeued = true;
+  };
+  run(plans);
+  EXPECT_TRUE(requeued);
+  EXPECT_EQ(text("train-a.txt") + text("judge-a.txt"), "done\ndone\n");
+  EXPECT_TRUE(fs::is_empty(folder_ / "slurm/ended"));
 }
 
 TEST_F(SlurmJobs, AfterOneThatASignalEndsBeginWhenItHasRunAgain) {

@@ -145,7 +145,7 @@ TEST_F(Steps, OneAfterAnotherBeginsWhenThatOneIsDoneAndHasInputsOfIts) {
   EXPECT_EQ(test::error_of([&] {
               runner().run_side_by_side({first, third});
             }),
-            "'c' comes after 'd', which is no earlier step; expected one");
+            "'c' comes after 'd'; expected two processes, and the other one earlier");
 
   // The key is that of a step that knew all inputs at once.
   second.inputs = {{"a", "made"}, {"y", 2}};

@@ -26,7 +26,9 @@ say "installed with $(grep -c '^Setting up' log) packages in $SECONDS s"
 dpkg -L tactile >installed
 tactile --version
 
-for command in $(tactile --help | sed -n '/^Commands:/,/^Options:/s/^  \([a-z]\+\) .*/\1/p'); do
+commands=$(tactile --help | sed -n '/^Commands:/,/^Options:/s/^  \([a-z]\+\) .*/\1/p')
+[[ $(wc -w <<<"$commands") -ge 20 ]] || fail "tactile --help lists fewer than 20 commands: $commands"
+for command in $commands; do
   [[ -s /usr/share/man/man1/tactile-$command.1.gz ]] || fail "$command has no man page"
 done
 for file in bash-completion/completions/tactile zsh/vendor-completions/_tactile fish/vendor_completions.d/tactile.fish; do
@@ -53,6 +55,6 @@ say "the C++ example predicted $(($(wc -l <predictions) - 1)) ticks"
 
 run apt-get remove -y -qq tactile tactile-dev
 files >after
-left=$(comm -13 before after | comm -12 - <(sort installed); grep -i tactile after || true)
+left=$(comm -13 before after | grep -i -e tactile -f <(sed 's/.*/^&$/' installed) || true)
 [[ -z $left ]] || fail "these files are left after the removal: $left"
 say "removed without a trace"

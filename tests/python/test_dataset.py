@@ -33,6 +33,20 @@ def test_a_split_is_that_of_the_model_trained_by_the_program(lab):
     assert {dataset.runs[run][0] for run in unseen.run} == {"fan"}
 
 
+def test_a_split_without_such_a_run_or_object_is_refused(lab):
+    file = lab.folder / "data/dataset.h5"
+    with pytest.raises(tactile.Error, match="train_run '2': no object has such a run; expected one of 01, 02, 03"):
+        tactile.Dataset(file, split="single-run", train_run="2")
+    with pytest.raises(tactile.Error, match="held_out 'fan': expected a list of objects"):
+        tactile.Dataset(file, split="unseen", held_out="fan")
+    with pytest.raises(tactile.Error, match="history 40.4: expected whole milliseconds"):
+        tactile.Dataset(file, history=40.4)
+    with pytest.raises(IndexError, match="run 99 of 6"):
+        tactile.Dataset(file).events(99)
+    unseen = tactile.Dataset(file, split="unseen", part="test")  # of the paper's five there is one
+    assert {unseen.runs[run][0] for run in unseen.run} == {"fan"}
+
+
 def shape_of_sample(dataset, i):
     return dataset[i][0].shape, dataset.heatmaps([i]).sum()
 

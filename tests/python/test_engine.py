@@ -88,3 +88,21 @@ def test_what_cannot_be_used_is_named(lab, engine, tmp_path):
         tactile.Engine(tmp_path)
     with pytest.raises(tactile.Error, match="int4"):
         tactile.Engine(lab.bundle, precision="int4")
+
+
+def test_the_probabilities_of_one_verdict_are_those_of_a_row(lab):
+    engine = tactile.Engine(lab.bundle)
+    one = engine.probabilities([1, 2, 4])
+    assert one.shape == (3,) and np.array_equal(engine.probabilities([[1, 2, 4]])[0], one)
+    with pytest.raises(tactile.Error, match="have 3 dimensions"):
+        engine.probabilities(np.zeros((1, 1, 3)))
+
+
+def test_what_is_no_recording_or_time_is_named(lab):
+    engine = tactile.Engine(lab.bundle)
+    with pytest.raises(tactile.Error, match=r"'events.aedat4' is no recording; expected tactile.Recording\(path\)"):
+        engine.predict("events.aedat4")
+    with pytest.raises(tactile.Error, match="is no recording"):
+        tactile.heatmaps("events.aedat4")
+    with pytest.raises(tactile.Error, match="tick_ms -1: expected"):
+        engine.predict(tactile.Recording(lab.recording), tick_ms=-1)

@@ -50,9 +50,16 @@ def test_results_are_those_of_a_trade(lab):
     trade = tactile.read_trade(lab.folder / "trade/trade.json")
     usual = json.loads((lab.folder / "trade/trade.json").read_text())["points"][0]
     assert trade.points[0].id == usual["id"] and trade.points[0].setting["th_ms"] == 40
-    assert trade.points[0].p99_us.value == usual["reported"]["us"]["p99"]["value"]
+    assert trade.points[0].p99_tick_us.value == usual["reported"]["us"]["p99"]["value"]
     assert trade.points[0].missed.n == usual["reported"]["delay_us"]["missed"]["n"]
+    assert trade.points[0].false_alarms_per_min.value == usual["reported"]["episodes_per_min"]["value"]
+    assert trade.points[0].is_on_accuracy_front == usual["front"]["accuracy"]
     assert "No constraint given" in trade.recommendation
+    with pytest.raises(tactile.Error, match="is of format 'tactile-trade-1'; expected 'tactile-study-1'"):
+        tactile.read_study(lab.folder / "trade/trade.json")
+    with pytest.raises(tactile.Error, match="is no JSON text") as error:
+        tactile.read_stress(lab.folder / "data/dataset.h5")
+    assert len(str(error.value)) < 300
 
 
 def test_results_are_those_of_a_stress(lab):
@@ -65,7 +72,7 @@ def test_results_are_those_of_a_stress(lab):
 
 
 def test_a_file_that_is_no_result_is_named(tmp_path):
-    with pytest.raises(tactile.Error, match="eval.json: No such file or directory; expected eval.json of 'tactile eval'"):
+    with pytest.raises(tactile.Error, match="eval.json: No such file or directory; expected eval.json; 'tactile eval"):
         tactile.read_evaluation(tmp_path)
     (tmp_path / "eval.json").write_text("{}")
     with pytest.raises(tactile.Error, match="'false_alarms'"):

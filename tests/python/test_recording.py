@@ -104,3 +104,11 @@ def test_events_are_made_from_columns():
         tactile.event_array([1, 2], [3], [5, 6], [1, 0])
     with pytest.raises(tactile.Error, match="x: 3 to 40000; expected -32768 to 32767"):
         tactile.event_array([1, 2], [3, 40000], [5, 6], [1, 0])
+
+
+def test_times_in_seconds_are_refused():
+    with pytest.raises(tactile.Error, match="t: has values that are no whole numbers; expected microseconds"):
+        tactile.event_array([0.5, 1.7], [1, 2], [3, 4], [0, 1])
+    with pytest.raises(tactile.Error, match="x: has values that are no whole numbers; expected pixels"):
+        tactile.event_array([5, 17], [float("nan"), 2], [3, 4], [0, 1])
+    assert tactile.event_array([5.0, 17.0], [1, 2], [3, 4], [0, 1])["t"].tolist() == [5, 17]

@@ -45,16 +45,18 @@ def test_have_no_turn_during_a_loop_of_python(turns):
 
 
 def test_have_turns_while_events_are_added_and_rendered(lab, turns):
-    events = tactile.Recording(lab.recording).events()
+    recording = tactile.Recording(lab.recording)
+    events = recording.events()
     engine, rendered = tactile.Engine(lab.bundle), tactile.HeatmapRenderer((640, 480), 40)
     for work in (
         lambda: tactile.HeatmapRenderer((640, 480), 40).add(events),
         lambda: engine.stream((640, 480)).add(events),
         rendered.render,
         lambda: engine.probabilities(np.zeros((100_000, 3), np.float32)),
-        lambda: tactile.Recording(lab.recording).events(),
-        lambda: tactile.heatmaps(tactile.Recording(lab.recording), th_ms=40),
-        lambda: engine.predict(tactile.Recording(lab.recording)),
+        recording.events,
+        lambda: recording.problems,
+        lambda: tactile.heatmaps(recording, th_ms=40),
+        lambda: engine.predict(recording),
         lambda: tactile.Dataset(lab.folder / "data/dataset.h5", 40),
     ):
         assert has_turns_during(turns, work, 60)

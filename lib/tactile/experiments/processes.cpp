@@ -79,6 +79,7 @@ void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& opti
     }
     if (options.while_waiting) options.while_waiting();
     const std::size_t running = children.size();
+    std::string failure;  // the first one, once all that have ended well are reported
     for (std::size_t i = 0; i < children.size();) {
       const std::optional<int> status = children[i].process.status_if_ended();
       if (!status) {
@@ -92,10 +93,13 @@ void run_all(const std::vector<ProcessPlan>& plans, const ProcessesOptions& opti
         if (options.ended) options.ended(child.index, std::chrono::duration<double>(Clock::now() - child.begun).count());
         continue;
       }
+      const ProcessPlan& plan = plans[child.index];
+      if (failure.empty()) failure = fmt::format("'{}' failed: {}", plan.name, why_it_failed(plan, *status));
+    }
+    if (!failure.empty()) {
       // Throws after Ctrl-C, which reaches the children too: that is no failure.
       if (options.while_waiting) options.while_waiting();
-      const ProcessPlan& plan = plans[child.index];
-      throw Error(fmt::format("'{}' failed: {}", plan.name, why_it_failed(plan, *status)));
+      throw Error(failure);
     }
     if (children.size() == running) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }

@@ -25,7 +25,7 @@ struct ProcessesOptions {
   std::function<void(std::size_t index, double seconds)> ended;  ///< called when a process has succeeded. May be empty
 };
 
-/// Runs the processes in order, several at a time, and waits for them. Later ones may begin before one that waits for another.
+/// Runs the processes in order, several at a time, and waits for them. While one waits for another, those after it may begin.
 /// They end when this process ends, for whatever reason. If one fails, or an exception leaves a callback, the others get SIGINT,
 /// and SIGKILL after ten seconds.
 /// @throws Error  that names the process that failed and its last message; whatever a callback throws

@@ -24,6 +24,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+constexpr int form_of_jobs = 2;  ///< of the entries in jobs.json and of marks. With another number they are other work
+
+/// Slurm's programs have not answered for long. Its jobs are left.
+class NoAnswer : public Error {
+ public:
+  using Error::Error;
+};
+
 /// What a process leaves when it has ended.
 struct Mark {
   std::string key;
@@ -73,7 +81,8 @@ class Jobs {
   fs::path mark_of(const Task& task) const { return folder_ / "ended" / task.name; }
   std::optional<Mark> read_mark(const Task& task) const;
   void find_earlier_tasks();
-  void remember() const;
+  void remember();
+  std::vector<Chain> due_chains();
   void submit_due();
   void submit(const std::vector<Chain>& chains);
   std::string command_of(const Task& task) const;
@@ -88,8 +97,11 @@ class Jobs {
   fs::path folder_;
   const SlurmOptions& slurm_;
   std::vector<Task> tasks_;
+  nlohmann::json jobs_ = nlohmann::json::object();        ///< jobs.json, which also has tasks of other calls
+  std::vector<std::pair<std::string, fs::path>> passed_;  ///< the task and mark of processes that have succeeded
   Clock::time_point last_answer_ = Clock::now();
-  Clock::time_point next_submission_{};  ///< after Slurm has refused one
+  std::optional<Clock::time_point> last_ran_;  ///< when a task of this call was last in the queue
+  Clock::time_point next_submission_{};        ///< after Slurm has refused one
 };
 
 std::optional<Mark> Jobs::read_mark(const Task& task) const {
@@ -105,17 +117,16 @@ std::optional<Mark> Jobs::read_mark(const Task& task) const {
 /// Takes over tasks of this work that were submitted before, and cancels those of the same names with other work: they would
 /// write the same files. Files that cannot be read mean that there are none.
 void Jobs::find_earlier_tasks() {
-  nlohmann::json jobs;
   try {
-    jobs = read_json(folder_ / "jobs.json");
+    if (nlohmann::json read = read_json(folder_ / "jobs.json"); read.is_object()) jobs_ = std::move(read);
   } catch (const Error&) {
     return;
   }
   std::set<std::string> others;
   for (Task& task : tasks_) {
-    const auto found = jobs.find(task.name);
-    if (found == jobs.end() || !found->is_object()) continue;
-    const bool is_this_work = found->value("key", "") == plans_[task.index].key;
+    const auto found = jobs_.find(task.name);
+    if (found == jobs_.end() || !found->is_object()) continue;
+    const bool is_this_work = found->value("form", 0) == form_of_jobs && found->value("key", "") == plans_[task.index].key;
     if (is_this_work) {
       task.id = found->value("task", "");
     } else if (const std::string id = found->value("task", ""); !id.empty()) {
@@ -123,17 +134,21 @@ void Jobs::find_earlier_tasks() {
     }
   }
   for (Task& task : tasks_) {
-    if (others.contains(task.id)) task.id.clear();  // other work comes after this one
+    if (others.contains(task.id)) task.id.clear();  // this task also does other work
   }
   cancel_tasks(others);
 }
 
-void Jobs::remember() const {
-  nlohmann::json jobs = nlohmann::json::object();
+/// Entries of other calls stay.
+void Jobs::remember() {
   for (const Task& task : tasks_) {
-    if (!task.id.empty()) jobs[task.name] = {{"key", plans_[task.index].key}, {"task", task.id}};
+    if (task.id.empty()) {
+      jobs_.erase(task.name);
+    } else {
+      jobs_[task.name] = {{"form", form_of_jobs}, {"key", plans_[task.index].key}, {"task", task.id}};
+    }
   }
-  write_json(folder_ / "jobs.json", jobs);
+  write_json(folder_ / "jobs.json", jobs_);
 }
 
 std::string Jobs::command_of(const Task& task) const {
@@ -144,7 +159,8 @@ std::string Jobs::command_of(const Task& task) const {
   return command;
 }
 
-/// One branch for each chain. A mark appears in one step.
+/// One branch for each chain. A mark appears in one step. Where Slurm starts a task again, processes that have succeeded do not
+/// run again.
 std::string Jobs::script_of(const std::vector<Chain>& chains) const {
   std::string script = fmt::format(
       "#!/bin/sh\n"
@@ -153,10 +169,11 @@ std::string Jobs::script_of(const std::vector<Chain>& chains) const {
       "run() {{  # NAME KEY LOG PROGRAM WORD...\n"
       "  name=$1 key=$2 log=$3\n"
       "  shift 3\n"
+      "  mark={}/$name task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\n"
+      "  grep -qs \"^$key $task 0 \" \"$mark\" && return 0\n"
       "  begun=$(date +%s%N)\n"
       "  \"$@\" </dev/null >/dev/null 2>\"$log\"\n"
       "  code=$?\n"
-      "  mark={}/$name task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\n"
       "  echo \"$key $task $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
       "  return $code\n"
       "}}\n"
@@ -180,10 +197,8 @@ void Jobs::submit(const std::vector<Chain>& chains) {
   const std::string text = script_of(chains);
   const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
   write_whole(script, text);
-  std::vector<std::string> words{"--job-name=tactile", "--requeue",          "--ntasks=1",
-                                 "--cpus-per-task=1",  "--open-mode=append", "--output=" + (folder_ / "slurm.log").string()};
-  if (!slurm_.partition.empty()) words.push_back("--partition=" + slurm_.partition);
-  words.insert(words.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
+  std::vector<std::string> words = words_of(slurm_);
+  words.push_back("--output=" + (folder_ / "slurm.log").string());
   const std::string job = submit_array(script, chains.size(), words);
   for (std::size_t i = 0; i < chains.size(); ++i) {
     for (Task* task : chains[i]) {
@@ -196,13 +211,10 @@ void Jobs::submit(const std::vector<Chain>& chains) {
   remember();
 }
 
-/// Submits what is due. What Slurm refuses while other tasks are there stays due.
-void Jobs::submit_due() {
+std::vector<Chain> Jobs::due_chains() {
   std::vector<Chain> chains;
   std::map<const Task*, std::size_t> chain_of;
-  bool others_run = false;
   for (Task& task : tasks_) {
-    others_run = others_run || (!task.due && !task.ended);
     if (!task.due) continue;
     const auto earlier = chain_of.find(task.before);
     if (earlier == chain_of.end()) chains.emplace_back();
@@ -210,15 +222,27 @@ void Jobs::submit_due() {
     chains[chain].push_back(&task);
     chain_of[&task] = chain;
   }
+  return chains;
+}
+
+/// Submits what is due. If Slurm takes no more, the rest stays due as long as other tasks run.
+void Jobs::submit_due() {
+  constexpr auto patience = std::chrono::minutes(1);  // with tasks that have ended, and that Slurm still counts
+  const std::vector<Chain> chains = due_chains();
   if (chains.empty() || Clock::now() < next_submission_) return;
-  const std::size_t most = largest_array();
-  for (std::size_t first = 0; first < chains.size(); first += most) {
+  std::size_t most = largest_array();
+  for (std::size_t first = 0; first < chains.size();) {
+    const std::size_t count = std::min(most, chains.size() - first);
     const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(first);
     try {
-      submit({begin, begin + static_cast<std::ptrdiff_t>(std::min(most, chains.size() - first))});
-      others_run = true;
-    } catch (const Error&) {
-      if (!others_run) throw;
+      submit({begin, begin + static_cast<std::ptrdiff_t>(count)});
+      first += count;
+      last_ran_ = Clock::now();
+    } catch (const JobsRefused& refused) {
+      std::ofstream(folder_ / "slurm.log", std::ios::app) << refused.what() << '\n';
+      most = count / 2;
+      if (most > 0) continue;
+      if (!last_ran_ || Clock::now() - *last_ran_ > patience) throw;
       next_submission_ = Clock::now() + 20 * slurm_.poll;
       return;
     }
@@ -227,7 +251,7 @@ void Jobs::submit_due() {
 
 /// Whether the task has ended. @throws Error  if its process failed
 bool Jobs::look_for_mark(Task& task) {
-  if (task.waits() || task.id.empty()) return false;  // without a number: of work that was done long ago, and is due again
+  if (task.waits() || task.id.empty()) return false;
   const std::optional<Mark> mark = read_mark(task);
   if (!mark || mark->is_of_signal()) return false;  // Slurm's state says why, and whether to repeat it
   const ProcessPlan& plan = plans_[task.index];
@@ -239,7 +263,7 @@ bool Jobs::look_for_mark(Task& task) {
   if (!task.begun && options_.begun) options_.begun(task.index);
   if (options_.ended) options_.ended(task.index, mark->seconds);
   task.begun = task.ended = true;
-  task.id.clear();
+  passed_.emplace_back(std::exchange(task.id, {}), mark_of(task));
   return true;
 }
 
@@ -273,17 +297,15 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
   static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
                                            "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
   constexpr unsigned patience = 4;
-  std::vector<const Task*> lost;
+  std::vector<Task*> lost;
   std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
     if (task.ended) continue;
-    if (task.waits()) {
-      task.due = task.before->due;
-      continue;
-    }
+    if (task.waits()) continue;
     const auto found = states.find(task.id);
     if (found != states.end() && alive.contains(found->second)) {
       task.looks_without_it = 0;
+      last_ran_ = Clock::now();
       if (found->second == "RUNNING" && !task.begun) {
         task.begun = true;
         if (options_.begun) options_.begun(task.index);
@@ -291,46 +313,59 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
       continue;
     }
     if (!task.id.empty() && ++task.looks_without_it < patience) continue;
-    task.due = true;
-    if (task.id.empty()) continue;
+    if (task.id.empty()) {
+      task.due = true;
+      continue;
+    }
     lost.push_back(&task);
     if (found == states.end()) forgotten.insert(task.id);
   }
   const std::map<std::string, std::string> accounted = accounted_states(forgotten);
-  for (const Task* task : lost) {
+  for (Task* task : lost) {
     const auto& known = forgotten.contains(task->id) ? accounted : states;
     const auto found = known.find(task->id);
     check_may_repeat(*task, found == known.end() ? "" : found->second);
+    task->due = true;
+    task->id.clear();
+  }
+  for (Task& task : tasks_) {
+    if (task.ended || !task.waits() || !task.before->due) continue;
+    task.due = true;
+    task.id.clear();
   }
 }
 
 /// One look at the marks and the queue; submits what no job does.
 void Jobs::look() {
-  std::set<std::string> jobs;
-  std::vector<fs::path> used_marks;
-  std::exception_ptr failure;  // the first one, once all that has ended well is known
+  std::set<std::string> jobs, tasks;  // that are still waited for
+  std::exception_ptr failure;         // the first one, once all that has ended well is known
+  const std::size_t passed_before = passed_.size();
   for (Task& task : tasks_) {
     if (task.ended) continue;
     try {
-      if (look_for_mark(task)) {
-        used_marks.push_back(mark_of(task));
-        continue;
-      }
+      if (look_for_mark(task)) continue;
     } catch (const Error&) {
       if (!failure) failure = std::current_exception();
     }
-    if (!task.id.empty()) jobs.insert(task.id.substr(0, task.id.find('_')));
+    if (task.id.empty()) continue;
+    jobs.insert(task.id.substr(0, task.id.find('_')));
+    tasks.insert(task.id);
   }
-  if (!used_marks.empty()) remember();
-  for (const fs::path& mark : used_marks) fs::remove(mark);
+  if (passed_.size() > passed_before) remember();
+  std::erase_if(passed_, [&](const auto& passed) {
+    const auto& [task, mark] = passed;
+    if (tasks.contains(task)) return false;  // Slurm may start it again, and it must not do this part again
+    fs::remove(mark);
+    return true;
+  });
   if (failure) std::rethrow_exception(failure);
   if (all_ended()) return;
   std::map<std::string, std::string> states;
   try {
     states = task_states(jobs);
     last_answer_ = Clock::now();
-  } catch (const Error&) {
-    if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw;
+  } catch (const Error& error) {
+    if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw NoAnswer(error.what());
     return;  // the scheduler restarts, or is busy
   }
   find_due(states);
@@ -361,45 +396,14 @@ void Jobs::cancel() {
 
 }  // namespace
 
-SlurmOptions slurm_named(const std::string& name) {
-  const std::string begin = "slurm";
-  SlurmOptions options;
-  if (name == begin) return options;
-  if (name.starts_with(begin + ":") && name.size() > begin.size() + 1) {
-    options.partition = name.substr(begin.size() + 1);
-    return options;
-  }
-  throw Error(fmt::format("executor '{}': expected local, slurm or slurm:PARTITION", name));
-}
-
-std::vector<std::string> sbatch_words(const std::string& text) {
-  std::vector<std::string> words;
-  bool in_word = false;
-  char quote = 0;
-  for (const char letter : text) {
-    if (quote == 0 && (letter == ' ' || letter == '\t' || letter == '\n')) {
-      in_word = false;
-      continue;
-    }
-    if (!std::exchange(in_word, true)) words.emplace_back();
-    if (letter == quote) {
-      quote = 0;
-    } else if (quote == 0 && (letter == '\'' || letter == '"')) {
-      quote = letter;
-    } else {
-      words.back() += letter;
-    }
-  }
-  if (quote != 0) throw Error(fmt::format("--sbatch '{}': a quote has no end; expected words as in a shell", text));
-  return words;
-}
-
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
                   const SlurmOptions& slurm) {
   if (plans.empty()) return;
   Jobs jobs(plans, options, folder, slurm);
   try {
     jobs.run();
+  } catch (const NoAnswer&) {
+    throw;
   } catch (const Error&) {
     jobs.cancel();
     throw;

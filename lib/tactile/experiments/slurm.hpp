@@ -22,8 +22,15 @@ struct SlurmOptions {
 /// "slurm" or "slurm:PARTITION". @throws Error  if it is neither
 SlurmOptions slurm_named(const std::string& name);
 
-/// The words of `text`, split at blanks that are not in quotes (' or "). @throws Error  if a quote has no end
+/// The words of `text`, split at blanks that are not in quotes (' or ").
+/// @throws Error  if a quote has no end, or a word is no option, or one that `run_on_slurm` sets itself
 std::vector<std::string> sbatch_words(const std::string& text);
+
+/// The options of sbatch for each array.
+std::vector<std::string> words_of(const SlurmOptions& slurm);
+
+/// Asks Slurm whether it would take a job with these options. @throws Error  if not, or if its programs are missing
+void check_slurm(const SlurmOptions& slurm);
 
 /// Runs the processes as tasks of job arrays, and waits for them. By `plans[].key` a task that was submitted earlier and
 /// does this work is known: it is waited for instead of being submitted again, and if it has ended well meanwhile, it is not run
@@ -33,11 +40,11 @@ std::vector<std::string> sbatch_words(const std::string& text);
 /// interrupted.
 ///
 /// `folder` must be shared by all nodes. It gets `jobs.json`, the scripts of the arrays, what Slurm prints, and a file in
-/// `ended/` for each task that has ended: these files, and not the queue, show that a task is done.
+/// `ended/` for each process that has ended, with its exit code: these files, and not the queue, show what is done.
 ///
 /// A task that Slurm ends before its process has ended is submitted again, up to `attempts` times: what runs must be able to
 /// resume. Out of memory, cancelled and any other end is an error. If a process fails, the other tasks are cancelled. If Slurm
-/// refuses tasks while others run, as where their number is limited, they are submitted later.
+/// refuses an array, it is submitted in smaller ones, and what is refused while others run, later.
 /// @throws Error  as `run_processes`; also if Slurm's commands are missing, refuse the jobs, or do not answer for five minutes
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const std::filesystem::path& folder,
                   const SlurmOptions& slurm);

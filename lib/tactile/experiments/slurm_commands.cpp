@@ -71,6 +71,12 @@ Answer answer_of(const std::string& program, const std::vector<std::string>& arg
   }
 }
 
+[[noreturn]] void refuse(const Answer& answer) {
+  throw JobsRefused(
+      fmt::format("sbatch refused the jobs: {}; expected a partition, options and a number of jobs that the cluster takes",
+                  answer.complaint));
+}
+
 std::string joined(const std::set<std::string>& words) { return fmt::format("{}", fmt::join(words, ",")); }
 
 }  // namespace
@@ -82,9 +88,13 @@ std::string submit_array(const std::filesystem::path& script, std::size_t tasks,
   const Answer answer = answer_of("sbatch", arguments);
   std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
   if (answer.succeeded && whole_number_in(job)) return job;
-  throw Error(
-      fmt::format("sbatch refused the jobs: {}; expected a partition, options and a number of jobs that the cluster takes",
-                  answer.complaint));
+  refuse(answer);
+}
+
+void test_submission(const std::vector<std::string>& words) {
+  std::vector<std::string> arguments{"--test-only", "--output=/dev/null", "--wrap=true"};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  if (const Answer answer = answer_of("sbatch", arguments); !answer.succeeded) refuse(answer);
 }
 
 std::map<std::string, std::string> task_states(const std::set<std::string>& jobs) {

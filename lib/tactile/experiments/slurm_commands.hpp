@@ -7,10 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/error.hpp"
+
 namespace tactile::experiments {
 
-/// Submits an array of `tasks` tasks. @return  the job's number. @throws Error  with what sbatch prints
+/// sbatch did not take the jobs: there are too many, or it does not know an option.
+class JobsRefused : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Submits an array of `tasks` tasks. @return  the job's number. @throws JobsRefused  with what sbatch prints
 std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words);
+
+/// Submits nothing. @throws JobsRefused  if sbatch would not take a job with these options
+void test_submission(const std::vector<std::string>& words);
 
 /// The states of the tasks of these jobs that Slurm still knows, by "12_3": "PENDING", "RUNNING", "NODE_FAIL", …
 /// @throws Error  if squeue does not answer

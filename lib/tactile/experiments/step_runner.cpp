@@ -80,7 +80,9 @@ std::string key_of(const Step& step) {
   return hash_of({{"name", step.name}, {"version", steps_since}, {"inputs", all_inputs(step)}});
 }
 
-StepRunner::StepRunner(StepRunnerOptions options) : options_(std::move(options)) {}
+StepRunner::StepRunner(StepRunnerOptions options) : options_(std::move(options)) {
+  if (options_.slurm) check_slurm(*options_.slurm);  // before hours of work here
+}
 
 fs::path StepRunner::file_of(const std::string& name) const { return options_.folder / "steps" / (name + ".json"); }
 
@@ -178,11 +180,12 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
   const std::size_t first_record = records_.size();
   std::vector<DueStep> due;
   std::map<std::string, std::size_t> places, places_of_due;
-  for (const Step& step : steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step& step = steps[i];
     const auto before = places.find(step.after), due_before = places_of_due.find(step.after);
-    if (!step.after.empty() && before == places.end())
-      throw Error(fmt::format("'{}' comes after '{}', which is no earlier step; expected one", step.name, step.after));
-    places.emplace(step.name, places.size());
+    if (!step.after.empty() && (before == places.end() || !is_a_process(step)))
+      throw Error(fmt::format("'{}' comes after '{}'; expected two processes, and the other one earlier", step.name, step.after));
+    places.emplace(step.name, i);
     if (!is_a_process(step)) {
       run(step);
     } else if (due_before != places_of_due.end() || !find_done(step)) {

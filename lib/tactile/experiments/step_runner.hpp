@@ -57,6 +57,7 @@ struct StepRunnerOptions {
 /// interrupted step starts again, or resumes by its own means.
 class StepRunner {
  public:
+  /// @throws Error  if there is no cluster, or it does not take the options of `slurm`
   explicit StepRunner(StepRunnerOptions options);
 
   /// @throws Error  that names the step's command, or the step, and what went wrong
