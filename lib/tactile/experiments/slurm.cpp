@@ -300,8 +300,11 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
   std::vector<Task*> lost;
   std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
-    if (task.ended) continue;
-    if (task.waits()) continue;
+    if (task.ended || task.waits()) continue;
+    if (task.id.empty()) {
+      task.due = true;
+      continue;
+    }
     const auto found = states.find(task.id);
     if (found != states.end() && alive.contains(found->second)) {
       task.looks_without_it = 0;
@@ -312,11 +315,7 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
       }
       continue;
     }
-    if (!task.id.empty() && ++task.looks_without_it < patience) continue;
-    if (task.id.empty()) {
-      task.due = true;
-      continue;
-    }
+    if (++task.looks_without_it < patience) continue;
     lost.push_back(&task);
     if (found == states.end()) forgotten.insert(task.id);
   }
@@ -329,7 +328,7 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
     task->id.clear();
   }
   for (Task& task : tasks_) {
-    if (task.ended || !task.waits() || !task.before->due) continue;
+    if (!task.waits() || !task.before->due) continue;
     task.due = true;
     task.id.clear();
   }
