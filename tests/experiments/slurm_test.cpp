@@ -197,14 +197,17 @@ TEST_F(SlurmJobs, ThatAreRefusedBecauseThereAreManyAreSubmittedInParts) {
 }
 
 TEST_F(SlurmJobs, OfAnEarlierCallAreStillKnownAfterAnotherCall) {
-  const std::vector<ProcessPlan> plans{task("short"), task("long", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done")};
+  // The short one waits, too: if it ended during the first call, that call would report it, and another would run it again.
+  const auto waits_for = [&](const std::string& name) { return "while [ ! -e " + file(name) + " ]; do sleep 0.1; done"; };
+  const std::vector<ProcessPlan> plans{task("short", waits_for("go-short")), task("long", waits_for("go-long"))};
   how_.while_waiting = [&] {
     if (begun_.size() == 2) throw Interrupted();
   };
   EXPECT_THROW(run(plans), Interrupted);
   how_.while_waiting = {};
+  std::ofstream(file("go-short")) << "now";
   run({plans[0]});
-  std::ofstream(file("go")) << "now";
+  std::ofstream(file("go-long")) << "now";
   run({plans[1]});
   EXPECT_EQ(text("short.txt") + text("long.txt"), "done\ndone\n");
 }
