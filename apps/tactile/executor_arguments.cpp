@@ -33,8 +33,9 @@ bool asked_to_cancel() {
 void add_executor_options(Command& command, ExecutorArguments& args) {
   command
       .add_option("--executor", args.executor,
-                  "Where tasks run: local, on this machine; slurm, as jobs of a Slurm cluster; "
-                  "slurm:PARTITION. Data, models and output must then be in folders that all nodes share")
+                  "Where tasks run: local, on this machine; slurm or slurm:PARTITION, as jobs of a Slurm cluster. With slurm, "
+                  "data, models and output must be in folders that all nodes share")
+      .suggest({"local", "slurm"})
       .check(readable_by([](const std::string& name) {
         if (name != "local") experiments::slurm_named(name);
       }))

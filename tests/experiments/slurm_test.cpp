@@ -1,6 +1,6 @@
 #include "tactile/experiments/slurm.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,6 +18,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/experiments/slurm_commands.hpp"
+#include "tactile/experiments/step_runner.hpp"
 
 namespace tactile::experiments {
 namespace {
@@ -54,7 +55,7 @@ TEST(Slurm, WordsForSbatchAreSplitAsByAShell) {
             (Words{"--comment=press study", "--constraint=a|b", ""}));
   EXPECT_EQ(test::error_of([] { sbatch_words("short"); }),
             "--sbatch: 'short' is no option; expected options of sbatch, such as --partition=short");
-  for (const std::string word : {"--array", "--wrap"})
+  for (const std::string word : {"--array", "--wrap", "--quiet", "-W", "-M"})
     EXPECT_EQ(test::error_of([&] { sbatch_words("--mem=4G " + word + "=1"); }),
               "--sbatch: '" + word + "' is set by tactile; expected other options of sbatch");
   EXPECT_EQ(sbatch_words(""), Words{});
@@ -127,9 +128,17 @@ class SlurmJobs : public testing::Test {
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
   }
 
+  /// Commands of a task: until there is a file of this name; which node it is on.
+  std::string waits_for(const std::string& name) const { return "while [ ! -e " + file(name) + " ]; do sleep 0.1; done"; }
+  std::string name_node() const { return "printf %s $SLURMD_NODENAME >" + file("node") + "; "; }
+  std::string node() const { return text("node"); }
+
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   std::string text(const std::string& name) const { return test::text_in_file(folder_ / name); }
-  static std::string queue() { return test::run_shell("squeue --noheader --array --format='%i %T'").out; }
+  static std::string queue() {
+    const auto answer = test::run_shell("squeue --noheader --array --format='%i %T'");
+    return answer.exit_code == 0 ? answer.out : "no answer";
+  }
 
   test::TemporaryFolder folder_;
   std::optional<test::SlurmCluster> cluster_;
@@ -153,9 +162,9 @@ TEST_F(SlurmJobs, EachRunOnceInArraysOfTheLargestSizeAndAreReported) {
 
 TEST_F(SlurmJobs, ThatFailNameTheirLastMessageAndEndTheOthers) {
   const std::string error = test::error_of([&] {
-    run({task("good", "sleep 1000"), task("bad", "echo tactile: no light >&2; exit 3")});
+    run({task("good", "sleep 1000"), task("bad", name_node() + "echo tactile: no light >&2; exit 3")});
   });
-  EXPECT_EQ(error, "'bad' failed: no light");
+  EXPECT_EQ(error, "'bad' failed on node " + node() + ": no light");
   EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
   EXPECT_EQ(text("good.txt"), "");
 
@@ -166,8 +175,7 @@ TEST_F(SlurmJobs, ThatFailNameTheirLastMessageAndEndTheOthers) {
 }
 
 TEST_F(SlurmJobs, ThatEndedWellBeforeAnotherFailedAreKept) {
-  const std::vector<ProcessPlan> plans{task("bad", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done; exit 3"),
-                                       task("good")};
+  const std::vector<ProcessPlan> plans{task("bad", name_node() + waits_for("go") + "; exit 3"), task("good")};
   how_.while_waiting = [&] {
     if (!begun_.empty()) throw Interrupted();
   };
@@ -175,7 +183,7 @@ TEST_F(SlurmJobs, ThatEndedWellBeforeAnotherFailedAreKept) {
   std::ofstream(file("go")) << "now";
   EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
   how_.while_waiting = {};
-  EXPECT_EQ(test::error_of([&] { run(plans); }), "'bad' failed: it ended with 3 and no message");
+  EXPECT_EQ(test::error_of([&] { run(plans); }), "'bad' failed on node " + node() + ": it ended with 3 and no message");
   EXPECT_EQ(ended_, (std::vector<std::size_t>{1}));
 }
 
@@ -198,7 +206,6 @@ TEST_F(SlurmJobs, ThatAreRefusedBecauseThereAreManyAreSubmittedInParts) {
 
 TEST_F(SlurmJobs, OfAnEarlierCallAreStillKnownAfterAnotherCall) {
   // The short one waits, too: if it ended during the first call, that call would report it, and another would run it again.
-  const auto waits_for = [&](const std::string& name) { return "while [ ! -e " + file(name) + " ]; do sleep 0.1; done"; };
   const std::vector<ProcessPlan> plans{task("short", waits_for("go-short")), task("long", waits_for("go-long"))};
   how_.while_waiting = [&] {
     if (begun_.size() == 2) throw Interrupted();
@@ -213,7 +220,7 @@ TEST_F(SlurmJobs, OfAnEarlierCallAreStillKnownAfterAnotherCall) {
 }
 
 TEST_F(SlurmJobs, AreLeftWhenTheWaitingIsInterruptedAndCollectedLater) {
-  const std::vector<ProcessPlan> plans{task("short"), task("long", "while [ ! -e " + file("go") + " ]; do sleep 0.1; done")};
+  const std::vector<ProcessPlan> plans{task("short"), task("long", waits_for("go"))};
   how_.while_waiting = [&] {
     if (ended_.size() == 1 && begun_.size() == 2) throw Interrupted();
   };
@@ -247,12 +254,117 @@ TEST_F(SlurmJobs, OfOtherWorkOfTheSameNameAreNotTakenForIt) {
 }
 
 TEST_F(SlurmJobs, AreRefusedWithTheWordsOfSbatch) {
-  check_slurm(slurm_);
+  check_slurm(slurm_, folder_ / "slurm");
   slurm_.partition = "none";
-  EXPECT_NE(test::error_of([&] { check_slurm(slurm_); }).find("artition"), std::string::npos);
+  EXPECT_NE(test::error_of([&] { check_slurm(slurm_, folder_ / "slurm"); }).find("artition"), std::string::npos);
   const std::string error = test::error_of([&] { run({task("one")}); });
   EXPECT_NE(error.find("sbatch refused the jobs: "), std::string::npos) << error;
   EXPECT_NE(error.find("artition"), std::string::npos) << error;
+}
+
+TEST_F(SlurmJobs, OfWhichSbatchPrintsNoNumberAreNotSubmittedAgain) {
+  std::ofstream(file("sbatch")) << "#!/bin/sh\necho submitted >>" << file("calls") << "\n";
+  fs::permissions(file("sbatch"), fs::perms::owner_all);
+  const ProgramFolders with_sbatch(folder_.path().string() + ":" + ProgramFolders::before());
+  EXPECT_EQ(test::error_of([&] {
+              run({task("one"), task("two")});
+            }),
+            "sbatch took the jobs and printed ''; expected their number (scancel --name=tactile cancels them)");
+  EXPECT_EQ(text("calls"), "submitted\n");
+}
+
+TEST_F(SlurmJobs, ThatWereSubmittedWithoutAnAnswerAreFound) {
+  std::ofstream(file("sbatch")) << "#!/bin/sh\n/usr/bin/sbatch \"$@\" && echo 'Socket timed out' >&2 && exit 1\n";
+  fs::permissions(file("sbatch"), fs::perms::owner_all);
+  const ProgramFolders with_sbatch(folder_.path().string() + ":" + ProgramFolders::before());
+  const std::vector<ProcessPlan> plans{task("one", waits_for("go")), task("two", waits_for("go"))};
+  how_.while_waiting = [&] {
+    if (!begun_.empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run(plans), Interrupted);
+  fs::remove(folder_ / "slurm/jobs.json");  // as where the command was killed before it could note them
+  how_.while_waiting = [&] { std::ofstream(file("go")) << "now"; };
+  run(plans);
+  EXPECT_EQ(text("one.txt") + text("two.txt"), "done\ndone\n");
+}
+
+TEST_F(SlurmJobs, WaitWhileAPartitionIsClosed) {
+  const auto set_partition = [](const std::string& state) {
+    EXPECT_EQ(test::run_shell("scontrol update PartitionName=short State=" + state).exit_code, 0);
+  };
+  set_partition("DOWN");
+  check_slurm(slurm_, folder_ / "slurm");
+  std::vector<std::string> queue;
+  how_.queue = [&](const std::string& text) {
+    if (queue.empty() || queue.back() != text) queue.push_back(text);
+    if (text == "2 wait (PartitionDown)") set_partition("UP");
+  };
+  how_.while_waiting = [&] {
+    if (!queue.empty() && queue.back() == "2 run") std::ofstream(file("go")) << "now";
+  };
+  run({task("one", waits_for("go")), task("two", waits_for("go"))});
+  EXPECT_NE(std::find(queue.begin(), queue.end(), "2 wait (PartitionDown)"), queue.end())
+      << fmt::format("{}", fmt::join(queue, "; "));
+}
+
+TEST_F(SlurmJobs, OfAnEarlierCallAreCollectedWhileTheClusterTakesNoOthers) {
+  const fs::path jobs = folder_ / "slurm";
+  how_.while_waiting = [&] {
+    if (!begun_.empty()) throw Interrupted();
+  };
+  EXPECT_THROW(run({task("one", waits_for("go"))}), Interrupted);
+  slurm_.partition = "none";
+  check_slurm(slurm_, jobs);
+  how_.while_waiting = {};
+  std::ofstream(file("go")) << "now";
+  run({task("one", waits_for("go"))});
+  EXPECT_EQ(text("one.txt"), "done\n");
+  EXPECT_NE(test::error_of([&] { check_slurm(slurm_, jobs); }).find("artition"), std::string::npos);
+}
+
+TEST_F(SlurmJobs, OfOtherWorkHaveEndedBeforeAStepLooksAtWhatTheyLeft) {
+  bool interrupts = true;
+  const auto run_step = [&](int input, const std::function<std::vector<std::string>(const StepStart&)>& arguments) {
+    StepRunner runner({.folder = folder_.path(),
+                       .program = "/bin/sh",
+                       .threads = 2,
+                       .new_progress =
+                           [&] {
+                             return [&](const Progress&) {
+                               if (interrupts && fs::exists(file("runs"))) throw Interrupted();
+                             };
+                           },
+                       .slurm = slurm_});
+    runner.run({.name = "work",
+                .command = "",
+                .inputs = {{"x", input}},
+                .outputs = [] { return nlohmann::json("made"); },
+                .arguments = arguments});
+  };
+  const std::string hard_to_end = "trap '' TERM; : >" + file("runs") + "; " + waits_for("go");
+  EXPECT_THROW(run_step(1, [&](const StepStart&) { return std::vector<std::string>{"-c", hard_to_end}; }), Interrupted);
+  EXPECT_NE(queue().find("RUNNING"), std::string::npos);
+  interrupts = false;
+  run_step(2, [&](const StepStart& start) {
+    EXPECT_EQ(queue(), "");
+    EXPECT_TRUE(start.begun_with_other_inputs);
+    return std::vector<std::string>{"-c", "true"};
+  });
+}
+
+TEST_F(SlurmJobs, OfAStepMayShowTheirFilesLate) {
+  StepRunner runner({.folder = folder_.path(), .program = "/bin/sh", .threads = 2, .slurm = slurm_});
+  int looks = 0;
+  runner.run({.name = "late",
+              .command = "",
+              .inputs = {},
+              .outputs = [&] { return ++looks < 4 ? nlohmann::json() : nlohmann::json("made"); },
+              .arguments =
+                  [](const StepStart&) {
+                    return std::vector<std::string>{"-c", "true"};
+                  }});
+  EXPECT_EQ(runner.done_now(), 1U);
+  EXPECT_EQ(looks, 4);
 }
 
 TEST_F(SlurmJobs, OfANodeThatFailsResumeOnAnotherAndGiveTheSameModel) {
@@ -306,7 +418,7 @@ TEST_F(SlurmJobs, AfterOthersBeginWhereNobodyWaits) {
   constexpr std::size_t trainings = 5;  // in two arrays
   std::vector<ProcessPlan> plans, judgements;
   for (std::size_t i = 0; i < trainings; ++i) {
-    std::vector<ProcessPlan> two = judged_training(std::to_string(i), "while [ ! -e " + file("go") + " ]; do sleep 0.1; done");
+    std::vector<ProcessPlan> two = judged_training(std::to_string(i), waits_for("go"));
     two[1].after = i;
     plans.push_back(two[0]);
     judgements.push_back(two[1]);
@@ -327,13 +439,15 @@ TEST_F(SlurmJobs, AfterOthersBeginWhereNobodyWaits) {
 }
 
 TEST_F(SlurmJobs, AfterOthersAreReplacedWithThemWhereTheyAreOtherWork) {
-  std::vector<ProcessPlan> plans =
-      judged_training("a", "echo begun >>" + file("begun.txt") + "; while [ ! -e " + file("go") + " ]; do sleep 0.1; done");
+  std::vector<ProcessPlan> plans = judged_training("a", "echo begun >>" + file("begun.txt") + "; " + waits_for("go"));
   how_.while_waiting = [&] {
     if (!text("begun.txt").empty()) throw Interrupted();
   };
   EXPECT_THROW(run(plans), Interrupted);
-  how_.while_waiting = [&] { std::ofstream(file("go")) << "now"; };
+  const std::string before = read_json(folder_ / "slurm/jobs.json").at("train-a").at("task");
+  how_.while_waiting = [&] {
+    if (queue().find(before + " ") == std::string::npos) std::ofstream(file("go")) << "now";
+  };
   plans[1].key = "judged-otherwise";
   run(plans);
   EXPECT_EQ(text("begun.txt"), "begun\nbegun\n") << "the earlier task is cancelled";
@@ -343,7 +457,7 @@ TEST_F(SlurmJobs, AfterOthersAreReplacedWithThemWhereTheyAreOtherWork) {
 TEST_F(SlurmJobs, AfterOneThatHasEndedAloneRunAgainWhereSlurmStartsTheirTaskAgain) {
   std::vector<ProcessPlan> plans = judged_training("a");
   plans[1].arguments[1] =
-      "[ -e " + file("second") + " ] || { : >" + file("first") + "; sleep 1000; }; echo done >>" + file("judge-a.txt");
+      "[ -e " + file("second") + " ] || { : >" + file("first") + "; exec sleep 1000; }; echo done >>" + file("judge-a.txt");
   bool requeued = false;
   how_.while_waiting = [&] {
     if (requeued || !fs::exists(file("first")) || ended_.empty()) return;
@@ -364,8 +478,9 @@ TEST_F(SlurmJobs, AfterOneThatASignalEndsBeginWhenItHasRunAgain) {
 }
 
 TEST_F(SlurmJobs, AfterOneThatFailsNeverBegin) {
-  const std::string error = test::error_of([&] { run(judged_training("a", "echo tactile: no light >&2; exit 3")); });
-  EXPECT_EQ(error, "'train-a' failed: no light");
+  const std::string error =
+      test::error_of([&] { run(judged_training("a", name_node() + "echo tactile: no light >&2; exit 3")); });
+  EXPECT_EQ(error, "'train-a' failed on node " + node() + ": no light");
   EXPECT_TRUE(test::comes_true([] { return queue().empty(); }));
   EXPECT_FALSE(fs::exists(file("judge-a.txt")));
   run(judged_training("a"));

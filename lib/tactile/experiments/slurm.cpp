@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,9 +15,9 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
-#include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/experiments/slurm_commands.hpp"
+#include "tactile/experiments/slurm_script.hpp"
 
 namespace tactile::experiments {
 namespace {
@@ -24,22 +25,13 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* jobs_file = "jobs.json";
 constexpr int form_of_jobs = 2;  ///< of the entries in jobs.json and of marks. With another number they are other work
 
 /// Slurm's programs have not answered for long. Its jobs are left.
 class NoAnswer : public Error {
  public:
   using Error::Error;
-};
-
-/// What a process leaves when it has ended.
-struct Mark {
-  std::string key;
-  std::string task;  ///< of Slurm, in which it ran
-  int code = 0;      ///< 128 and more: the number of the signal that ended it, plus 128, as shells have it
-  double seconds = 0;
-
-  bool is_of_signal() const { return code >= 128; }
 };
 
 /// A process in a task of a job.
@@ -59,11 +51,28 @@ struct Task {
 /// Tasks whose processes run one after the other, in one task of Slurm.
 using Chain = std::vector<Task*>;
 
+/// The entries of jobs.json; none if it is missing or damaged.
+nlohmann::json jobs_in(const fs::path& folder) {
+  try {
+    if (nlohmann::json jobs = read_json(folder / jobs_file); jobs.is_object()) return jobs;
+  } catch (const Error&) {
+    // No task was submitted.
+  }
+  return nlohmann::json::object();
+}
+
+void wait_for(std::chrono::milliseconds time, const std::function<void()>& while_waiting) {
+  for (const auto end = Clock::now() + time; Clock::now() < end;) {
+    if (while_waiting) while_waiting();
+    std::this_thread::sleep_for(std::min<std::chrono::milliseconds>(std::chrono::milliseconds(50), time));
+  }
+}
+
 /// The tasks of one call, and their files in `folder`.
 class Jobs {
  public:
   Jobs(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder, const SlurmOptions& slurm)
-      : plans_(plans), options_(options), folder_(fs::absolute(folder)), slurm_(slurm) {
+      : plans_(plans), options_(options), folder_(fs::absolute(folder)), slurm_(slurm), jobs_(jobs_in(folder)) {
     fs::create_directories(folder_ / "ended");
     for (std::size_t i = 0; i < plans.size(); ++i) tasks_.push_back({.index = i, .name = plans[i].log.stem().string(), .id = {}});
     for (Task& task : tasks_) {
@@ -71,6 +80,7 @@ class Jobs {
     }
   }
 
+  void end_other_work();
   void run();
   void cancel();
   bool all_ended() const {
@@ -79,17 +89,16 @@ class Jobs {
 
  private:
   fs::path mark_of(const Task& task) const { return folder_ / "ended" / task.name; }
-  std::optional<Mark> read_mark(const Task& task) const;
-  void find_earlier_tasks();
+  void find_marks();
+  std::optional<Mark> find_mark(const Task& task) const;
   void remember();
   std::vector<Chain> due_chains();
   void submit_due();
   void submit(const std::vector<Chain>& chains);
-  std::string command_of(const Task& task) const;
-  std::string script_of(const std::vector<Chain>& chains) const;
   void look();
   bool look_for_mark(Task& task);
-  void find_due(const std::map<std::string, std::string>& states);
+  void find_due(const std::map<std::string, QueuedTask>& queued);
+  void report_queue(const std::map<std::string, QueuedTask>& queued) const;
   void check_may_repeat(const Task& task, const std::string& state) const;
 
   const std::vector<ProcessPlan>& plans_;
@@ -97,31 +106,30 @@ class Jobs {
   fs::path folder_;
   const SlurmOptions& slurm_;
   std::vector<Task> tasks_;
-  nlohmann::json jobs_ = nlohmann::json::object();        ///< jobs.json, which also has tasks of other calls
+  nlohmann::json jobs_;                                   ///< jobs.json, which also has tasks of other calls
   std::vector<std::pair<std::string, fs::path>> passed_;  ///< the task and mark of processes that have succeeded
+  std::set<std::string> marks_;                           ///< names of the files in `ended/`
   Clock::time_point last_answer_ = Clock::now();
   std::optional<Clock::time_point> last_ran_;  ///< when a task of this call was last in the queue
   Clock::time_point next_submission_{};        ///< after Slurm has refused one
 };
 
-std::optional<Mark> Jobs::read_mark(const Task& task) const {
-  std::ifstream file(mark_of(task));
-  Mark mark;
-  double milliseconds = 0;
-  if (!(file >> mark.key >> mark.task >> mark.code >> milliseconds)) return std::nullopt;
-  if (mark.key != plans_[task.index].key || mark.task != task.id) return std::nullopt;
-  mark.seconds = milliseconds / 1e3;
+/// Lists the folder, because NFS keeps for a minute that there is no file of a name, and looks again when a folder is opened.
+void Jobs::find_marks() {
+  marks_.clear();
+  for (const fs::directory_entry& mark : fs::directory_iterator(folder_ / "ended"))
+    marks_.insert(mark.path().filename().string());
+}
+
+std::optional<Mark> Jobs::find_mark(const Task& task) const {
+  if (!marks_.contains(task.name)) return std::nullopt;
+  std::optional<Mark> mark = read_mark(mark_of(task));
+  if (mark && (mark->key != plans_[task.index].key || mark->task != task.id)) return std::nullopt;
   return mark;
 }
 
-/// Takes over tasks of this work that were submitted before, and cancels those of the same names with other work: they would
-/// write the same files. Files that cannot be read mean that there are none.
-void Jobs::find_earlier_tasks() {
-  try {
-    if (nlohmann::json read = read_json(folder_ / "jobs.json"); read.is_object()) jobs_ = std::move(read);
-  } catch (const Error&) {
-    return;
-  }
+/// Takes over tasks of this work that were submitted before.
+void Jobs::end_other_work() {
   std::set<std::string> others;
   for (Task& task : tasks_) {
     const auto found = jobs_.find(task.name);
@@ -136,7 +144,14 @@ void Jobs::find_earlier_tasks() {
   for (Task& task : tasks_) {
     if (others.contains(task.id)) task.id.clear();  // this task also does other work
   }
-  cancel_tasks(others);
+  if (others.empty()) return;
+  if (options_.queue) options_.queue(fmt::format("{} earlier tasks end", others.size()));
+  if (!end_tasks(others, std::chrono::minutes(5), [this] { wait_for(slurm_.poll, options_.while_waiting); }))
+    throw NoAnswer(
+        fmt::format("Slurm does not end the cancelled tasks {}, which write the same files; expected that they end "
+                    "(scontrol show job {})",
+                    fmt::join(others, ", "), *others.begin()));
+  remember();
 }
 
 /// Entries of other calls stay.
@@ -148,61 +163,32 @@ void Jobs::remember() {
       jobs_[task.name] = {{"form", form_of_jobs}, {"key", plans_[task.index].key}, {"task", task.id}};
     }
   }
-  write_json(folder_ / "jobs.json", jobs_);
-}
-
-std::string Jobs::command_of(const Task& task) const {
-  const ProcessPlan& plan = plans_[task.index];
-  std::string command = fmt::format("run {} {} {} {}", shell_word(task.name), shell_word(plan.key),
-                                    shell_word(fs::absolute(plan.log).string()), shell_word(options_.program.string()));
-  for (const std::string& word : plan.arguments) command += " " + shell_word(word);
-  return command;
-}
-
-/// One branch for each chain. A mark appears in one step. Where Slurm starts a task again, processes that have succeeded do not
-/// run again.
-std::string Jobs::script_of(const std::vector<Chain>& chains) const {
-  std::string script = fmt::format(
-      "#!/bin/sh\n"
-      "# The tasks of a job array.\n"
-      "cd {} || exit 1\n"
-      "run() {{  # NAME KEY LOG PROGRAM WORD...\n"
-      "  name=$1 key=$2 log=$3\n"
-      "  shift 3\n"
-      "  mark={}/$name task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID\n"
-      "  grep -qs \"^$key $task 0 \" \"$mark\" && return 0\n"
-      "  begun=$(date +%s%N)\n"
-      "  \"$@\" </dev/null >/dev/null 2>\"$log\"\n"
-      "  code=$?\n"
-      "  echo \"$key $task $code $((($(date +%s%N) - begun) / 1000000))\" >\"$mark.part$$\" && mv \"$mark.part$$\" \"$mark\"\n"
-      "  return $code\n"
-      "}}\n"
-      "case $SLURM_ARRAY_TASK_ID in\n",
-      shell_word(fs::current_path().string()), shell_word((folder_ / "ended").string()));
-  for (std::size_t i = 0; i < chains.size(); ++i) {
-    script += fmt::format("{}) {}", i, command_of(*chains[i].front()));
-    for (std::size_t next = 1; next < chains[i].size(); ++next) script += " && " + command_of(*chains[i][next]);
-    script += " ;;\n";
-  }
-  return script + "esac\n";
+  write_json(folder_ / jobs_file, jobs_);
 }
 
 void Jobs::submit(const std::vector<Chain>& chains) {
-  for (const Chain& chain : chains) {
-    for (const Task* task : chain) {
-      fs::remove(mark_of(*task));
+  std::vector<ScriptedTask> scripted(chains.size());
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    for (const Task* task : chains[i]) {
       fs::create_directories(plans_[task->index].log.parent_path());
+      scripted[i].push_back({task->name, &plans_[task->index]});
     }
   }
-  const std::string text = script_of(chains);
+  const std::string text = script_of(scripted, options_.program, folder_ / "ended");
   const fs::path script = folder_ / (sha256_of(text).substr(0, 12) + ".sh");
-  write_whole(script, text);
-  std::vector<std::string> words = words_of(slurm_);
-  words.push_back("--output=" + (folder_ / "slurm.log").string());
-  const std::string job = submit_array(script, chains.size(), words);
+  std::optional<std::string> job = live_job_of(script);  // of a call that was killed before it noted the job
+  if (!job) {
+    for (const Chain& chain : chains) {
+      for (const Task* task : chain) fs::remove(mark_of(*task));
+    }
+    write_whole(script, text);
+    std::vector<std::string> words = words_of(slurm_);
+    words.push_back("--output=" + (folder_ / "slurm.log").string());
+    job = submit_array(script, chains.size(), words);
+  }
   for (std::size_t i = 0; i < chains.size(); ++i) {
     for (Task* task : chains[i]) {
-      task->id = fmt::format("{}_{}", job, i);
+      task->id = fmt::format("{}_{}", *job, i);
       task->due = false;
       task->looks_without_it = 0;
       task->attempts = task->waits() ? 1 : task->attempts + 1;
@@ -252,12 +238,12 @@ void Jobs::submit_due() {
 /// Whether the task has ended. @throws Error  if its process failed
 bool Jobs::look_for_mark(Task& task) {
   if (task.waits() || task.id.empty()) return false;
-  const std::optional<Mark> mark = read_mark(task);
+  const std::optional<Mark> mark = find_mark(task);
   if (!mark || mark->is_of_signal()) return false;  // Slurm's state says why, and whether to repeat it
   const ProcessPlan& plan = plans_[task.index];
   if (mark->code != 0) {
     const std::string words = last_message(plan.log);
-    throw Error(fmt::format("'{}' failed: {}", plan.name,
+    throw Error(fmt::format("'{}' failed on node {}: {}", plan.name, mark->node,
                             words.empty() ? fmt::format("it ended with {} and no message", mark->code) : words));
   }
   if (!task.begun && options_.begun) options_.begun(task.index);
@@ -276,7 +262,7 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
                     "\"--mem=4G\"",
                     name, task.id));  // clang-format off
   if (state == "CANCELLED") throw Error(fmt::format("'{}' failed: job {} was cancelled", name, task.id));
-  if (const std::optional<Mark> mark = read_mark(task); state == "FAILED" && mark && mark->is_of_signal()) {
+  if (const std::optional<Mark> mark = find_mark(task); state == "FAILED" && mark && mark->is_of_signal()) {
     if (task.attempts < slurm_.attempts) return;
     throw Error(fmt::format("'{}' failed: it was started {} times, and signal {} ended it the last time; if memory was short, "
                             "expected --sbatch with more, such as \"--mem=4G\" (its log: {})",
@@ -292,12 +278,11 @@ void Jobs::check_may_repeat(const Task& task, const std::string& state) const {
 }
 
 /// Tasks that Slurm no longer runs, and whose process has not ended by itself, are due again: a mark may reach this machine some
-/// seconds late. What comes after a task that is due is due with it.
-void Jobs::find_due(const std::map<std::string, std::string>& states) {
-  static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
-                                           "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
-  constexpr unsigned patience = 4;
+/// seconds late, and the one of a task that Slurm saw succeed a minute. What comes after a task that is due is due with it.
+void Jobs::find_due(const std::map<std::string, QueuedTask>& queued) {
+  constexpr unsigned patience = 4, patience_with_completed = 20;
   std::vector<Task*> lost;
+  std::map<std::string, std::string> states;
   std::set<std::string> forgotten;  // of the lost ones, by squeue
   for (Task& task : tasks_) {
     if (task.ended || task.waits()) continue;
@@ -305,25 +290,25 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
       task.due = true;
       continue;
     }
-    const auto found = states.find(task.id);
-    if (found != states.end() && alive.contains(found->second)) {
+    const auto found = queued.find(task.id);
+    const std::string state = found == queued.end() ? "" : found->second.state;
+    if (!state.empty() && is_alive(found->second)) {
       task.looks_without_it = 0;
       last_ran_ = Clock::now();
-      if (found->second == "RUNNING" && !task.begun) {
+      if (state == "RUNNING" && !task.begun) {
         task.begun = true;
         if (options_.begun) options_.begun(task.index);
       }
       continue;
     }
-    if (++task.looks_without_it < patience) continue;
+    if (++task.looks_without_it < (state == "COMPLETED" ? patience_with_completed : patience)) continue;
     lost.push_back(&task);
-    if (found == states.end()) forgotten.insert(task.id);
+    states[task.id] = state;
+    if (state.empty()) forgotten.insert(task.id);
   }
-  const std::map<std::string, std::string> accounted = accounted_states(forgotten);
+  for (const auto& [task, state] : accounted_states(forgotten)) states[task] = state;
   for (Task* task : lost) {
-    const auto& known = forgotten.contains(task->id) ? accounted : states;
-    const auto found = known.find(task->id);
-    check_may_repeat(*task, found == known.end() ? "" : found->second);
+    check_may_repeat(*task, states.at(task->id));
     task->due = true;
     task->id.clear();
   }
@@ -334,11 +319,32 @@ void Jobs::find_due(const std::map<std::string, std::string>& states) {
   }
 }
 
+/// "4 run, 20 wait"; if none runs, also why the first one waits: "20 wait (Resources)".
+void Jobs::report_queue(const std::map<std::string, QueuedTask>& queued) const {
+  if (!options_.queue) return;
+  std::set<std::string> run, wait;
+  std::string reason;
+  for (const Task& task : tasks_) {
+    const auto found = queued.find(task.id);
+    if (found == queued.end() || !is_alive(found->second)) continue;
+    if (found->second.state == "RUNNING") {
+      run.insert(task.id);
+    } else if (wait.insert(task.id).second && reason.empty() && found->second.reason != "None") {
+      reason = found->second.reason;
+    }
+  }
+  std::string text = run.empty() ? "" : fmt::format("{} run", run.size());
+  if (!wait.empty()) text += fmt::format("{}{} wait", text.empty() ? "" : ", ", wait.size());
+  if (run.empty() && !reason.empty()) text += fmt::format(" ({})", reason);
+  options_.queue(text);
+}
+
 /// One look at the marks and the queue; submits what no job does.
 void Jobs::look() {
-  std::set<std::string> jobs, tasks;  // that are still waited for
-  std::exception_ptr failure;         // the first one, once all that has ended well is known
+  std::set<std::string> tasks;  // that are still waited for
+  std::exception_ptr failure;   // the first one, once all that has ended well is known
   const std::size_t passed_before = passed_.size();
+  find_marks();
   for (Task& task : tasks_) {
     if (task.ended) continue;
     try {
@@ -347,7 +353,6 @@ void Jobs::look() {
       if (!failure) failure = std::current_exception();
     }
     if (task.id.empty()) continue;
-    jobs.insert(task.id.substr(0, task.id.find('_')));
     tasks.insert(task.id);
   }
   if (passed_.size() > passed_before) remember();
@@ -359,41 +364,51 @@ void Jobs::look() {
   });
   if (failure) std::rethrow_exception(failure);
   if (all_ended()) return;
-  std::map<std::string, std::string> states;
+  std::map<std::string, QueuedTask> queued;
   try {
-    states = task_states(jobs);
+    queued = queued_tasks(tasks);
     last_answer_ = Clock::now();
   } catch (const Error& error) {
     if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw NoAnswer(error.what());
     return;  // the scheduler restarts, or is busy
   }
-  find_due(states);
+  find_due(queued);
+  report_queue(queued);
   submit_due();
 }
 
 void Jobs::run() {
-  find_earlier_tasks();
+  end_other_work();
   while (true) {
     look();
     if (all_ended()) return;
-    for (const auto end = Clock::now() + slurm_.poll; Clock::now() < end;) {
-      if (options_.while_waiting) options_.while_waiting();
-      std::this_thread::sleep_for(std::min<std::chrono::milliseconds>(std::chrono::milliseconds(50), slurm_.poll));
-    }
+    wait_for(slurm_.poll, options_.while_waiting);
   }
 }
 
-/// Also forgets the tasks: the same command submits them again.
+/// Also forgets the tasks: the same command submits them again. One that does not end soon stays known as other work.
 void Jobs::cancel() {
+  constexpr auto patience = std::chrono::minutes(1);  // Slurm kills what has not ended within half a minute, by default
   std::set<std::string> ids;
   for (Task& task : tasks_) {
-    if (!task.id.empty()) ids.insert(std::exchange(task.id, {}));
+    if (task.id.empty()) continue;
+    ids.insert(task.id);
+    jobs_[task.name] = {{"form", form_of_jobs}, {"key", "cancelled"}, {"task", std::exchange(task.id, {})}};
   }
-  cancel_tasks(ids);
-  remember();
+  write_json(folder_ / jobs_file, jobs_);
+  if (end_tasks(ids, patience, [this] { wait_for(slurm_.poll, {}); })) remember();
 }
 
 }  // namespace
+
+void check_slurm(const SlurmOptions& slurm, const fs::path& folder) {
+  if (jobs_in(folder).empty()) test_submission(words_of(slurm));
+}
+
+void end_other_work(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
+                    const SlurmOptions& slurm) {
+  if (!plans.empty()) Jobs(plans, options, folder, slurm).end_other_work();
+}
 
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
                   const SlurmOptions& slurm) {

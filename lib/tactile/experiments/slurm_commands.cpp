@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <optional>
 #include <sstream>
 #include <system_error>
 
@@ -81,33 +82,63 @@ std::string joined(const std::set<std::string>& words) { return fmt::format("{}"
 
 }  // namespace
 
+std::optional<std::string> live_job_of(const std::filesystem::path& script) {
+  std::istringstream lines(answer_of("squeue", {"--me", "--noheader", "--format=%F %o"}).printed);
+  std::string job, command;
+  while (lines >> job && std::getline(lines >> std::ws, command)) {
+    if (command == script.string()) return job;
+  }
+  return std::nullopt;
+}
+
 std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words) {
   std::vector<std::string> arguments{"--parsable", fmt::format("--array=0-{}", tasks - 1)};
   arguments.insert(arguments.end(), words.begin(), words.end());
   arguments.push_back(script.string());
   const Answer answer = answer_of("sbatch", arguments);
+  if (!answer.succeeded) {
+    if (const auto taken = live_job_of(script)) return *taken;  // the answer did not come in time
+    refuse(answer);
+  }
   std::string job = answer.printed.substr(0, answer.printed.find_first_of(";\n"));
-  if (answer.succeeded && whole_number_in(job)) return job;
-  refuse(answer);
+  if (!whole_number_in(job))
+    throw Error(fmt::format("sbatch took the jobs and printed '{}'; expected their number (scancel --name=tactile cancels them)",
+                            in_one_line(answer.printed)));
+  return job;
 }
 
 void test_submission(const std::vector<std::string>& words) {
   std::vector<std::string> arguments{"--test-only", "--output=/dev/null", "--wrap=true"};
   arguments.insert(arguments.end(), words.begin(), words.end());
-  if (const Answer answer = answer_of("sbatch", arguments); !answer.succeeded) refuse(answer);
+  const Answer answer = answer_of("sbatch", arguments);
+  if (answer.succeeded) return;
+  // A full queue, or a partition that is closed: jobs are submitted later.
+  for (const char* passing : {"QOS policy", "busy", "partition not available", "temporarily unable"}) {
+    if (answer.complaint.find(passing) != std::string::npos) return;
+  }
+  refuse(answer);
 }
 
-std::map<std::string, std::string> task_states(const std::set<std::string>& jobs) {
-  std::map<std::string, std::string> states;
-  if (jobs.empty()) return states;
+bool is_alive(const QueuedTask& task) {
+  static const std::set<std::string> alive{"PENDING",  "RUNNING",   "SUSPENDED", "COMPLETING", "CONFIGURING",  "REQUEUED",
+                                           "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",    "REQUEUE_HOLD", "REQUEUE_FED"};
+  return alive.contains(task.state);
+}
+
+std::map<std::string, QueuedTask> queued_tasks(const std::set<std::string>& tasks) {
+  std::map<std::string, QueuedTask> all;
+  if (tasks.empty()) return all;
+  std::set<std::string> jobs;  // whole ones: a command's arguments have a limit
+  for (const std::string& task : tasks) jobs.insert(task.substr(0, task.find('_')));
   const Answer answer =
-      answer_of("squeue", {"--noheader", "--array", "--states=all", "--format=%i %T", "--jobs=" + joined(jobs)});
+      answer_of("squeue", {"--noheader", "--array", "--states=all", "--format=%i %T %r", "--jobs=" + joined(jobs)});
   // Slurm forgets jobs some minutes after their end, and then complains of the number.
   if (!answer.succeeded && answer.complaint.find("Invalid job id") == std::string::npos)
     throw Error("squeue does not answer: " + answer.complaint);
   std::istringstream lines(answer.printed);
-  for (std::string task, state; lines >> task >> state;) states[task] = state;
-  return states;
+  std::string task;
+  for (QueuedTask queued; lines >> task >> queued.state && std::getline(lines >> std::ws, queued.reason);) all[task] = queued;
+  return all;
 }
 
 std::map<std::string, std::string> accounted_states(const std::set<std::string>& tasks) {
@@ -128,6 +159,9 @@ std::map<std::string, std::string> accounted_states(const std::set<std::string>&
   return states;
 }
 
+namespace {
+
+/// As many as Slurm still knows.
 void cancel_tasks(const std::set<std::string>& tasks) {
   constexpr std::size_t at_once = 500;  // a command's arguments have a limit
   for (auto next = tasks.begin(); next != tasks.end();) {
@@ -139,6 +173,24 @@ void cancel_tasks(const std::set<std::string>& tasks) {
       return;
     }
   }
+}
+
+}  // namespace
+
+bool end_tasks(const std::set<std::string>& tasks, std::chrono::seconds longest, const std::function<void()>& wait) {
+  using Clock = std::chrono::steady_clock;
+  if (tasks.empty()) return true;
+  cancel_tasks(tasks);
+  for (const auto end = Clock::now() + longest; Clock::now() < end; wait()) {
+    try {
+      const std::map<std::string, QueuedTask> queued = queued_tasks(tasks);
+      const auto runs = [&](const std::string& task) { return queued.contains(task) && is_alive(queued.at(task)); };
+      if (std::none_of(tasks.begin(), tasks.end(), runs)) return true;
+    } catch (const Error&) {
+      // The scheduler restarts, or is busy.
+    }
+  }
+  return false;
 }
 
 std::size_t largest_array() {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <thread>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -81,7 +82,7 @@ std::string key_of(const Step& step) {
 }
 
 StepRunner::StepRunner(StepRunnerOptions options) : options_(std::move(options)) {
-  if (options_.slurm) check_slurm(*options_.slurm);  // before hours of work here
+  if (options_.slurm) check_slurm(*options_.slurm, slurm_folder());  // before hours of work here
 }
 
 fs::path StepRunner::file_of(const std::string& name) const { return options_.folder / "steps" / (name + ".json"); }
@@ -151,6 +152,8 @@ void StepRunner::begin(const Step& step) const {
 void StepRunner::finish(const Step& step, double seconds) {
   Known known;
   known.outputs = step.outputs();
+  for (auto end = Clock::now() + late_files(); known.outputs.is_null() && Clock::now() < end; known.outputs = step.outputs())
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   if (known.outputs.is_null())
     throw Error(fmt::format("'{}' ended, but its outputs are missing or changed meanwhile", command_or_name(step)));
   known.done = known.made_outputs = true;
@@ -201,18 +204,25 @@ void StepRunner::run_side_by_side(const std::vector<Step>& steps) {
       [&](const results::StepRecord& a, const results::StepRecord& b) { return places.at(a.name) < places.at(b.name); });
 }
 
-ProcessPlan StepRunner::plan_of(const DueStep& due, unsigned threads) const {
+/// Without its arguments.
+ProcessPlan StepRunner::plan_of(const DueStep& due) const {
   const Step& step = *due.step;
-  const Known known = read(step.name);
   // Not all inputs are known before the step `after` is done. Its key stands for them, also later: so the task is found again.
   const std::string key =
       due.before ? hash_of({{"name", step.name}, {"inputs", step.inputs}, {"after", key_of(*due.before)}}) : key_of(step);
-  const bool other_inputs = !due.after && !known.key.empty() && known.key != key_of(step);
   return {.name = command_or_name(step),
-          .arguments = step.arguments ? step.arguments({other_inputs, known.made_outputs, threads}) : step.on_cluster(),
+          .arguments = {},
           .log = options_.folder / "logs" / (step.name + ".log"),
           .key = key,
           .after = due.after};
+}
+
+std::vector<std::string> StepRunner::arguments_of(const DueStep& due, unsigned threads) const {
+  const Step& step = *due.step;
+  if (!step.arguments) return step.on_cluster();
+  const Known known = read(step.name);
+  const bool other_inputs = !due.after && !known.key.empty() && known.key != key_of(step);
+  return step.arguments({other_inputs, known.made_outputs, threads});
 }
 
 void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
@@ -222,17 +232,19 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
   std::vector<ProcessPlan> plans;
   std::vector<KindCount> counts;
   for (const DueStep& one : due) {
-    // `arguments` removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between
-    // would make the old leftovers look like the new step's own.
-    plans.push_back(plan_of(one, threads_each));
+    plans.push_back(plan_of(one));
     ++count_of(counts, one.step->kind).all;
-    if (!one.after) begin(*one.step);
   }
   std::size_t ended = 0;
+  std::string queue;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
   const ProcessesOptions how{.program = options_.program,
                              .at_once = options_.threads,
-                             .while_waiting = [&] { report_progress(progress, ended, due.size(), text_of(counts)); },
+                             .while_waiting =
+                                 [&] {
+                                   const std::string text = text_of(counts) + (queue.empty() ? "" : "; " + queue);
+                                   report_progress(progress, ended, due.size(), text);
+                                 },
                              .begun =
                                  [&](std::size_t index) {
                                    if (due[index].after) begin(*due[index].step);
@@ -243,8 +255,16 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
                                    finish(*due[index].step, seconds);
                                    ++count_of(counts, due[index].step->kind).ended;
                                    ++ended;
-                                 }};
-  options_.slurm ? run_on_slurm(plans, how, options_.folder / "slurm", *options_.slurm) : run_processes(plans, how);
+                                 },
+                             .queue = [&](const std::string& text) { queue = text; }};
+  if (options_.slurm) end_other_work(plans, how, slurm_folder(), *options_.slurm);
+  for (std::size_t i = 0; i < due.size(); ++i) {
+    // This removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between would
+    // make the old leftovers look like the new step's own. What still used them has ended.
+    plans[i].arguments = arguments_of(due[i], threads_each);
+    if (!due[i].after) begin(*due[i].step);
+  }
+  options_.slurm ? run_on_slurm(plans, how, slurm_folder(), *options_.slurm) : run_processes(plans, how);
 }
 
 std::vector<nlohmann::json> step_records(const fs::path& experiment, std::string_view begin) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -87,10 +88,14 @@ class StepRunner {
   std::optional<Known> known_as_done(const Step& step) const;
   bool find_done(const Step& step);
   void begin(const Step& step) const;
+  std::filesystem::path slurm_folder() const { return options_.folder / "slurm"; }
+  /// How long a folder that machines share may not show what another one wrote: NFS keeps it for at most a minute.
+  std::chrono::seconds late_files() const { return std::chrono::seconds(options_.slurm ? 60 : 0); }
   void report(const Step& step, bool kept) const;
   void finish(const Step& step, double seconds);
   bool is_a_process(const Step& step) const { return step.arguments || (options_.slurm && step.on_cluster); }
-  ProcessPlan plan_of(const DueStep& due, unsigned threads) const;
+  ProcessPlan plan_of(const DueStep& due) const;
+  std::vector<std::string> arguments_of(const DueStep& due, unsigned threads) const;
   void run_processes_of(const std::vector<DueStep>& due);
 
   StepRunnerOptions options_;
