@@ -92,6 +92,14 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
       EXPECT_EQ(part.at("exist"), part.at("count")) << part;
     }
   }
+  const auto with_more = test::run_tactile(small + as_before + " --epochs 7 --dry-run", folder.path());
+  ASSERT_EQ(with_more.exit_code, 0) << with_more.err;
+  for (const auto& part : nlohmann::json::parse(with_more.out).at("parts")) {
+    const std::string what = part.at("what");
+    if (what.find("training") != std::string::npos || what.find("judgement") != std::string::npos) {
+      EXPECT_EQ(part.at("exist"), 0) << part;
+    }
+  }
   EXPECT_TRUE(study.at("simulated"));
   EXPECT_NE(study.at("title").get<std::string>().find("simulated"), std::string::npos);
   EXPECT_EQ(study.at("choice").at("th_ms"), 40);

@@ -37,6 +37,7 @@ struct StudiedRuns {
   std::size_t count = 0, labelled = 0;
   double samples = 0;  ///< of all
   bool has_dataset = false;
+  std::string manifest;  ///< hash of the dataset's
   std::size_t stored_histories = 0;
   std::string samples_from;
 
@@ -83,6 +84,7 @@ StudiedRuns runs_of(const StudyOptions& options) {
   if (!is_there(file)) return runs;
   const windows::Dataset dataset(file);
   runs.has_dataset = true;
+  runs.manifest = dataset.manifest_hash();
   runs.samples = static_cast<double>(dataset.samples().size());
   runs.samples_from = file.string();
   for (const microseconds history : options.histories)
@@ -110,12 +112,45 @@ HeldOut held_out_of(const StudyOptions& options, const StudiedRuns& runs) {
   return held_out;
 }
 
-/// Steps of the study in `out` whose names begin so and that are done.
-std::size_t done_steps(const fs::path& out, std::string_view begin) {
-  const std::vector<nlohmann::json> records = experiments::step_records(out, begin);
-  return static_cast<std::size_t>(std::count_if(records.begin(), records.end(), [](const nlohmann::json& step) {
-    return step.is_object() && step.value("done", nlohmann::json()) == true;
-  }));
+/// Steps of an earlier call that this one keeps, as far as their names and settings tell.
+struct KeptSteps {
+  std::size_t single = 0, without = 0, judgements = 0, evaluations = 0;
+};
+
+/// Whether a study with these options has a training of these settings. A record that cannot be read is of none.
+bool has_training(const StudyOptions& options, const nlohmann::json& inputs, windows::SplitKind split) {
+  try {
+    const auto settings = inputs.at("settings").get<model::ModelSettings>();
+    const std::vector<microseconds>& histories = options.histories;
+    return settings.split.kind == split && settings.training.epochs == *options.epochs &&
+           settings.training.seed - options.seed < *options.trainings && settings.training.engine == options.engine &&
+           settings.network == options.network &&
+           std::find(histories.begin(), histories.end(), settings.rendering.history) != histories.end();
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+/// @param manifest  hash of the dataset's
+KeptSteps kept_steps(const StudyOptions& options, const std::string& manifest) {
+  std::map<std::string, nlohmann::json> done;  // by name, with its inputs
+  for (const nlohmann::json& step : experiments::step_records(options.out, "")) {
+    if (!step.is_object() || step.value("done", nlohmann::json()) != true) continue;
+    const nlohmann::json inputs = step.value("inputs", nlohmann::json());
+    if (inputs.is_object() && inputs.value("manifest", nlohmann::json()) == manifest) done[step.value("name", "")] = inputs;
+  }
+  KeptSteps kept;
+  for (const auto& [name, inputs] : done) {
+    constexpr std::string_view training = "train-";
+    if (name.starts_with("evaluate-")) ++kept.evaluations;
+    if (!name.starts_with(training)) continue;
+    const bool is_single = has_training(options, inputs, windows::SplitKind::single_run);
+    const bool is_without = has_training(options, inputs, windows::SplitKind::unseen);
+    kept.single += is_single ? 1 : 0;
+    kept.without += is_without ? 1 : 0;
+    if (is_single || is_without) kept.judgements += done.contains("judge-" + name.substr(training.size())) ? 1 : 0;
+  }
+  return kept;
 }
 
 }  // namespace
@@ -145,29 +180,27 @@ experiments::Estimate estimate_study(const StudyOptions& requested) {
   // Each training learns from one run of each object.
   const std::size_t single = options.histories.size() * *options.trainings;
   const std::size_t without = held_out.sets * *options.trainings + held_out.splits;
-  const std::size_t trained = done_steps(options.out, "train-");
+  const KeptSteps kept = runs.has_dataset ? kept_steps(options, runs.manifest) : KeptSteps{};
   const auto training_s = [&](std::size_t objects) {
     return cost.training_start + static_cast<double>(objects) * samples_of_run * *options.epochs / images_per_s;
   };
-  estimate.add({.what = "trainings", .count = single, .exist = trained, .one_thread = true}, training_s(runs.objects()),
-               bytes_of_model);
-  estimate.add({.what = "trainings without some objects",
-                .count = without,
-                .exist = trained - std::min(trained, single),
-                .one_thread = true},
-               training_s(runs.objects() - held_out.objects), bytes_of_model);
+  estimate.add({.what = "trainings", .count = single, .exist = std::min(kept.single, single), .one_thread = true},
+               training_s(runs.objects()), bytes_of_model);
+  estimate.add(
+      {.what = "trainings without some objects", .count = without, .exist = std::min(kept.without, without), .one_thread = true},
+      training_s(runs.objects() - held_out.objects), bytes_of_model);
   // A model is judged on the runs that it did not learn from, and reports on those that chose no history either.
   const auto share_without = [&](std::size_t runs_of_each) {
     return std::max(0.0, 1 - static_cast<double>(runs_of_each * runs.objects()) / count);
   };
   estimate.add({.what = "judgements of samples",
                 .count = single + without,
-                .exist = done_steps(options.out, "judge-"),
+                .exist = std::min(kept.judgements, single + without),
                 .one_thread = true},
                cost.judged_sample * runs.samples * share_without(1), 0);
   const std::size_t choice = preset_settings(options.preset).choice_runs;
   const double ticks = runs.seconds / tick_s * (share_without(1) + share_without(1 + choice)) / 2;
-  estimate.add({.what = "evaluations of all ticks", .count = 2, .exist = done_steps(options.out, "evaluate-")},
+  estimate.add({.what = "evaluations of all ticks", .count = 2, .exist = std::min<std::size_t>(kept.evaluations, 2)},
                *options.trainings * (cost.evaluation + cost.evaluated_tick * ticks), 0);
   return estimate;
 }

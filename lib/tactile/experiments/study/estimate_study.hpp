@@ -9,7 +9,7 @@ namespace tactile::study {
 /// second or two; writes nothing.
 ///
 /// The times are estimates: other work may be slower or faster on this machine than its speed in training lets expect. What
-/// exists is counted and not checked: a study makes again what does not fit its options.
+/// exists is counted, and only trainings are checked against the options: a study makes again what does not fit them.
 /// @throws Error  as `completed`, or if a dataset or a recording cannot be read
 experiments::Estimate estimate_study(const StudyOptions& options);
 
