@@ -1,6 +1,7 @@
 #include "tactile/core/parallel.hpp"
 
 #include <pthread.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
@@ -161,7 +162,14 @@ class Pool {
 
 }  // namespace
 
-unsigned threads_or_all(unsigned threads) { return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()); }
+unsigned threads_or_all(unsigned threads) {
+  if (threads > 0) return threads;
+  // A cluster or a container may give this process some cores of a machine.
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (::sched_getaffinity(0, sizeof cores, &cores) == 0) return static_cast<unsigned>(CPU_COUNT(&cores));
+  return std::max(1U, std::thread::hardware_concurrency());  // more than 1024
+}
 
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work) {
   threads = threads_or_all(threads);

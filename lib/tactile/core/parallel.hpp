@@ -8,7 +8,7 @@
 
 namespace tactile {
 
-/// `threads`, or as many as the machine has cores if it is 0; > 0.
+/// `threads`, or as many as there are cores that this process may use if it is 0; > 0.
 unsigned threads_or_all(unsigned threads);
 
 /// Calls `work(i)` once for every i in [0, count), on up to `threads` threads (0: one per core). The first exception ends the
