@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "arrays.hpp"
+#include "interruption.hpp"
 #include "recording.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/run_ticks.hpp"
@@ -70,7 +71,9 @@ nb::tuple predict(const Classifier& classifier, Recording& recording, double tic
     const WorkingAlone alone(recording.mutex);
     const auto predictor = classifier.on_events(*recording.stream.size, rendering);
     const auto add = [&](std::span<const events::Event> chunk) { predictor->add(chunk); };
+    Interruption interruption;
     const auto predict_tick = [&](CameraTime tick) {
+      interruption.check();
       predictor->move_to(tick);
       predictor->prepare();
       ticks.push_back(tick.time_since_epoch().count());

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <mutex>
 
 #include "arrays.hpp"
+#include "interruption.hpp"
 #include "recording.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/run_ticks.hpp"
@@ -63,8 +66,10 @@ nb::tuple render_every_tick(Recording& recording, const std::string& settings) {
     if (const std::string reason = why_too_many(listed); !reason.empty())
       throw Error(recording.reader.file().string() + ": " + reason);
     Heatmaps rendered(heatmaps::heatmap_size(sensor, options.factor), static_cast<std::size_t>(listed.count));
+    Interruption interruption;
     for_every_tick(recording.reader, recording.stream.id, options,
                    [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events_in_window) {
+                     interruption.check();
                      rendered.ticks.push_back(tick.time_since_epoch().count());
                      rendered.values.insert(rendered.values.end(), heatmap.begin(), heatmap.end());
                      rendered.events.push_back(events_in_window);
@@ -107,8 +112,10 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
         throw Error(fmt::format("{}: tick {} us is not inside the recording with its history; expected {} to {}", name, tick,
                                 after(first, options.history).time_since_epoch().count(), last.time_since_epoch().count()));
     }
+    Interruption interruption;
     for_events_between(recording.reader, recording.stream.id, before(camera_time(times.front()), options.history),
                        camera_time(times.back()), [&](std::span<const Event> chunk) {
+                         interruption.check();
                          renderer.add(chunk);
                          while (next < times.size() && camera_time(times[next]) <= chunk.back().t) render_next();
                        });
@@ -171,6 +178,8 @@ void bind_heatmaps(nb::module_& module) {
   module.def(
       "stored_name", [](const std::string& settings) { return heatmaps::stored_name(options_in(settings)); },
       nb::arg("settings"));
+  module.def(
+      "read_mask", [](const std::string& file) { return events::read_mask(file); }, nb::arg("file"));
   nb::class_<Renderer>(module, "Renderer")
       .def(nb::init<int, int, const std::string&>(), nb::arg("width"), nb::arg("height"), nb::arg("settings"))
       .def("add", &Renderer::add, nb::arg("events"))

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
-from typing import Any, NamedTuple
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactile import _tactile
 from tactile._events import Recording, _event_bytes, file_of
+
+
+Mask = Union[str, "os.PathLike[str]", Sequence[tuple[int, int]], NDArray[np.integer[Any]], None]
 
 
 class Heatmaps(NamedTuple):
@@ -24,7 +29,7 @@ class Heatmaps(NamedTuple):
 
 
 def _settings(
-    th_ms: float, tick_ms: float, denoise: str, resize: str, factor: float, mask: list[tuple[int, int]] | None
+    th_ms: float, tick_ms: float, denoise: str, resize: str, factor: float, mask: Mask
 ) -> str:
     def microseconds(name: str, ms: float) -> int:
         us = round(1000 * ms)
@@ -39,7 +44,9 @@ def _settings(
         "resize": resize,
         "factor": factor,
     }
-    if mask:
+    if isinstance(mask, (str, os.PathLike)):
+        mask = _tactile.read_mask(os.fspath(mask))
+    if mask is not None and len(mask) > 0:
         settings["mask"] = [[int(x), int(y)] for x, y in mask]
     return json.dumps(settings)
 
@@ -52,7 +59,7 @@ def heatmaps(
     denoise: str = "mean",
     resize: str = "area",
     factor: float = 0.2,
-    mask: list[tuple[int, int]] | None = None,
+    mask: Mask = None,
     ticks_us: ArrayLike | None = None,
 ) -> Heatmaps:
     """The heatmaps of a recording: at every full tick, or at the times `ticks_us`, which ascend.
@@ -62,7 +69,8 @@ def heatmaps(
     denoise  "mean" (the paper's text), "literal" (its equation as printed) or "none"
     resize   "area" or "linear"
     factor   size of a heatmap / size of the sensor; 1 / factor is a whole number
-    mask     (x, y) of pixels whose events do not count
+    mask     pixels whose events do not count: their (x, y), or the path of a table of them, such as the mask.csv of
+             `tactile characterise`
 
     A heatmap of a DVXplorer Mini takes 12 kB. The values equal those of `dataset.h5`. Raises Error.
     """
@@ -83,7 +91,7 @@ class HeatmapRenderer:
         denoise: str = "mean",
         resize: str = "area",
         factor: float = 0.2,
-        mask: list[tuple[int, int]] | None = None,
+        mask: Mask = None,
     ) -> None:
         """`size`: width and height of the sensor [px]. The other arguments are those of `heatmaps`. Raises Error."""
         self._renderer = _tactile.Renderer(*size, _settings(th_ms, th_ms, denoise, resize, factor, mask))

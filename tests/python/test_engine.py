@@ -1,4 +1,5 @@
 import csv
+import signal
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -106,3 +107,22 @@ def test_what_is_no_recording_or_time_is_named(lab):
         tactile.heatmaps("events.aedat4")
     with pytest.raises(tactile.Error, match="tick_ms -1: expected"):
         engine.predict(tactile.Recording(lab.recording), tick_ms=-1)
+
+
+def test_a_signal_ends_the_work_on_a_long_recording(lab, engine):
+    """Without a look at signals, the handler is called once, when the work is done, and raises nothing."""
+    calls = []
+
+    def handler(*_):
+        calls.append(1)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.2, 0.2)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            engine.predict(tactile.Recording(lab.recording), tick_ms=0.02)  # more than 100 000 ticks
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

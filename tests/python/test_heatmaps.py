@@ -63,3 +63,25 @@ def test_settings_and_ticks_that_cannot_be_used_are_named(lab):
     with pytest.raises(tactile.Error, match="ticks_us descend"):
         tactile.heatmaps(recording, 40, ticks_us=[recording.last_us, recording.first_us + 40_000])
     assert tactile.heatmaps(recording, 40, ticks_us=[]).values.shape == (0, 96, 128)
+
+
+def test_a_mask_is_given_as_pixels_as_an_array_or_as_a_file(lab):
+    recording = tactile.Recording(lab.recording)
+    pixels = [(100, 50), (320, 240), (321, 240)]
+    masked = tactile.heatmaps(recording, mask=pixels).events
+    at = recording.events()
+    covered = np.zeros(len(at), bool)
+    for x, y in pixels:
+        covered |= (at["x"] == x) & (at["y"] == y)
+    all_events = tactile.heatmaps(recording)
+    tick = all_events.t_us[-1]
+    inside = (at["t"] >= tick - 40_000) & (at["t"] < tick)
+    assert masked[-1] == (inside & ~covered).sum()
+    file = lab.folder / "mask.csv"
+    file.write_text("x,y,rate_hz\n" + "".join(f"{x},{y},90\n" for x, y in pixels))
+    for mask in (np.array(pixels), file, str(file)):
+        assert np.array_equal(tactile.heatmaps(recording, mask=mask).events, masked)
+    for none in (None, [], np.empty((0, 2), int)):
+        assert np.array_equal(tactile.heatmaps(recording, mask=none).events, all_events.events)
+    with pytest.raises(tactile.Error, match="no-mask.csv: "):
+        tactile.heatmaps(recording, mask="no-mask.csv")

@@ -5,20 +5,33 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 import tactile
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 
 
-def test_the_code_of_the_page_runs(lab, monkeypatch, capsys):
+def run_the_code_of_the_page(bundle, *, with_pytorch):
     text = (SOURCES / "docs/python.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    assert len(blocks) >= 7
-    monkeypatch.chdir(lab.folder)
     names = {}
     for block in blocks:
-        exec(compile(block.replace("models/NAME", str(lab.bundle)), "docs/python.md", "exec"), names)
+        if with_pytorch or "import torch" not in block:
+            exec(compile(block.replace("models/NAME", str(bundle)), "docs/python.md", "exec"), names)
+    return names
+
+
+def test_the_code_of_the_page_runs(lab, monkeypatch, capsys):
+    monkeypatch.chdir(lab.folder)
+    assert "trade" in run_the_code_of_the_page(lab.bundle, with_pytorch=False)
     assert "events brighter" in capsys.readouterr().out
+
+
+def test_the_code_of_the_page_runs_with_pytorch(lab, monkeypatch):
+    pytest.importorskip("torch")
+    monkeypatch.chdir(lab.folder)
+    assert 0 < run_the_code_of_the_page(lab.bundle, with_pytorch=True)["loss"].item() < 10
 
 
 def test_it_loads_neither_libtorch_nor_opencv():
