@@ -2,6 +2,8 @@
 add_library(tactile_options INTERFACE)
 add_library(tactile::options ALIAS tactile_options)
 target_compile_features(tactile_options INTERFACE cxx_std_20)
+# The libraries are also linked into shared ones, which replace none of their functions.
+target_compile_options(tactile_options INTERFACE -fPIC -fno-semantic-interposition)
 target_compile_options(tactile_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wconversion -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 15)

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -64,6 +65,29 @@ TEST(Libraries, OfAnInstallationBuildTheExampleWhichPredictsAsEval) {
   const auto failed = test::run_shell("built/predict no.aedat4 models/m", folder.path());
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_TRUE(failed.err.starts_with("predict: no.aedat4: ")) << failed.err;
+}
+
+TEST(Libraries, OfAnInstallationAreLinkedIntoASharedLibrary) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(test::install_to(folder / "tactile", "development").exit_code, 0);
+  std::ofstream(folder / "CMakeLists.txt") << "cmake_minimum_required(VERSION 3.25)\n"
+                                              "project(plugin LANGUAGES C CXX)\n"
+                                              "find_package(tactile REQUIRED COMPONENTS events model)\n"
+                                              "add_library(plugin SHARED plugin.cpp)\n"
+                                              "target_link_libraries(plugin PRIVATE tactile::events tactile::model)\n"
+                                              "target_link_options(plugin PRIVATE -Wl,--no-undefined)\n";
+  std::ofstream(folder / "plugin.cpp") << "#include <tactile/events/recording_reader.hpp>\n"
+                                          "#include <tactile/model/inference/classifier.hpp>\n"
+                                          "std::size_t packets_of(const char* file) {\n"
+                                          "  return tactile::events::RecordingReader(file).packets().size();\n"
+                                          "}\n"
+                                          "float th_ms_of(const char* bundle) {\n"
+                                          "  return tactile::model::Classifier(bundle).rendering().history.count() / 1e3f;\n"
+                                          "}\n";
+  const auto built = test::run_shell(
+      fmt::format("'{0}' -B built -DCMAKE_PREFIX_PATH=\"$PWD/tactile\" && '{0}' --build built", test::cmake_program),
+      folder.path());
+  EXPECT_EQ(built.exit_code, 0) << built.out << built.err;
 }
 
 TEST(Libraries, ThatAreNotThereAreNamedByCMake) {
