@@ -31,6 +31,11 @@ TEST(Installation, RunsWhereverItsFolderIsMoved) {
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.err;
   }
   EXPECT_TRUE(fs::exists(folder / "work/data/fan/01/labels.png"));
+  const std::string no_camera = run("record --from camera:NOTHERE --object fan").err;
+  if (no_camera.find("no libcaer") != std::string::npos) {
+    EXPECT_NE(no_camera.find("served by " + (folder / "second/share/tactile/scripts/dv-bridge").string()), std::string::npos)
+        << no_camera;
+  }
 }
 
 TEST(Installation, HasWhatEachReaderLooksFor) {

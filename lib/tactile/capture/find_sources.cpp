@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "tactile/capture/camera_streams.hpp"
+#include "tactile/capture/dv_bridge.hpp"
 #include "tactile/capture/libcaer_camera.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/numbers.hpp"
@@ -71,8 +72,9 @@ void add_usb_cameras(const fs::path& sysfs, const std::vector<FoundSource>& open
       how = "cannot be opened; expected permission (the vendor's udev rules), and no other program that uses it";
     } else {
       how = fmt::format(
-          "{}; run scripts/dv-bridge and record --from tcp://127.0.0.1:7777",
-          !is_dvxplorer || firmware >= first_foreign_firmware ? "libcaer does not support it" : "this build has no libcaer");
+          "{}; run {} and record --from tcp://127.0.0.1:7777",
+          !is_dvxplorer || firmware >= first_foreign_firmware ? "libcaer does not support it" : "this build has no libcaer",
+          dv_bridge());
     }
     found.push_back({"", what + ": " + how, serial});
   }

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "tactile/capture/camera_streams.hpp"
+#include "tactile/capture/dv_bridge.hpp"
 #include "tactile/capture/libcaer_packets.hpp"
 #include "tactile/capture/readout_mode.hpp"
 #include "tactile/core/error.hpp"
@@ -94,8 +95,8 @@ void refuse_foreign_firmware(const std::string& name, const caer_dvx_info& info)
   if (info.firmwareVersion < first_foreign_firmware) return;
   throw Error(
       fmt::format("{}: {} has firmware {}, which libcaer does not support; expected one below {}, or the camera served by "
-                  "scripts/dv-bridge and --from tcp://127.0.0.1:7777",
-                  name, info.deviceSerialNumber, info.firmwareVersion, first_foreign_firmware));
+                  "{} and --from tcp://127.0.0.1:7777",
+                  name, info.deviceSerialNumber, info.firmwareVersion, first_foreign_firmware, dv_bridge()));
 }
 
 /// The chosen camera. @throws Error  if there is none, or more than one

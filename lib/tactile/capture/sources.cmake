@@ -8,9 +8,9 @@ else()
 endif()
 target_sources(tactile_capture
   PRIVATE
-    camera_source.cpp camera_streams.cpp file_source.cpp find_sources.cpp network_source.cpp pace.cpp readout_mode.cpp simulator_source.cpp
+    camera_source.cpp camera_streams.cpp dv_bridge.cpp file_source.cpp find_sources.cpp network_source.cpp pace.cpp readout_mode.cpp simulator_source.cpp
     ${CAMERA_SOURCES}
   PUBLIC FILE_SET HEADERS FILES
-    camera_streams.hpp file_source.hpp find_sources.hpp found_source.hpp libcaer_camera.hpp network_source.hpp pace.hpp readout_mode.hpp
+    camera_streams.hpp dv_bridge.hpp file_source.hpp find_sources.hpp found_source.hpp libcaer_camera.hpp network_source.hpp pace.hpp readout_mode.hpp
     simulator_source.hpp)
 target_link_libraries(tactile_capture PRIVATE tactile::transport_dv tactile::simulation ${CAMERA_LIBRARY})
