@@ -32,6 +32,17 @@ std::string xgboost_version() {
   return fmt::format("{}.{}.{}", major, minor, patch);
 }
 
+/// Vector instructions that the engine has code for and this processor has, the fastest first, by their usual names.
+std::vector<std::string> vector_instructions() {
+  std::vector<std::string> names;
+  for (const std::string& target : model::LeNetEngine::targets()) {
+    if (target == "SCALAR" || target == "EMU128") continue;  // without vector instructions
+    const std::string name = target.starts_with("AVX3") ? "AVX-512" : target;  // of which Highway knows several
+    if (names.empty() || names.back() != name) names.push_back(name);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<LibraryVersion> library_versions() {
@@ -43,11 +54,9 @@ std::vector<LibraryVersion> library_versions() {
 std::string libraries_text() {
   std::vector<std::pair<std::string, std::string>> lines;
   for (const LibraryVersion& library : library_versions()) lines.emplace_back(library.name, library.version);
-  const std::vector<std::string> targets = model::LeNetEngine::targets();
-  const std::vector<std::string> others(targets.begin() + 1, targets.end());
-  lines.emplace_back("CPU features", others.empty()
-                                         ? targets.front() + " in use"
-                                         : fmt::format("{} in use, also {}", targets.front(), fmt::join(others, ", ")));
+  const std::vector<std::string> features = vector_instructions();
+  lines.emplace_back("CPU features", features.empty() ? "no vector instructions in use" : features.front() + " in use");
+  if (features.size() > 1) lines.back().second += fmt::format(", also {}", fmt::join(features.begin() + 1, features.end(), ", "));
   std::string text = text_list(lines);
   text.pop_back();  // CLI11 ends the last line
   return text;
