@@ -10,6 +10,7 @@
 
 #include "support/comes_true.hpp"
 #include "support/error_of.hpp"
+#include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
@@ -92,14 +93,18 @@ TEST_F(Processes, ThoseThatEndedWellBesideAFailureAreReported) {
   std::vector<std::size_t> ended;
   auto how = options(2);
   how.ended = [&](std::size_t index, double) { ended.push_back(index); };
+  const auto write_number = [&](const std::string& name) { return "echo $$ >" + file(name); };
+  const auto has_ended = [&](const std::string& name) {
+    const std::string number = test::text_in_file(file(name));
+    return number.ends_with('\n') && !runs(static_cast<pid_t>(std::stol(number)));
+  };
   bool both_are_over = false;
   how.while_waiting = [&] {
     if (both_are_over) return;
-    both_are_over = test::comes_true([&] { return fs::exists(file("a")) && fs::exists(file("b")); });
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // files appear just before their processes end
+    both_are_over = test::comes_true([&] { return has_ended("a") && has_ended("b"); });
   };
   const std::string error = test::error_of([&] {
-    run_processes({shell("bad", "touch " + file("a") + "; exit 3"), shell("good", "touch " + file("b"))}, how);
+    run_processes({shell("bad", write_number("a") + "; exit 3"), shell("good", write_number("b"))}, how);
   });
   EXPECT_EQ(error, "'bad' failed: it ended with 3 and no message");
   EXPECT_EQ(ended, (std::vector<std::size_t>{1}));

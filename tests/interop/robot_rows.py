@@ -19,7 +19,7 @@ def robot_log(folder):
         except OSError as error:
             raise Skipped(f"ur-rtde needs port {PORT}, which is in use: {error}")
     theirs = folder / "theirs.csv"
-    with Process(FAKE_CONTROLLER, "--port", PORT, "--seconds", "12") as controller:
+    with Process(FAKE_CONTROLLER, "--port", PORT, "--seconds", "30") as controller:
         controller.wait_for(str(PORT))
         with Process(sys.executable, ROOT / "tests" / "interop" / "ur_rtde_log.py", "127.0.0.1", "6", theirs) as log:
             with Process(TACTILE, "record", "--from", f"file:{RECORDINGS / 'dv-lz4.aedat4'}", "--speed", "0.003", "--robot",

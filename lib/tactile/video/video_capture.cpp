@@ -230,11 +230,13 @@ struct VideoCapture::State {
     }
     source->close();
     std::unique_lock lock(guard);
-    running = false;
     const bool asked = stopping;
     lock.unlock();
-    work.notify_all();
     if (!asked) log(why);
+    lock.lock();
+    running = false;
+    lock.unlock();
+    work.notify_all();
   }
 
   /// A recorded source can wait: its first frame is the first film's.

@@ -66,7 +66,7 @@ def is_sound(world, live, name, ready):
 def watches_a_recording(world):
     film = os.path.join(world.data, "fan", "01", "video.mp4")
     out = os.path.join(world.home, "live")
-    live = Live(world, "record", "--from", "sim", "--object", "fan", "--out", out, "--speed", "0.05", "--video", film, "--preview", "0")
+    live = Live(world, "record", "--from", "sim", "--object", "fan", "--out", out, "--speed", "0.02", "--video", film, "--preview", "0")
     tab = Tab(world.browser)
     try:
         tab.go(live.url)
