@@ -291,7 +291,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
   command
       .add_option("--preset", args->preset,
-                  "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, settings are not chosen; quick: 3 runs, 6 epochs, "
+                  "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, t_h is not chosen; quick: 3 runs, 6 epochs, "
                   "5 trainings, 1 run to choose on; paper: 10 runs, 10 epochs, 5 trainings, 2 runs to choose on, 20 splits")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
@@ -325,7 +325,7 @@ void add_reproduce_command(CLI::App& app) {
       .type_name("N");
   command
       .add_option("--trainings", args->trainings,
-                  "Trainings of each setting, each on another run and seed; 5 or more decide claims; default: the preset's")
+                  "Trainings of each setting, each on another run and seed; claims need 5 or more; default: the preset's")
       .check(in_range(1U, 1000U))
       .type_name("N");
   command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
@@ -341,7 +341,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
   add_strict_option(command, args->strict);
   add_executor_options(command, args->executor);
-  command.add_flag("--dry-run", args->dry_run, "Print the study's steps, hours and size on the disk, and do none of it");
+  command.add_flag("--dry-run", args->dry_run, "Only print the study's steps, hours and size on the disk");
   command.add_flag("--verbose", args->verbose, "Print all tables and what was found");
   command.add_flag("--no-report", args->without_report, "Do not write the report");
   command.add_option("--models", args->models, "Folder of the models that it trains")

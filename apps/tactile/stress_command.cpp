@@ -356,10 +356,10 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();
   add_decision_options(command, args->decision);
-  command.add_flag("--gate", args->gate, "Report none without running the network while the events are likely to be background");
+  command.add_flag("--gate", args->gate, "While the events are likely to be background, report none and do not run the network");
   add_engine_option(command, args->engine);
   add_executor_options(command, args->executor);
-  command.add_flag("--dry-run", args->dry_run, "Print the number of judgements, their hours and their size, and do none of them");
+  command.add_flag("--dry-run", args->dry_run, "Only print the number of judgements, their hours and their size");
   command.add_flag("--verbose", args->verbose, "Print every recipe, with all models and figures at its last severity");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   command.add_flag("--force", args->force, "Do every step again, also those that are done");

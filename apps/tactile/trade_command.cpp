@@ -295,7 +295,7 @@ void add_trade_command(CLI::App& app) {
   command
       .add_option(
           "--at-most-delay-ms", args->at_most_delay,
-          "Constraint: longest median delay of all presses and slips, with missed ones [ms]. p90:MS limits the 90 % quantile")
+          "Constraint: longest median delay of all presses and slips [ms]; missed ones count as longest. p90:MS limits the 90 % quantile")
       .check(is_delay_limit())
       .type_name("[p90:]MS");
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
@@ -308,7 +308,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--budget-minutes", args->budget_minutes, "Time limit of the whole command. The next call resumes")
       .check(in_range(0.0, 1e6))
       .type_name("MINUTES");
-  command.add_option("--corners", args->corners, "Promising combinations to try per Pareto front")
+  command.add_option("--corners", args->corners, "Promising combinations to try for each of the two Pareto fronts")
       .check(in_range(0U, 1000U))
       .show_default();
   add_list("--kind", args->kinds, "Kinds of models to try: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
@@ -350,7 +350,7 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();
   command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
   command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
-  command.add_flag("--dry-run", args->dry_run, "Print the number of steps, their hours and their size, and do none of them");
+  command.add_flag("--dry-run", args->dry_run, "Only print the number of steps, their hours and their size; needs the dataset");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   add_executor_options(command, args->executor);
   command.add_flag("--verbose", args->verbose, "Print every setting and how the cost grows");
