@@ -113,7 +113,7 @@ class SlurmCluster {
                                       << "\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\n"
                                          "JobAcctGatherType=jobacct_gather/none\nAccountingStorageType=accounting_storage/none\n"
                                          "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n"
-                                         "ReturnToService=2\nKillWait=2\nSlurmdTimeout=6\nMaxArraySize=4\n"
+                                         "ReturnToService=2\nKillWait=10\nSlurmdTimeout=6\nMaxArraySize=4\n"
                                          "NodeName=node1 NodeHostname="
                                       << host << " NodeAddr=127.0.0.1 Port=" << first.port()
                                       << " CPUs=2 State=UNKNOWN\nNodeName=node2 NodeHostname=" << host

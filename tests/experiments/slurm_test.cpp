@@ -341,12 +341,12 @@ TEST_F(SlurmJobs, OfOtherWorkHaveEndedBeforeAStepLooksAtWhatTheyLeft) {
                 .outputs = [] { return nlohmann::json("made"); },
                 .arguments = arguments});
   };
-  const std::string hard_to_end = "trap '' TERM; : >" + file("runs") + "; " + waits_for("go");
-  EXPECT_THROW(run_step(1, [&](const StepStart&) { return std::vector<std::string>{"-c", hard_to_end}; }), Interrupted);
+  const std::string earlier = "trap ': >" + file("ended") + "; exit 1' TERM; : >" + file("runs") + "; " + waits_for("go");
+  EXPECT_THROW(run_step(1, [&](const StepStart&) { return std::vector<std::string>{"-c", earlier}; }), Interrupted);
   EXPECT_NE(queue().find("RUNNING"), std::string::npos);
   interrupts = false;
   run_step(2, [&](const StepStart& start) {
-    EXPECT_EQ(queue(), "");
+    EXPECT_TRUE(fs::exists(file("ended")));
     EXPECT_TRUE(start.begun_with_other_inputs);
     return std::vector<std::string>{"-c", "true"};
   });

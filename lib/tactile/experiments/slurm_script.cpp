@@ -34,6 +34,7 @@ std::string script_of(const std::vector<ScriptedTask>& tasks, const fs::path& pr
       "#!/bin/sh\n"
       "# The tasks of a job array.\n"
       "cd {} || exit 1\n"
+      "trap : TERM  # ends after its process, which still writes files\n"
       "run() {{  # NAME KEY LOG PROGRAM WORD...\n"
       "  name=$1 key=$2 log=$3\n"
       "  shift 3\n"
