@@ -85,7 +85,7 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
   command.add_flag("--quiet", common->quiet, "Hide progress and all log messages below warnings");
   command.add_option("--threads", common->threads, "Number of worker threads")
       .check(in_range(1U, 1024U))
-      .default_text("one per core");
+      .default_text("one per core that it may use");
   declared->callback([declared, common, run = std::move(run), ctrl_c] {
     if (!common->config.empty()) fill_in_from(common->config, *declared);
     common->settings = effective_settings(*declared);

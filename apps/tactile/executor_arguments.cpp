@@ -51,6 +51,7 @@ std::optional<experiments::SlurmOptions> slurm_of(const ExecutorArguments& args)
   }
   experiments::SlurmOptions slurm = experiments::slurm_named(args.executor);
   slurm.sbatch = experiments::sbatch_words(args.sbatch);
+  slurm.warn = [](const std::string& sentence) { spdlog::warn("{}", sentence); };
   slurm.cancel = asked_to_cancel;
   return slurm;
 }

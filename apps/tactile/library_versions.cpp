@@ -36,7 +36,7 @@ std::string xgboost_version() {
 std::vector<std::string> vector_instructions() {
   std::vector<std::string> names;
   for (const std::string& target : model::LeNetEngine::targets()) {
-    if (target == "SCALAR" || target == "EMU128") continue;  // without vector instructions
+    if (target == "SCALAR" || target == "EMU128") continue;                    // without vector instructions
     const std::string name = target.starts_with("AVX3") ? "AVX-512" : target;  // of which Highway knows several
     if (names.empty() || names.back() != name) names.push_back(name);
   }

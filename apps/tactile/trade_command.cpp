@@ -293,9 +293,9 @@ void add_trade_command(CLI::App& app) {
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
-      .add_option(
-          "--at-most-delay-ms", args->at_most_delay,
-          "Constraint: longest median delay of all presses and slips [ms]; missed ones count as longest. p90:MS limits the 90 % quantile")
+      .add_option("--at-most-delay-ms", args->at_most_delay,
+                  "Constraint: longest median delay of all presses and slips [ms]; a missed one counts with the time in which "
+                  "it could be detected. p90:MS limits the 90 % quantile")
       .check(is_delay_limit())
       .type_name("[p90:]MS");
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")

@@ -92,7 +92,9 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
     HeatmapRenderer renderer(sensor, options);
     std::vector<std::uint8_t> heatmap(rendered.cells());
     std::size_t next = 0;
+    Interruption interruption;
     const auto render_next = [&] {
+      interruption.check();
       renderer.move_to(camera_time(times[next]));
       renderer.render(std::span(heatmap));
       rendered.ticks.push_back(times[next++]);
@@ -112,10 +114,8 @@ nb::tuple render_ticks(Recording& recording, const std::string& settings, const 
         throw Error(fmt::format("{}: tick {} us is not inside the recording with its history; expected {} to {}", name, tick,
                                 after(first, options.history).time_since_epoch().count(), last.time_since_epoch().count()));
     }
-    Interruption interruption;
     for_events_between(recording.reader, recording.stream.id, before(camera_time(times.front()), options.history),
                        camera_time(times.back()), [&](std::span<const Event> chunk) {
-                         interruption.check();
                          renderer.add(chunk);
                          while (next < times.size() && camera_time(times[next]) <= chunk.back().t) render_next();
                        });

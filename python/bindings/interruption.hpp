@@ -9,10 +9,10 @@ namespace tactile::python {
 /// Lets Ctrl-C, or "Interrupt" of a notebook, end a loop that has given up the GIL.
 class Interruption {
  public:
-  /// Call it in each turn: it asks Python ten times a second. @throws python_error  with what a signal's handler raises
+  /// Call it in each turn: it asks Python 50 times a second. @throws python_error  with what a signal's handler raises
   void check() {
     const auto now = Clock::now();
-    if (now - last_ < std::chrono::milliseconds(100)) return;
+    if (now - last_ < std::chrono::milliseconds(20)) return;
     last_ = now;
     const nanobind::gil_scoped_acquire python;
     if (PyErr_CheckSignals() != 0) throw nanobind::python_error();

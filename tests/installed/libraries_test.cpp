@@ -13,8 +13,6 @@
 namespace tactile::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Row {
   std::string t, predicted;
   double p_press = 0;

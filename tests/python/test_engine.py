@@ -109,7 +109,15 @@ def test_what_is_no_recording_or_time_is_named(lab):
         engine.predict(tactile.Recording(lab.recording), tick_ms=-1)
 
 
-def test_a_signal_ends_the_work_on_a_long_recording(lab, engine):
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda engine, recording: engine.predict(recording, tick_ms=0.02),
+        lambda engine, recording: tactile.heatmaps(recording, tick_ms=0.1),
+        lambda engine, recording: tactile.heatmaps(recording, ticks_us=range(recording.first_us + 40_000, recording.last_us, 100)),
+    ],
+)
+def test_a_signal_ends_long_work(lab, engine, work):
     """Without a look at signals, the handler is called once, when the work is done, and raises nothing."""
     calls = []
 
@@ -118,11 +126,13 @@ def test_a_signal_ends_the_work_on_a_long_recording(lab, engine):
         if len(calls) == 3:
             raise KeyboardInterrupt
 
+    recording = tactile.Recording(lab.recording)
     before = signal.signal(signal.SIGALRM, handler)
-    signal.setitimer(signal.ITIMER_REAL, 0.2, 0.2)
+    signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
     try:
         with pytest.raises(KeyboardInterrupt):
-            engine.predict(tactile.Recording(lab.recording), tick_ms=0.02)  # more than 100 000 ticks
+            work(engine, recording)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+    assert len(engine.predict(recording).t_us) > 1000  # the recording can still be read

@@ -76,7 +76,7 @@ void add_usb_cameras(const fs::path& sysfs, const std::vector<FoundSource>& open
           !is_dvxplorer || firmware >= first_foreign_firmware ? "libcaer does not support it" : "this build has no libcaer",
           dv_bridge());
     }
-    found.push_back({"", what + ": " + how, serial});
+    found.push_back({"", fmt::format("{}: {}", what, how), serial});
   }
 }
 
@@ -119,6 +119,7 @@ std::vector<FoundSource> find_video_devices(const SourcePlaces& places) {
   }
   std::sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<FoundSource> found;
+  found.reserve(numbered.size());
   for (auto& [number, source] : numbered) found.push_back(std::move(source));
   return found;
 }

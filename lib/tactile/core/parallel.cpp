@@ -164,7 +164,7 @@ class Pool {
 
 unsigned threads_or_all(unsigned threads) {
   if (threads > 0) return threads;
-  // A cluster or a container may give this process some cores of a machine.
+  // A cluster may bind this process to some cores of a machine.
   cpu_set_t cores;
   CPU_ZERO(&cores);
   if (::sched_getaffinity(0, sizeof cores, &cores) == 0) return static_cast<unsigned>(CPU_COUNT(&cores));

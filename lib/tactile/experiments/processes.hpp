@@ -23,7 +23,9 @@ struct ProcessesOptions {
   std::function<void()> while_waiting;  ///< called about 20 times a second; an exception from it ends the processes. May be empty
   std::function<void(std::size_t index)> begun = {};             ///< called when a process begins. May be empty
   std::function<void(std::size_t index, double seconds)> ended;  ///< called when a process has succeeded. May be empty
-  std::function<void(const std::string& text)> queue = {};       ///< only `run_on_slurm` calls it. May be empty
+  /// Only `run_on_slurm` calls these. They may be empty.
+  std::function<void()> prepare = {};  ///< may still set the arguments of plans
+  std::function<void(const std::string& text)> queue = {};
 };
 
 /// Runs the processes in order, several at a time, and waits for them. While one waits for another, those after it may begin.

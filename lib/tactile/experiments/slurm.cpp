@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -25,14 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+constexpr auto patience_without_answer = std::chrono::minutes(5);
 constexpr const char* jobs_file = "jobs.json";
 constexpr int form_of_jobs = 2;  ///< of the entries in jobs.json and of marks. With another number they are other work
-
-/// Slurm's programs have not answered for long. Its jobs are left.
-class NoAnswer : public Error {
- public:
-  using Error::Error;
-};
 
 /// A process in a task of a job.
 struct Task {
@@ -80,7 +76,6 @@ class Jobs {
     }
   }
 
-  void end_other_work();
   void run();
   void cancel();
   bool all_ended() const {
@@ -91,6 +86,7 @@ class Jobs {
   fs::path mark_of(const Task& task) const { return folder_ / "ended" / task.name; }
   void find_marks();
   std::optional<Mark> find_mark(const Task& task) const;
+  void find_earlier_tasks();
   void remember();
   std::vector<Chain> due_chains();
   void submit_due();
@@ -108,6 +104,7 @@ class Jobs {
   std::vector<Task> tasks_;
   nlohmann::json jobs_;                                   ///< jobs.json, which also has tasks of other calls
   std::vector<std::pair<std::string, fs::path>> passed_;  ///< the task and mark of processes that have succeeded
+  std::set<std::string> others_;                          ///< tasks of other work that are to end
   std::set<std::string> marks_;                           ///< names of the files in `ended/`
   Clock::time_point last_answer_ = Clock::now();
   std::optional<Clock::time_point> last_ran_;  ///< when a task of this call was last in the queue
@@ -117,8 +114,9 @@ class Jobs {
 /// Lists the folder, because NFS keeps for a minute that there is no file of a name, and looks again when a folder is opened.
 void Jobs::find_marks() {
   marks_.clear();
-  for (const fs::directory_entry& mark : fs::directory_iterator(folder_ / "ended"))
-    marks_.insert(mark.path().filename().string());
+  std::error_code none;
+  for (fs::directory_iterator mark(folder_ / "ended", none), end; !none && mark != end; mark.increment(none))
+    marks_.insert(mark->path().filename().string());
 }
 
 std::optional<Mark> Jobs::find_mark(const Task& task) const {
@@ -128,9 +126,8 @@ std::optional<Mark> Jobs::find_mark(const Task& task) const {
   return mark;
 }
 
-/// Takes over tasks of this work that were submitted before.
-void Jobs::end_other_work() {
-  std::set<std::string> others;
+/// Takes over tasks of this work that were submitted before. Ends those of other work, which write the same files.
+void Jobs::find_earlier_tasks() {
   for (Task& task : tasks_) {
     const auto found = jobs_.find(task.name);
     if (found == jobs_.end() || !found->is_object()) continue;
@@ -138,19 +135,21 @@ void Jobs::end_other_work() {
     if (is_this_work) {
       task.id = found->value("task", "");
     } else if (const std::string id = found->value("task", ""); !id.empty()) {
-      others.insert(id);
+      others_.insert(id);
     }
   }
   for (Task& task : tasks_) {
-    if (others.contains(task.id)) task.id.clear();  // this task also does other work
+    if (others_.contains(task.id)) task.id.clear();  // this task also does other work
   }
-  if (others.empty()) return;
-  if (options_.queue) options_.queue(fmt::format("{} earlier tasks end", others.size()));
-  if (!end_tasks(others, std::chrono::minutes(5), [this] { wait_for(slurm_.poll, options_.while_waiting); }))
+  if (others_.empty()) return;
+  if (options_.queue) options_.queue(fmt::format("waits for {} cancelled tasks to end", others_.size()));
+  if (!end_tasks(others_, std::chrono::minutes(5), [this] { wait_for(slurm_.poll, options_.while_waiting); })) {
     throw NoAnswer(
         fmt::format("Slurm does not end the cancelled tasks {}, which write the same files; expected that they end "
                     "(scontrol show job {})",
-                    fmt::join(others, ", "), *others.begin()));
+                    fmt::join(others_, ", "), *others_.begin()));
+  }
+  others_.clear();
   remember();
 }
 
@@ -224,6 +223,10 @@ void Jobs::submit_due() {
       submit({begin, begin + static_cast<std::ptrdiff_t>(count)});
       first += count;
       last_ran_ = Clock::now();
+    } catch (const NoAnswer&) {
+      if (Clock::now() - last_answer_ > patience_without_answer) throw;
+      next_submission_ = Clock::now() + 20 * slurm_.poll;
+      return;
     } catch (const JobsRefused& refused) {
       std::ofstream(folder_ / "slurm.log", std::ios::app) << refused.what() << '\n';
       most = count / 2;
@@ -369,7 +372,7 @@ void Jobs::look() {
     queued = queued_tasks(tasks);
     last_answer_ = Clock::now();
   } catch (const Error& error) {
-    if (Clock::now() - last_answer_ > std::chrono::minutes(5)) throw NoAnswer(error.what());
+    if (Clock::now() - last_answer_ > patience_without_answer) throw NoAnswer(error.what());
     return;  // the scheduler restarts, or is busy
   }
   find_due(queued);
@@ -378,7 +381,8 @@ void Jobs::look() {
 }
 
 void Jobs::run() {
-  end_other_work();
+  find_earlier_tasks();
+  if (options_.prepare) options_.prepare();
   while (true) {
     look();
     if (all_ended()) return;
@@ -386,28 +390,41 @@ void Jobs::run() {
   }
 }
 
-/// Also forgets the tasks: the same command submits them again. One that does not end soon stays known as other work.
+/// Also forgets the tasks: the same command submits them again. Those that do not end soon stay known as other work.
 void Jobs::cancel() {
   constexpr auto patience = std::chrono::minutes(1);  // Slurm kills what has not ended within half a minute, by default
-  std::set<std::string> ids;
+  std::set<std::string> ids = others_;
   for (Task& task : tasks_) {
     if (task.id.empty()) continue;
     ids.insert(task.id);
     jobs_[task.name] = {{"form", form_of_jobs}, {"key", "cancelled"}, {"task", std::exchange(task.id, {})}};
   }
-  write_json(folder_ / jobs_file, jobs_);
-  if (end_tasks(ids, patience, [this] { wait_for(slurm_.poll, {}); })) remember();
+  if (ids.empty()) return;
+  try {
+    write_json(folder_ / jobs_file, jobs_);
+  } catch (const Error&) {
+    // The disk may be full: they are cancelled all the same.
+  }
+  if (end_tasks(ids, patience, [this] { wait_for(slurm_.poll, {}); })) {
+    remember();
+  } else if (slurm_.warn) {
+    slurm_.warn(fmt::format("Slurm has not ended the cancelled tasks yet: {}", fmt::join(ids, ", ")));
+  }
 }
 
 }  // namespace
 
 void check_slurm(const SlurmOptions& slurm, const fs::path& folder) {
-  if (jobs_in(folder).empty()) test_submission(words_of(slurm));
-}
-
-void end_other_work(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
-                    const SlurmOptions& slurm) {
-  if (!plans.empty()) Jobs(plans, options, folder, slurm).end_other_work();
+  try {
+    test_submission(words_of(slurm));
+  } catch (const JobsRefused& refused) {
+    const std::string words = refused.what();
+    bool may_pass = !jobs_in(folder).empty();
+    for (const char* cause : {"node configuration is not available", "QOS policy", "busy"})  // no node is up; many jobs wait
+      may_pass = may_pass || words.find(cause) != std::string::npos;
+    if (!may_pass) throw;
+    if (slurm.warn) slurm.warn(words);
+  }
 }
 
 void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions& options, const fs::path& folder,
@@ -418,7 +435,10 @@ void run_on_slurm(const std::vector<ProcessPlan>& plans, const ProcessesOptions&
     jobs.run();
   } catch (const NoAnswer&) {
     throw;
-  } catch (const Error&) {
+  } catch (const std::system_error&) {
+    throw;  // of a folder that cannot be read for a while
+  } catch (const Error& error) {
+    if (slurm.warn) slurm.warn(fmt::format("{}; the other tasks are cancelled", error.what()));
     jobs.cancel();
     throw;
   } catch (...) {

@@ -83,7 +83,9 @@ std::string joined(const std::set<std::string>& words) { return fmt::format("{}"
 }  // namespace
 
 std::optional<std::string> live_job_of(const std::filesystem::path& script) {
-  std::istringstream lines(answer_of("squeue", {"--me", "--noheader", "--format=%F %o"}).printed);
+  const Answer answer = answer_of("squeue", {"--me", "--noheader", "--format=%F %o"});
+  if (!answer.succeeded) throw NoAnswer("squeue does not answer: " + answer.complaint);
+  std::istringstream lines(answer.printed);
   std::string job, command;
   while (lines >> job && std::getline(lines >> std::ws, command)) {
     if (command == script.string()) return job;
@@ -110,13 +112,7 @@ std::string submit_array(const std::filesystem::path& script, std::size_t tasks,
 void test_submission(const std::vector<std::string>& words) {
   std::vector<std::string> arguments{"--test-only", "--output=/dev/null", "--wrap=true"};
   arguments.insert(arguments.end(), words.begin(), words.end());
-  const Answer answer = answer_of("sbatch", arguments);
-  if (answer.succeeded) return;
-  // A full queue, or a partition that is closed: jobs are submitted later.
-  for (const char* passing : {"QOS policy", "busy", "partition not available", "temporarily unable"}) {
-    if (answer.complaint.find(passing) != std::string::npos) return;
-  }
-  refuse(answer);
+  if (const Answer answer = answer_of("sbatch", arguments); !answer.succeeded) refuse(answer);
 }
 
 bool is_alive(const QueuedTask& task) {
@@ -180,9 +176,9 @@ void cancel_tasks(const std::set<std::string>& tasks) {
 bool end_tasks(const std::set<std::string>& tasks, std::chrono::seconds longest, const std::function<void()>& wait) {
   using Clock = std::chrono::steady_clock;
   if (tasks.empty()) return true;
-  cancel_tasks(tasks);
   for (const auto end = Clock::now() + longest; Clock::now() < end; wait()) {
     try {
+      cancel_tasks(tasks);  // each time: it fails where the scheduler is busy
       const std::map<std::string, QueuedTask> queued = queued_tasks(tasks);
       const auto runs = [&](const std::string& task) { return queued.contains(task) && is_alive(queued.at(task)); };
       if (std::none_of(tasks.begin(), tasks.end(), runs)) return true;

@@ -20,7 +20,13 @@ class JobsRefused : public Error {
   using Error::Error;
 };
 
-/// The job of this script that waits or runs; nothing if there is none, or squeue does not answer.
+/// Slurm's programs do not answer. Its jobs are left.
+class NoAnswer : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The job of this script that waits or runs; nothing if there is none. @throws NoAnswer
 std::optional<std::string> live_job_of(const std::filesystem::path& script);
 
 /// Submits an array of `tasks` tasks. @return  the job's number.
@@ -28,7 +34,7 @@ std::optional<std::string> live_job_of(const std::filesystem::path& script);
 /// @throws Error        if sbatch succeeds and prints no number
 std::string submit_array(const std::filesystem::path& script, std::size_t tasks, const std::vector<std::string>& words);
 
-/// Submits nothing. @throws JobsRefused  if sbatch would not take a job with these options, unless it may do so later
+/// Submits nothing. @throws JobsRefused  if sbatch would not take a job with these options now
 void test_submission(const std::vector<std::string>& words);
 
 /// What the queue says of a task.
@@ -49,7 +55,7 @@ std::map<std::string, std::string> accounted_states(const std::set<std::string>&
 
 /// Cancels tasks, and waits until they have ended: until then they write their files.
 /// @param wait  called between two looks at the queue
-/// @return      whether they have ended after the time `longest`
+/// @return      whether they ended within the time `longest`
 bool end_tasks(const std::set<std::string>& tasks, std::chrono::seconds longest, const std::function<void()>& wait);
 
 /// The most tasks of one array here.

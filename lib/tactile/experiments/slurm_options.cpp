@@ -21,7 +21,12 @@ void check(const std::vector<std::string>& words) {
                             words.front()));
   for (const std::string& word : words) {
     const std::string_view name = std::string_view(word).substr(0, word.find('='));
-    if (std::find(ours.begin(), ours.end(), name) != ours.end())
+    const bool is_long = name.starts_with("--") && name.size() > 2, is_short = !is_long && name.starts_with('-');
+    const auto is_ours = [&](std::string_view option) {
+      // sbatch takes the beginning of a long name, and a short one with its value: --arr=0-1, -a0-1.
+      return (is_long && option.starts_with(name)) || (is_short && !option.starts_with("--") && name.starts_with(option));
+    };
+    if (std::any_of(ours.begin(), ours.end(), is_ours))
       throw Error(fmt::format("--sbatch: '{}' is set by tactile; expected other options of sbatch", name));
   }
 }

@@ -24,7 +24,8 @@ std::optional<Mark> read_mark(const fs::path& file) {
   std::ifstream line(file);
   Mark mark;
   double milliseconds = 0;
-  if (!(line >> mark.key >> mark.task >> mark.code >> milliseconds >> mark.node)) return std::nullopt;
+  if (!(line >> mark.key >> mark.task >> mark.code >> milliseconds)) return std::nullopt;
+  line >> mark.node;
   mark.seconds = milliseconds / 1e3;
   return mark;
 }

@@ -152,8 +152,6 @@ void StepRunner::begin(const Step& step) const {
 void StepRunner::finish(const Step& step, double seconds) {
   Known known;
   known.outputs = step.outputs();
-  for (auto end = Clock::now() + late_files(); known.outputs.is_null() && Clock::now() < end; known.outputs = step.outputs())
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   if (known.outputs.is_null())
     throw Error(fmt::format("'{}' ended, but its outputs are missing or changed meanwhile", command_or_name(step)));
   known.done = known.made_outputs = true;
@@ -217,6 +215,15 @@ ProcessPlan StepRunner::plan_of(const DueStep& due) const {
           .after = due.after};
 }
 
+/// A folder that machines share may show late what another one wrote: NFS keeps what it has seen for at most a minute.
+void StepRunner::wait_for_files_of(const Step& step, const std::function<void()>& while_waiting) {
+  for (const auto end = Clock::now() + std::chrono::minutes(1); files_may_be_late_ && step.outputs().is_null();) {
+    files_may_be_late_ = Clock::now() < end;
+    while_waiting();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+}
+
 std::vector<std::string> StepRunner::arguments_of(const DueStep& due, unsigned threads) const {
   const Step& step = *due.step;
   if (!step.arguments) return step.on_cluster();
@@ -238,13 +245,12 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
   std::size_t ended = 0;
   std::string queue;
   const ProgressCallback progress = options_.new_progress ? options_.new_progress() : ProgressCallback{};
+  const auto show_progress = [&] {
+    report_progress(progress, ended, due.size(), text_of(counts) + (queue.empty() ? "" : "; " + queue));
+  };
   const ProcessesOptions how{.program = options_.program,
                              .at_once = options_.threads,
-                             .while_waiting =
-                                 [&] {
-                                   const std::string text = text_of(counts) + (queue.empty() ? "" : "; " + queue);
-                                   report_progress(progress, ended, due.size(), text);
-                                 },
+                             .while_waiting = show_progress,
                              .begun =
                                  [&](std::size_t index) {
                                    if (due[index].after) begin(*due[index].step);
@@ -252,19 +258,23 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
                                  },
                              .ended =
                                  [&](std::size_t index, double seconds) {
+                                   if (options_.slurm) wait_for_files_of(*due[index].step, show_progress);
                                    finish(*due[index].step, seconds);
                                    ++count_of(counts, due[index].step->kind).ended;
                                    ++ended;
                                  },
+                             .prepare =
+                                 [&] {
+                                   // First `arguments` removes leftovers that are of no use, then `begin` writes the new key. In
+                                   // the other order, an interruption in between would make the leftovers look like the step's
+                                   // own.
+                                   for (std::size_t i = 0; i < due.size(); ++i) {
+                                     plans[i].arguments = arguments_of(due[i], threads_each);
+                                     if (!due[i].after) begin(*due[i].step);
+                                   }
+                                 },
                              .queue = [&](const std::string& text) { queue = text; }};
-  if (options_.slurm) end_other_work(plans, how, slurm_folder(), *options_.slurm);
-  for (std::size_t i = 0; i < due.size(); ++i) {
-    // This removes what cannot be used before `begin` writes the new key. In the other order, an interruption in between would
-    // make the old leftovers look like the new step's own. What still used them has ended.
-    plans[i].arguments = arguments_of(due[i], threads_each);
-    if (!due[i].after) begin(*due[i].step);
-  }
-  options_.slurm ? run_on_slurm(plans, how, slurm_folder(), *options_.slurm) : run_processes(plans, how);
+  options_.slurm ? run_on_slurm(plans, how, slurm_folder(), *options_.slurm) : (how.prepare(), run_processes(plans, how));
 }
 
 std::vector<nlohmann::json> step_records(const fs::path& experiment, std::string_view begin) {

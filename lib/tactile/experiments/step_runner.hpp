@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -89,18 +88,18 @@ class StepRunner {
   bool find_done(const Step& step);
   void begin(const Step& step) const;
   std::filesystem::path slurm_folder() const { return options_.folder / "slurm"; }
-  /// How long a folder that machines share may not show what another one wrote: NFS keeps it for at most a minute.
-  std::chrono::seconds late_files() const { return std::chrono::seconds(options_.slurm ? 60 : 0); }
   void report(const Step& step, bool kept) const;
   void finish(const Step& step, double seconds);
   bool is_a_process(const Step& step) const { return step.arguments || (options_.slurm && step.on_cluster); }
   ProcessPlan plan_of(const DueStep& due) const;
+  void wait_for_files_of(const Step& step, const std::function<void()>& while_waiting);
   std::vector<std::string> arguments_of(const DueStep& due, unsigned threads) const;
   void run_processes_of(const std::vector<DueStep>& due);
 
   StepRunnerOptions options_;
   std::vector<results::StepRecord> records_;
   std::size_t done_now_ = 0;
+  bool files_may_be_late_ = true;  ///< until those of a step did not come
 };
 
 /// What the folder `experiment` keeps of its steps whose names begin so; without records that cannot be read: their steps are
