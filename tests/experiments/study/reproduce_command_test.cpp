@@ -92,7 +92,7 @@ TEST(ReproduceCommand, FromNothingToAStudyWhoseStepsAreKeptTheNextTime) {
       EXPECT_EQ(part.at("exist"), part.at("count")) << part;
     }
   }
-  const auto with_more = test::run_tactile(small + as_before + " --epochs 7 --dry-run", folder.path());
+  const auto with_more = test::run_tactile(without_epochs + as_before + " --epochs 7 --dry-run", folder.path());
   ASSERT_EQ(with_more.exit_code, 0) << with_more.err;
   for (const auto& part : nlohmann::json::parse(with_more.out).at("parts")) {
     const std::string what = part.at("what");
