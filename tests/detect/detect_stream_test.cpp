@@ -83,7 +83,7 @@ TEST(DetectCommand, EndsWithAStreamThatCloses) {
   const auto json = detected_from([](auto&) {}, "--reconnect 86400", 0);
   EXPECT_EQ(json.at("ended"), "source ended");
   for (const auto& [kind, count] : json.at("faults").at("kinds").items())
-    EXPECT_TRUE(kind == "stopped" || kind == "behind") << kind << ": only of a machine that has much else to do";
+    EXPECT_TRUE(kind == "stopped" || kind == "behind") << kind << "; expected only faults of a busy machine";
   EXPECT_GT(json.at("ticks").at("reported").get<int>(), 0);
 }
 

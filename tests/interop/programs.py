@@ -121,7 +121,7 @@ class Child:
 
 
 def free_port():
-    """A port that the system gives nobody who asks for any: so nobody takes it before it is used."""
+    """A free port outside the range from which the system chooses ports: no program gets it before the test uses it."""
     first = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
     while True:
         port = random.randrange(min(10000, first - 1000), first)

@@ -355,8 +355,7 @@ void Jobs::look() {
     } catch (const Error&) {
       if (!failure) failure = std::current_exception();
     }
-    if (task.id.empty()) continue;
-    tasks.insert(task.id);
+    if (!task.id.empty()) tasks.insert(task.id);
   }
   if (passed_.size() > passed_before) remember();
   std::erase_if(passed_, [&](const auto& passed) {

@@ -11,7 +11,7 @@
 namespace tactile::experiments {
 namespace {
 
-/// Refuses words that would replace what the tasks depend on, or leave jobs that nobody finds again.
+/// Refuses options that `run_on_slurm` sets itself, and options that hide jobs from it.
 void check(const std::vector<std::string>& words) {
   constexpr std::array<std::string_view, 14> ours{"--array", "-a",          "--wrap",     "--parsable", "--output",
                                                   "-o",      "--open-mode", "--quiet",    "-Q",         "--wait",

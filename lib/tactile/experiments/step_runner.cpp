@@ -274,7 +274,9 @@ void StepRunner::run_processes_of(const std::vector<DueStep>& due) {
                                    }
                                  },
                              .queue = [&](const std::string& text) { queue = text; }};
-  options_.slurm ? run_on_slurm(plans, how, slurm_folder(), *options_.slurm) : (how.prepare(), run_processes(plans, how));
+  if (options_.slurm) return run_on_slurm(plans, how, slurm_folder(), *options_.slurm);
+  how.prepare();
+  run_processes(plans, how);
 }
 
 std::vector<nlohmann::json> step_records(const fs::path& experiment, std::string_view begin) {

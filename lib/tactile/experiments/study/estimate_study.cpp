@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/run_folder.hpp"
@@ -35,13 +36,13 @@ struct StudiedRuns {
   double seconds = 0;  ///< length of all recordings
   bool are_there = false;
   std::size_t count = 0, labelled = 0;
-  double samples = 0;  ///< of all
-  bool has_dataset = false;
-  std::string manifest;  ///< hash of the dataset's
+  double samples = 0;    ///< of all
+  std::string manifest;  ///< hash of the dataset's; empty if there is no dataset
   std::size_t stored_histories = 0;
   std::string samples_from;
 
   std::size_t objects() const { return of_object.size(); }
+  bool has_dataset() const { return !manifest.empty(); }
 };
 
 StudiedRuns runs_to_simulate(const StudyOptions& options) {
@@ -83,7 +84,6 @@ StudiedRuns runs_of(const StudyOptions& options) {
   const fs::path file = options.data / "dataset.h5";
   if (!is_there(file)) return runs;
   const windows::Dataset dataset(file);
-  runs.has_dataset = true;
   runs.manifest = dataset.manifest_hash();
   runs.samples = static_cast<double>(dataset.samples().size());
   runs.samples_from = file.string();
@@ -117,17 +117,18 @@ struct KeptSteps {
   std::size_t single = 0, without = 0, judgements = 0, evaluations = 0;
 };
 
-/// Whether a study with these options has a training of these settings. A record that cannot be read is of none.
-bool has_training(const StudyOptions& options, const nlohmann::json& inputs, windows::SplitKind split) {
+/// The split of a training that a study with these options also has; nothing for others, or if `inputs` cannot be read.
+std::optional<windows::SplitKind> split_of_training(const StudyOptions& options, const nlohmann::json& inputs) {
   try {
     const auto settings = inputs.at("settings").get<model::ModelSettings>();
     const std::vector<microseconds>& histories = options.histories;
-    return settings.split.kind == split && settings.training.epochs == *options.epochs &&
-           settings.training.seed - options.seed < *options.trainings && settings.training.engine == options.engine &&
-           settings.network == options.network &&
-           std::find(histories.begin(), histories.end(), settings.rendering.history) != histories.end();
+    const bool is_of_study = settings.training.epochs == *options.epochs &&
+                             settings.training.seed - options.seed < *options.trainings &&
+                             settings.training.engine == options.engine && settings.network == options.network &&
+                             std::find(histories.begin(), histories.end(), settings.rendering.history) != histories.end();
+    return is_of_study ? std::optional(settings.split.kind) : std::nullopt;
   } catch (const std::exception&) {
-    return false;
+    return std::nullopt;
   }
 }
 
@@ -144,11 +145,10 @@ KeptSteps kept_steps(const StudyOptions& options, const std::string& manifest) {
     constexpr std::string_view training = "train-";
     if (name.starts_with("evaluate-")) ++kept.evaluations;
     if (!name.starts_with(training)) continue;
-    const bool is_single = has_training(options, inputs, windows::SplitKind::single_run);
-    const bool is_without = has_training(options, inputs, windows::SplitKind::unseen);
-    kept.single += is_single ? 1 : 0;
-    kept.without += is_without ? 1 : 0;
-    if (is_single || is_without) kept.judgements += done.contains("judge-" + name.substr(training.size())) ? 1 : 0;
+    const auto split = split_of_training(options, inputs);
+    if (!split) continue;
+    ++(*split == windows::SplitKind::unseen ? kept.without : kept.single);
+    kept.judgements += done.contains("judge-" + name.substr(training.size())) ? 1 : 0;
   }
   return kept;
 }
@@ -172,7 +172,7 @@ experiments::Estimate estimate_study(const StudyOptions& requested) {
                  experiments::bytes_of_second * run_s);
   }
   estimate.add({.what = "labelled runs", .count = runs.count, .exist = runs.labelled}, cost.labelled_second * run_s, 0);
-  estimate.add({.what = "dataset", .count = 1, .exist = runs.has_dataset ? 1U : 0U}, cost.second_of_windows * runs.seconds,
+  estimate.add({.what = "dataset", .count = 1, .exist = runs.has_dataset() ? 1U : 0U}, cost.second_of_windows * runs.seconds,
                bytes_of_sample * runs.samples);
   estimate.add({.what = "histories of heatmaps", .count = options.histories.size(), .exist = runs.stored_histories},
                cost.heatmap * runs.samples, bytes_of_heatmap * runs.samples);
@@ -180,7 +180,7 @@ experiments::Estimate estimate_study(const StudyOptions& requested) {
   // Each training learns from one run of each object.
   const std::size_t single = options.histories.size() * *options.trainings;
   const std::size_t without = held_out.sets * *options.trainings + held_out.splits;
-  const KeptSteps kept = runs.has_dataset ? kept_steps(options, runs.manifest) : KeptSteps{};
+  const KeptSteps kept = runs.has_dataset() ? kept_steps(options, runs.manifest) : KeptSteps{};
   const auto training_s = [&](std::size_t objects) {
     return cost.training_start + static_cast<double>(objects) * samples_of_run * *options.epochs / images_per_s;
   };
