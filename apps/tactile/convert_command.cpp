@@ -12,6 +12,7 @@
 #include "bag_recording.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "converted_source.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "recording_json.hpp"
@@ -124,6 +125,7 @@ void warn(const ConvertArguments& args, const conversion::ConvertSummary& summar
     spdlog::info("{}: assuming times in {}, because they have a fraction; use --time-unit for another unit", args.in,
                  name_of(*summary.time_unit));
   }
+  warn_of_overflows(args.in, summary.overflows);
   const auto from = moment_in(args.from_us);
   if (from && !from->counts_from_first && summary.first_in && from->t < *summary.first_in) {
     spdlog::warn("--from-us {}: cuts nothing, because the first element of {} is at {} us; '+{}' counts from there", args.from_us,
@@ -172,6 +174,7 @@ nlohmann::json json_of(const ConvertArguments& args, const conversion::ConvertOp
           {"height", summary.size ? nlohmann::json(summary.size->height) : nlohmann::json()},
           {"size_guessed", summary.size_guessed},
           {"time_unit", summary.time_unit ? nlohmann::json(name_of(*summary.time_unit)) : nlohmann::json()},
+          {"time_overflows", summary.overflows.count},
           {"first_us", summary.first ? nlohmann::json(us_of(*summary.first)) : nlohmann::json()},
           {"last_us", summary.last ? nlohmann::json(us_of(*summary.last)) : nlohmann::json()},
           {"stress", stress},
@@ -266,7 +269,10 @@ std::string text_of(const ConvertArguments& args, const conversion::BagImportSum
   if (summary.imu_samples > 0) text += line("imu", fmt::format("{}", summary.imu_samples));
   if (summary.triggers > 0) text += line("triggers", fmt::format("{}", summary.triggers));
   if (summary.robot_states > 0)
-    text += line("robot", fmt::format("{}, {}", summary.robot_states, summary.has_joints ? "pose and joints" : "pose"));
+    text += line("robot", fmt::format("{}, {}", summary.robot_states,
+                                      !summary.has_joints ? "pose"
+                                      : summary.has_poses ? "pose and joints"
+                                                          : "joints"));
   if (summary.frames > 0) text += line("video", counted(summary.frames, "frame"));
   for (const conversion::BagTopic& topic : summary.topics) {
     text += line(&topic == &summary.topics.front() ? "topics" : "",

@@ -1,5 +1,6 @@
 #include "converted_source.hpp"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include "bag_recording.hpp"
@@ -20,7 +21,7 @@ ConvertedSource::ConvertedSource(const std::string& in, const fs::path& data, co
     source_ = splitting::split_source_at(summary.run.folder);
   } else {
     const fs::path file = folder_.path() / fs::path(in).stem().concat(".aedat4");
-    conversion::convert_recording(in, file, {.threads = common.threads}, progress_line(common));
+    warn_of_overflows(in, conversion::convert_recording(in, file, {.threads = common.threads}, progress_line(common)).overflows);
     source_ = splitting::split_source_at(file);
   }
   source_.name = in;
@@ -30,6 +31,14 @@ ConvertedSource::ConvertedSource(const std::string& in, const fs::path& data, co
 bool needs_conversion(const fs::path& in) {
   return bags::is_bag(in) ||
          (!fs::is_directory(in) && conversion::recording_format_of(in) != conversion::RecordingFormat::aedat4);
+}
+
+void warn_of_overflows(const std::string& in, const events::TimeOverflows& overflows) {
+  if (overflows.count == 0) return;
+  spdlog::warn(
+      "{}:{}: time goes back from {} to {} us, as a counter of {} bits does when it overflows: {} us are added from there on{}",
+      in, overflows.line, us_of(overflows.before), us_of(overflows.after), overflows.bits, std::int64_t{1} << overflows.bits,
+      overflows.count > 1 ? fmt::format(", and after {} further overflows", overflows.count - 1) : "");
 }
 
 void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems) {

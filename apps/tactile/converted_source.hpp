@@ -5,6 +5,7 @@
 
 #include "command.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/event_csv.hpp"
 #include "tactile/splitting/split_source.hpp"
 
 namespace tactile::cli {
@@ -24,6 +25,9 @@ class ConvertedSource {
 
 /// Whether it is no AEDAT4 recording or run folder. @throws Error  if its format is unknown
 bool needs_conversion(const std::filesystem::path& in);
+
+/// Logs that a CSV's times were corrected.
+void warn_of_overflows(const std::string& in, const events::TimeOverflows& overflows);
 
 /// Logs what could not be read, and is in no run.
 void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems);

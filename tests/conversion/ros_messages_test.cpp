@@ -25,18 +25,30 @@ std::string header(std::uint32_t seconds, std::uint32_t nanoseconds, const std::
 std::span<const std::byte> bytes_of(const std::string& message) { return std::as_bytes(std::span(message)); }
 
 TEST(DecodeJointState, GoesByNameNotByOrder) {
-  const std::string message = header(1, 0) + u32(3) + text("wrist_3_joint") + text("finger") + text("shoulder_pan_joint") +
+  const std::string message = header(1, 5'000) + u32(3) + text("wrist_3_joint") + text("finger") + text("shoulder_pan_joint") +
                               u32(3) + f64(0.6) + f64(9.0) + f64(-0.1) + u32(0) + u32(0);
-  JointPositions joints;
+  JointStates joints;
   ASSERT_TRUE(decode_joint_state(bytes_of(message), joints));
-  EXPECT_EQ(joints, (JointPositions{-0.1, std::nullopt, std::nullopt, std::nullopt, std::nullopt, 0.6}));
+  EXPECT_EQ(us_of(joints.t), 1'000'005);
+  ASSERT_EQ(joints.arms.size(), 1U);
+  EXPECT_EQ(joints.arms.at(""), (JointPositions{-0.1, std::nullopt, std::nullopt, std::nullopt, std::nullopt, 0.6}));
+}
+
+TEST(DecodeJointState, DistinguishesArmsByWhatPrecedesTheNames) {
+  const std::string message = header(1, 0) + u32(4) + text("left_elbow_joint") + text("elbow_joint_2") + text("r/elbow_joint") +
+                              text("left_wrist_1_joint") + u32(4) + f64(0.1) + f64(9.0) + f64(0.2) + f64(0.3);
+  JointStates joints;
+  ASSERT_TRUE(decode_joint_state(bytes_of(message), joints));
+  ASSERT_EQ(joints.arms.size(), 2U);
+  EXPECT_EQ(joints.arms.at("left_"), (JointPositions{std::nullopt, std::nullopt, 0.1, 0.3, std::nullopt, std::nullopt}));
+  EXPECT_EQ(joints.arms.at("r/").at(2), 0.2);
 }
 
 TEST(DecodeJointState, GivesNoPositionThatIsNotThere) {
-  JointPositions joints;
+  JointStates joints;
   ASSERT_TRUE(decode_joint_state(
       bytes_of(header(1, 0) + u32(2) + text("elbow_joint") + text("wrist_1_joint") + u32(1) + f64(NAN)), joints));
-  EXPECT_EQ(joints, JointPositions{});
+  EXPECT_TRUE(joints.arms.empty());
   EXPECT_FALSE(decode_joint_state(bytes_of(header(1, 0) + u32(0xFFFFFFFF)), joints));
 }
 

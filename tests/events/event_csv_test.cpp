@@ -1,5 +1,6 @@
 #include "tactile/events/event_csv.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -112,6 +113,29 @@ TEST(EventCsvReader, NamesTheLineTheFaultAndTheRemedy) {
   EXPECT_EQ(error_of(head + "2,3,480,1\n", {}, SensorSize{640, 480}), "3: y is '480'; expected a whole number from 0 to 479");
 }
 
+TEST(EventCsvReader, UndoesTheOverflowsOfCounters) {
+  for (const auto& [bits, least] : std::vector<std::pair<int, std::int64_t>>{{24, 0}, {31, 0}, {32, 0}, {32, -2'147'483'648}}) {
+    const std::int64_t range = std::int64_t{1} << bits, most = least + range;
+    const test::TemporaryFolder folder;
+    std::string text = "t,x,y,p\n";
+    for (const std::int64_t t : {most - 2, most - 1, least + 100, least + 5'000, most - 7, least})
+      text += fmt::format("{},1,2,1\n", t);
+    write_whole(folder / "events.csv", text);
+    EventCsvReader reader(folder / "events.csv");
+    std::vector<std::int64_t> times;
+    for (const Event& event : reader.next()) times.push_back(us_of(event.t));
+    EXPECT_EQ(times, (std::vector{most - 2, most - 1, most + 100, most + 5'000, most + range - 7, most + range})) << bits;
+    EXPECT_EQ(reader.overflows().count, 2U);
+    EXPECT_EQ(reader.overflows().line, 4U);
+    EXPECT_EQ(reader.overflows().bits, bits);
+    EXPECT_EQ(us_of(reader.overflows().before), most - 1);
+    EXPECT_EQ(us_of(reader.overflows().after), least + 100);
+  }
+  // More than a thousandth short of the range: no overflow, and neither is a longer step.
+  EXPECT_NE(error_of("t,x,y,p\n4294967295,1,2,1\n4294968,1,2,1\n").find("if the clock started again here"), std::string::npos);
+  EXPECT_NE(error_of("t,x,y,p\n4294967297,1,2,1\n0,1,2,1\n").find("if the clock started again here"), std::string::npos);
+}
+
 TEST(EventCsvReader, NamesTheCommandThatSortsRowsOutOfOrder) {
   // Rows of one time keep their order.
   const std::vector<Event> sorted{event_at(2, 7, 3, 0), event_at(9, 4, 5, 1), event_at(9, 1, 1, 1), event_at(10, 6, 6, 1)};
@@ -132,7 +156,10 @@ TEST(EventCsvReader, NamesTheCommandThatSortsRowsOutOfOrder) {
     } catch (const Error& e) {
       error = e.what();
     }
-    const std::string remedy = "time goes back from 9 to 2 us; expected times that never go back; to sort the file: ";
+    const std::string remedy =
+        "time goes back from 9 to 2 us; expected times that never go back; if the clock started again here, cut the file before "
+        "this "
+        "line; if the rows are out of order, to sort the file: ";
     ASSERT_NE(error.find(remedy), std::string::npos) << error;
     const test::CommandResult sort = test::run_shell(error.substr(error.find(remedy) + remedy.size()), folder.path());
     ASSERT_EQ(sort.exit_code, 0) << error << sort.err;

@@ -20,7 +20,7 @@ void decode(bags::SerialisedMessage message) {
   };
   if (bags::decode_event_array(message, events)) check();
   if (bags::EventPacketDecoder().decode(message, events) == bags::PacketDecoding::whole) check();
-  conversion::JointPositions joints;
+  conversion::JointStates joints;
   conversion::decode_joint_state(message, joints);
   std::vector<conversion::ToolPose> poses;
   std::uint64_t unusable = 0;

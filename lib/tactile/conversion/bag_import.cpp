@@ -17,6 +17,7 @@
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_writer.hpp"
+#include "tactile/robot/robot_log.hpp"
 
 namespace tactile::conversion {
 namespace fs = std::filesystem;
@@ -59,12 +60,15 @@ class Import {
     writer_.emplace(run.events(), streams,
                     events::RecordingWriterOptions{.compression = options.compression.value_or(events::Compression::lz4)});
     sorter_.emplace(*writer_, events_id);
-    if (choice.contains(BagTopicKind::pose)) {
-      const auto joints = choice.find(BagTopicKind::joints);
-      summary.has_joints = joints != choice.end();
-      robot_.emplace(run.robot(),
-                     joints == choice.end() ? std::nullopt : std::optional(found.topics.at(joints->second).first_joints));
+    std::optional<JointPositions> first_joints;
+    if (const auto joints = choice.find(BagTopicKind::joints); joints != choice.end()) {
+      const SurveyedTopic& topic = found.topics.at(joints->second);
+      arm_ = arms_of(topic).front();
+      first_joints = topic.first_joints.arms.at(arm_);
     }
+    summary.has_joints = first_joints.has_value();
+    summary.has_poses = choice.contains(BagTopicKind::pose);
+    if (summary.has_joints || summary.has_poses) robot_.emplace(run.robot(), first_joints, summary.has_poses);
     if (const auto video = choice.find(BagTopicKind::video); video != choice.end())
       film_.emplace(run, *found.topics.at(video->second).size);
   }
@@ -82,8 +86,12 @@ class Import {
         take_events(type, message);
         break;
       case BagTopicKind::joints:
-        if (!decode_joint_state(message.serialised(), joints_)) ++summary_.drops.broken_messages;
-        if (robot_) robot_->set(joints_);
+        if (!decode_joint_state(message.serialised(), joints_)) {
+          ++summary_.drops.broken_messages;
+        } else if (const auto of_arm = joints_.arms.find(arm_); of_arm != joints_.arms.end()) {
+          robot_->set(of_arm->second);
+          if (!summary_.has_poses && !robot_->add(joints_.t, message.received)) ++summary_.drops.robot_states;
+        }
         break;
       case BagTopicKind::pose:
         if (!decode_poses(type, message.serialised(), poses_, summary_.drops.robot_states)) ++summary_.drops.broken_messages;
@@ -179,13 +187,13 @@ class Import {
   std::optional<ImportedRobotLog> robot_;
   std::optional<ImportedFilm> film_;
   std::optional<CameraTime> newest_imu_;
-
+  std::string arm_;  ///< whose joints are used
   std::optional<CameraTime> newest_trigger_;
   bags::EventPacketDecoder packets_;
 
   // Every message is decoded into the same memory.
   bags::RosEvents events_;
-  JointPositions joints_;
+  JointStates joints_;
   std::vector<ToolPose> poses_;
   RosImage image_;
 };
@@ -237,12 +245,22 @@ nlohmann::json run_json_extra(const fs::path& bag, const BagTopicChoice& choice,
   } else {
     extra["bag"]["sha256"] = sha256_of_file(bag);
   }
-  if (choice.contains(BagTopicKind::pose)) {
-    extra["robot_clock"] = "host";
-    extra["robot_speed"] = "differences of the pose";
-  }
+  if (summary.has_joints || summary.has_poses) extra["robot_clock"] = "host";
+  if (summary.has_poses) extra["robot_speed"] = "differences of the pose";
   if (import.first_frame()) extra["video_start_us"] = us_of(*import.first_frame());
   return extra;
+}
+
+/// @throws Error  if the poses or joints of the bag make no robot log that can be read
+void check_robot_log(const std::string& bag, const RunFolder& written) {
+  if (!fs::exists(written.robot())) return;
+  try {
+    robot::read_robot_log(written.robot());
+  } catch (const Error& e) {
+    std::string why = e.what();
+    if (const std::string folder = written.folder.string() + "/"; why.starts_with(folder)) why.erase(0, folder.size());
+    throw Error(fmt::format("{}: {}; or leave the robot out, with --pose-topic none --joints-topic none", bag, why));
+  }
 }
 
 }  // namespace
@@ -278,6 +296,7 @@ BagImportSummary import_bag(const fs::path& bag, const fs::path& folder, const B
     report_progress(progress, reader->file_size() / 2 + reader->bytes_read() / 2, reader->file_size(), summary.run.name());
   }
   import.finish();
+  check_robot_log(name, written);
   summary.problems = reader->problems();
   if (summary.events == 0)
     throw Error(fmt::format("{}: topic {} has no event; expected events{}", name, choice.at(BagTopicKind::events),

@@ -17,7 +17,7 @@ namespace tactile::conversion {
 /// The topics to use. Empty: the only topic of its kind. "none": no topic; not allowed for events.
 struct BagImportOptions {
   std::string events_topic{};  ///< dvs_msgs/EventArray or event_camera_msgs/EventPacket
-  std::string joints_topic{};  ///< sensor_msgs/JointState that names the UR's joints
+  std::string joints_topic{};  ///< sensor_msgs/JointState that names the UR's joints, with a prefix or without
   std::string pose_topic{};    ///< tf2_msgs/TFMessage that has base -> tool0_controller, or geometry_msgs/PoseStamped in base
   std::string video_topic{};   ///< sensor_msgs/Image or CompressedImage
   std::string imu_topic{};     ///< sensor_msgs/Imu
@@ -53,6 +53,7 @@ struct BagImportSummary {
   std::uint64_t events = 0, sorted_events = 0, imu_samples = 0, triggers = 0, robot_states = 0, frames = 0;
   CameraTime first{}, last{};  ///< of the events
   bool has_joints = false;     ///< robot.csv has `actual_q_0` to `_5`
+  bool has_poses = false;      ///< robot.csv has `actual_TCP_pose_0` to `_5`, and speeds
   BagImportDrops drops;
   bags::BagProblems problems;
   std::vector<std::string> warnings;  ///< a sentence each
@@ -67,14 +68,15 @@ struct BagImportSummary {
 /// - Events keep their own stamps as camera time. Events up to 20 ms out of order are sorted; earlier ones are dropped and
 /// counted.
 /// - A bag has no controller time: `timestamp` is the transform's stamp in seconds, and run.json has `"robot_clock": "host"`.
-///   A row is a pose. Its joint positions are the newest before it. Its speed is the difference of the poses in the next row and
-///   the row before, divided by the time between them. `host_time_us` is the time at which the recorder received it.
+///   A row is a pose, or without poses a message of joint positions. A pose's joint positions are the newest before it. Its speed
+///   is the difference of the poses in the next row and the row before, divided by the time between them. `host_time_us` is the
+///   time at which the recorder received it.
 /// - The time of a frame counts from the stamp of the first frame. An odd width or height gains one pixel, as H.264 requires.
 ///
 /// @param folder  DATA/<object>/<run>, which must not exist
 /// @throws Error  if the bag cannot be read, has no event, or has several topics of a kind and none is chosen; if events, or the
-///                images of a topic chosen by name, have an unknown encoding; if a topic's type has another definition, or the
-///                run exists
+///                images of a topic chosen by name, have an unknown encoding; if `read_robot_log` refuses the log; if a topic's
+///                type has another definition, or the run exists
 BagImportSummary import_bag(const std::filesystem::path& bag, const std::filesystem::path& folder,
                             const BagImportOptions& options = {}, const ProgressCallback& progress = {});
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::string_view nothing = "none";
 constexpr std::size_t most_topics = 4096;
+constexpr std::size_t most_arms = 64;    // of a topic
 constexpr int most_video_side = 16'384;  // [px], the limit of H.264
 
 /// The types that we decode. One of these with another MD5 sum is another version.
@@ -23,7 +24,7 @@ constexpr std::array<std::string_view, 8> known_types{"dvs_msgs/EventArray",    
 /// Memory that every message is decoded into.
 struct Decoded {
   bags::RosEvents events;
-  JointPositions joints;
+  JointStates joints;
   std::vector<ToolPose> poses;
   RosImage image;
 };
@@ -49,10 +50,14 @@ void look_at(SurveyedTopic& topic, bags::SerialisedMessage data, Decoded& decode
     }
     case bags::RosMessage::joint_state:
       if (!decode_joint_state(data, decoded.joints)) return;
-      for (std::size_t i = 0; i < decoded.joints.size(); ++i) {
-        if (!topic.first_joints.at(i)) topic.first_joints.at(i) = decoded.joints.at(i);
+      for (const auto& [arm, joints] : decoded.joints.arms) {
+        if (topic.first_joints.arms.size() == most_arms && !topic.first_joints.arms.contains(arm)) continue;
+        JointPositions& first = topic.first_joints.arms[arm];
+        for (std::size_t i = 0; i < joints.size(); ++i) {
+          if (!first.at(i)) first.at(i) = joints.at(i);
+        }
       }
-      if (std::any_of(decoded.joints.begin(), decoded.joints.end(), [](const auto& q) { return q.has_value(); })) ++topic.useful;
+      if (!decoded.joints.arms.empty()) ++topic.useful;
       break;
     case bags::RosMessage::transforms:
     case bags::RosMessage::pose: {
@@ -149,24 +154,24 @@ std::optional<std::string> choose_topic(const std::string& bag, const BagSurvey&
   return able.front();
 }
 
-/// Joint positions need a pose, and a value for every joint.
+/// Joint positions need one arm, and a value for every joint.
 void drop_unusable_joints(const std::string& bag, const BagSurvey& found, BagTopicChoice& choice,
                           std::vector<std::string>& warnings) {
   const auto joints = choice.find(BagTopicKind::joints);
   if (joints == choice.end()) return;
-  if (!choice.contains(BagTopicKind::pose)) {
-    warnings.push_back(
-        fmt::format("{}: {} has joint positions, but no topic has a transform from base to tool0_controller, which a robot "
-                    "log needs; the run has no robot.csv",
-                    bag, joints->second));
-    choice.erase(joints);
-    return;
+  const SurveyedTopic& topic = found.topics.at(joints->second);
+  const std::vector<std::string> arms = arms_of(topic);
+  if (arms.size() == 1) return;
+  const std::string lacks = choice.contains(BagTopicKind::pose) ? "robot.csv has no actual_q" : "the run has no robot.csv";
+  if (arms.size() > 1) {
+    warnings.push_back(fmt::format("{}: {} has the joints of {} arms, '{}{}' and '{}{}' among them; expected those of one; {}",
+                                   bag, joints->second, arms.size(), arms[0], joint_names[0], arms[1], joint_names[0], lacks));
+  } else {
+    const auto& [arm, known] = *topic.first_joints.arms.begin();
+    const auto missing = std::find(known.begin(), known.end(), std::nullopt) - known.begin();
+    warnings.push_back(fmt::format("{}: {} never has a position of '{}{}'; {}", bag, joints->second, arm,
+                                   joint_names.at(static_cast<std::size_t>(missing)), lacks));
   }
-  const JointPositions& known = found.topics.at(joints->second).first_joints;
-  const auto missing = std::find(known.begin(), known.end(), std::nullopt);
-  if (missing == known.end()) return;
-  warnings.push_back(fmt::format("{}: {} never names {}; robot.csv has no actual_q", bag, joints->second,
-                                 joint_names.at(static_cast<std::size_t>(missing - known.begin()))));
   choice.erase(joints);
 }
 
@@ -191,6 +196,14 @@ std::optional<BagTopicKind> bag_topic_kind_of(bags::RosMessage message) {
       break;
   }
   return std::nullopt;
+}
+
+std::vector<std::string> arms_of(const SurveyedTopic& topic) {
+  std::vector<std::string> whole;
+  for (const auto& [arm, joints] : topic.first_joints.arms) {
+    if (std::find(joints.begin(), joints.end(), std::nullopt) == joints.end()) whole.push_back(arm);
+  }
+  return whole;
 }
 
 BagSurvey survey_bag(bags::BagReader& bag, const ProgressCallback& progress, const std::string& name) {

@@ -41,7 +41,7 @@ struct SurveyedTopic {
   bags::RosMessage message = bags::RosMessage::other;
   std::uint64_t messages = 0;
   std::uint64_t useful = 0;                         ///< that have events, a known joint, or the pose
-  JointPositions first_joints{};                    ///< the first known of each
+  JointStates first_joints;                         ///< the first known of each, of up to 64 arms
   std::optional<events::SensorSize> size;           ///< of the first message that can be decoded
   std::string encoding;                             ///< of its events or image
   std::optional<events::SensorSize> unusable_size;  ///< of the first image that is too large for a video
@@ -55,6 +55,9 @@ struct BagSurvey {
 
 /// Reads the bag to its end. @throws Error  if it cannot be read, or has more than 4096 topics
 BagSurvey survey_bag(bags::BagReader& bag, const ProgressCallback& progress, const std::string& name);
+
+/// Of which arms a topic has all six joints.
+std::vector<std::string> arms_of(const SurveyedTopic& topic);
 
 /// The topic used for each kind.
 using BagTopicChoice = std::map<BagTopicKind, std::string>;

@@ -365,6 +365,7 @@ void convert_from_csv(const fs::path& in, const fs::path& out, const ConvertOpti
     report_progress(progress, csv.bytes_read() + (passes - 1) * csv.file_size(), passes * csv.file_size(),
                     out.filename().string());
   }
+  summary.overflows = csv.overflows();
   passage.finish();
 }
 

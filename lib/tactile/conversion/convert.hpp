@@ -11,7 +11,7 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/event.hpp"
-#include "tactile/events/event_csv_layout.hpp"
+#include "tactile/events/event_csv.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/stream.hpp"
 #include "tactile/recipes/recipe.hpp"
@@ -66,6 +66,7 @@ struct ConvertSummary {
   bool size_guessed = false;                       ///< derived from a CSV's events
   std::optional<events::TimeUnit> time_unit;       ///< of a CSV input
   bool time_unit_guessed = false;                  ///< because the times of a CSV have a fraction
+  events::TimeOverflows overflows;                 ///< of a CSV's times, undone
   std::optional<CameraTime> first, last;           ///< of the elements written, over all streams
   std::optional<CameraTime> first_in;              ///< of the elements read, cut or not
   std::uint64_t cropped_events = 0;                ///< inside the cut, but outside the crop

@@ -37,14 +37,14 @@ bool is_reached(const ToolPose& before, const ToolPose& after) {
   return std::hypot(turn[0], turn[1], turn[2]) < most;
 }
 
-std::string robot_log_header(bool has_joints) {
+std::string robot_log_header(bool has_joints, bool has_poses) {
   std::string text = "timestamp";
   const auto add_six = [&](std::string_view name) {
     for (int i = 0; i < 6; ++i) text += fmt::format(",{}_{}", name, i);
   };
   if (has_joints) add_six("actual_q");
-  add_six("actual_TCP_pose");
-  add_six("actual_TCP_speed");
+  if (has_poses) add_six("actual_TCP_pose");
+  if (has_poses) add_six("actual_TCP_speed");
   return text + ",host_time_us";
 }
 
@@ -108,8 +108,8 @@ void EventSorter::put(CameraTime until) {
   waiting_.erase(waiting_.begin(), end);
 }
 
-ImportedRobotLog::ImportedRobotLog(const fs::path& file, std::optional<JointPositions> joints)
-    : joints_(joints), file_(file, robot_log_header(joints.has_value())) {}
+ImportedRobotLog::ImportedRobotLog(const fs::path& file, std::optional<JointPositions> joints, bool has_poses)
+    : joints_(joints), file_(file, robot_log_header(joints.has_value(), has_poses)) {}
 
 void ImportedRobotLog::set(const JointPositions& joints) {
   for (std::size_t i = 0; joints_ && i < joints.size(); ++i) {
@@ -126,18 +126,30 @@ bool ImportedRobotLog::add(const ToolPose& pose, HostTime received) {
   return true;
 }
 
+bool ImportedRobotLog::add(HostTime t, HostTime received) {
+  if (newest_ && t <= *newest_) return false;
+  newest_ = t;
+  file_.write(first_cells(t, *joints_) + fmt::format(",{}\n", us_of(received)));
+  ++rows_;
+  return true;
+}
+
+std::string ImportedRobotLog::first_cells(HostTime t, const JointPositions& joints) const {
+  std::string cells = fmt::format("{}.{:06}", us_of(t) / 1'000'000, us_of(t) % 1'000'000);
+  for (std::size_t i = 0; joints_ && i < joints.size(); ++i) cells += fmt::format(",{}", joints.at(i).value_or(0));
+  return cells;
+}
+
 void ImportedRobotLog::close() {
   if (current_) write(*current_, previous_ ? previous_->pose : current_->pose, current_->pose);
   file_.close();
 }
 
 void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolPose& after) {
-  const std::int64_t us = us_of(row.pose.t);
-  std::string line = fmt::format("{}.{:06}", us / 1'000'000, us % 1'000'000);
+  std::string line = first_cells(row.pose.t, row.joints);
   const auto add = [&](const auto& values) {
     for (const double value : values) line += fmt::format(",{}", value);
   };
-  for (std::size_t i = 0; joints_ && i < row.joints.size(); ++i) line += fmt::format(",{}", row.joints.at(i).value_or(0));
   add(row.pose.place);
   add(robot::rotation_vector_of(row.pose.turn));
   // Between the neighbours, by which `robot::smoothing_of` knows such speeds; `set_speeds_from_poses` needs rows still to come.

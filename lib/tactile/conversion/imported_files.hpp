@@ -64,15 +64,18 @@ class EventSorter {
   bool is_sorted_ = true;
 };
 
-/// robot.csv. A row is written when the next pose comes, because its speed depends on that pose.
+/// robot.csv. A row is a pose, written when the next one comes, because its speed depends on that pose; or, in a log without
+/// poses, the positions of the joints.
 class ImportedRobotLog {
  public:
   /// @param joints  the first positions of the joints; nothing if the log has none
-  ImportedRobotLog(const std::filesystem::path& file, std::optional<JointPositions> joints);
+  ImportedRobotLog(const std::filesystem::path& file, std::optional<JointPositions> joints, bool has_poses = true);
 
   void set(const JointPositions& joints);  ///< for the next rows; joints that it does not name keep their positions
   /// Adds a row. @return  false, and the row is omitted, if it is not later than the one before or an arm cannot reach it
   bool add(const ToolPose& pose, HostTime received);
+  /// Adds a row of joints to a log without poses. @return  false, and the row is omitted, if it is not later than the one before
+  bool add(HostTime t, HostTime received);
   std::uint64_t rows() const { return rows_; }
   void close();
 
@@ -83,10 +86,12 @@ class ImportedRobotLog {
     JointPositions joints;
   };
   void write(const Row& row, const ToolPose& before, const ToolPose& after);
+  std::string first_cells(HostTime t, const JointPositions& joints) const;  ///< a row's time and joints
 
   std::optional<JointPositions> joints_;
   LineFile file_;
   std::optional<Row> previous_, current_;
+  std::optional<HostTime> newest_;  ///< of a log without poses
   std::uint64_t rows_ = 0;
 };
 

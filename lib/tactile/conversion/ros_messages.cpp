@@ -56,23 +56,22 @@ std::optional<cv::Size> size_of_picture(Bytes data) {
 
 }  // namespace
 
-bool decode_joint_state(bags::SerialisedMessage message, JointPositions& into) {
-  into = {};
+bool decode_joint_state(bags::SerialisedMessage message, JointStates& into) {
+  into.arms.clear();
   RosFields fields(message);
-  fields.header();
-  const std::size_t names = fields.count(4);
-  std::array<std::size_t, joint_names.size()> column;
-  column.fill(names);
-  for (std::size_t i = 0; i < names && fields.ok(); ++i) {
-    const auto* found = std::find(joint_names.begin(), joint_names.end(), fields.text());
-    if (found != joint_names.end()) column.at(static_cast<std::size_t>(found - joint_names.begin())) = i;
-  }
+  into.t = HostTime{microseconds{fields.header().first}};
+  const std::size_t count = fields.count(4);
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < count && fields.ok(); ++i) names.push_back(fields.text());
   const Bytes positions = fields.array(sizeof(double));
   if (!fields.ok()) return false;
-  for (std::size_t joint = 0; joint < into.size(); ++joint) {
-    if (column.at(joint) >= positions.size() / sizeof(double)) continue;
-    const auto position = number_at<double>(positions, column.at(joint) * sizeof(double));
-    if (std::isfinite(position)) into.at(joint) = position;
+  for (std::size_t i = 0; i < std::min(names.size(), positions.size() / sizeof(double)); ++i) {
+    const auto* joint =
+        std::find_if(joint_names.begin(), joint_names.end(), [&](std::string_view known) { return names[i].ends_with(known); });
+    const auto position = number_at<double>(positions, i * sizeof(double));
+    if (joint == joint_names.end() || !std::isfinite(position)) continue;
+    const std::string_view arm = names[i].substr(0, names[i].size() - joint->size());
+    into.arms[std::string(arm)].at(static_cast<std::size_t>(joint - joint_names.begin())) = position;
   }
   return true;
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
@@ -22,9 +24,14 @@ namespace tactile::conversion {
 inline constexpr std::array<std::string_view, 6> joint_names{"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
                                                              "wrist_1_joint",      "wrist_2_joint",       "wrist_3_joint"};
 
-/// Positions of those joints that the sensor_msgs/JointState names [rad].
-using JointPositions = std::array<std::optional<double>, 6>;
-bool decode_joint_state(bags::SerialisedMessage message, JointPositions& into);
+using JointPositions = std::array<std::optional<double>, 6>;  ///< [rad]
+
+/// Positions of the joints that a sensor_msgs/JointState names, by arm: what precedes `joint_names`, such as "left_" or nothing.
+struct JointStates {
+  HostTime t{};  ///< the message's stamp
+  std::map<std::string, JointPositions, std::less<>> arms;
+};
+bool decode_joint_state(bags::SerialisedMessage message, JointStates& into);
 
 /// The tool's place in the robot's base frame.
 struct ToolPose {

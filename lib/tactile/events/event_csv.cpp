@@ -42,6 +42,15 @@ File open_file(const std::filesystem::path& file, const char* mode, const char* 
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
+/// The bits of the counter that overflows where times fall by so much; nothing where none does.
+std::optional<int> overflowing_bits(std::int64_t fall_us) {
+  for (const int bits : {24, 31, 32}) {
+    const std::int64_t range = std::int64_t{1} << bits;
+    if (fall_us <= range && fall_us > range - range / 1000) return bits;
+  }
+  return std::nullopt;
+}
+
 /// Moves to the next cell, past blanks around the separator; false if there is none.
 bool pass_separator(const char*& at, const char* end, char separator) {
   while (at < end && is_blank(*at) && *at != separator) ++at;
@@ -152,6 +161,8 @@ struct EventCsvReader::State {
   std::uint64_t line = 0;        ///< the last one parsed, from 1
   std::uint64_t rows_above = 0;  ///< comments and header
   CameraTime latest = CameraTime::min();
+  std::int64_t added_us = 0;  ///< to the times, since counters overflowed
+  TimeOverflows overflows;
   std::vector<Event> events;  ///< parsed ones; the constructor parses the first chunk for the header
   bool handed_out = false;
 
@@ -189,8 +200,8 @@ struct EventCsvReader::State {
     while (at < end && is_blank(*at)) ++at;
     if (at != end) refuse_event(text);
     Event& event = cells.event;
-    event.t = camera_time(cells.t);
-    if (event.t < latest) refuse_order(cells.t);
+    event.t = camera_time(saturating_add(cells.t, added_us));
+    if (event.t < latest) undo_overflow(event.t);
     latest = event.t;
     event.on = cells.polarity > 0 ? 1 : 0;
     if (cells.polarity <= 0 && cells.polarity != lowest_polarity) note_polarity(cells.polarity);
@@ -227,6 +238,16 @@ struct EventCsvReader::State {
     return false;
   }
 
+  /// @throws Error  if the step back of `t` is no counter's overflow
+  void undo_overflow(CameraTime& t) {
+    const std::optional<int> bits = overflowing_bits(saturating_subtract(us_of(latest), us_of(t)));
+    if (!bits) refuse_order(us_of(t));
+    if (overflows.count++ == 0) overflows = {.count = 1, .line = line, .bits = *bits, .before = latest, .after = t};
+    const std::int64_t range = std::int64_t{1} << *bits;
+    added_us = saturating_add(added_us, range);
+    t = after(t, microseconds{range});
+  }
+
   /// Names a command that sorts the file, whatever its size.
   [[noreturn]] void refuse_order(std::int64_t t_us) const {
     const auto t = std::find(layout->columns.begin(), layout->columns.end(), EventColumn::t) - layout->columns.begin() + 1;
@@ -237,8 +258,11 @@ struct EventCsvReader::State {
     const std::string command =
         rows_above == 0 ? fmt::format("{} {}", sort, name)
                         : fmt::format("(head -n {} {}; tail -n +{} {} | {})", rows_above, name, rows_above + 1, name, sort);
-    refuse(fmt::format("time goes back from {} to {} us; expected times that never go back; to sort the file: {} > sorted.csv",
-                       us_of(latest), t_us, command));
+    refuse(
+        fmt::format("time goes back from {} to {} us; expected times that never go back; if the clock started again here, cut "
+                    "the file before "
+                    "this line; if the rows are out of order, to sort the file: {} > sorted.csv",
+                    us_of(latest), t_us, command));
   }
 
   void note_polarity(int polarity) {
@@ -345,6 +369,7 @@ std::span<const Event> EventCsvReader::next() {
 
 TimeUnit EventCsvReader::time_unit() const { return state_->unit; }
 bool EventCsvReader::time_unit_guessed() const { return state_->unit_guessed; }
+const TimeOverflows& EventCsvReader::overflows() const { return state_->overflows; }
 std::uint64_t EventCsvReader::bytes_read() const { return state_->bytes; }
 std::uint64_t EventCsvReader::file_size() const { return state_->size_bytes; }
 

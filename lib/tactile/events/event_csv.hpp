@@ -32,9 +32,18 @@ class EventCsvWriter {
   std::unique_ptr<State> state_;
 };
 
+/// The overflows of the counter that gave a file's times: its range was added after each.
+struct TimeOverflows {
+  std::uint64_t count = 0;
+  std::uint64_t line = 0;  ///< of the first event after the first overflow
+  int bits = 0;
+  CameraTime before{}, after{};  ///< the times on either side of the first, as in the file
+};
+
 /// Reads such a file, and those of other programs, in chunks; memory follows the chunk. The columns may have any order
 /// (`layout_of`); times may be in seconds; polarities may be 0 and 1, -1 and 1, or False and True. Comments (`#`, `%`) before the
-/// first row are skipped. Lines end in LF or CR LF.
+/// first row are skipped. Lines end in LF or CR LF. A fall of the times by the range of a counter of 24, 31 or 32 bits, or by up
+/// to a thousandth less, is its overflow, and the range is added from there on.
 class EventCsvReader {
  public:
   /// @param size  of the sensor; without it, coordinates are limited to 0 to 32767
@@ -50,7 +59,8 @@ class EventCsvReader {
   std::span<const Event> next();
 
   TimeUnit time_unit() const;
-  bool time_unit_guessed() const;  ///< from the numbers alone, and it is not microseconds
+  bool time_unit_guessed() const;          ///< from the numbers alone, and it is not microseconds
+  const TimeOverflows& overflows() const;  ///< in what has been read
   std::uint64_t bytes_read() const;
   std::uint64_t file_size() const;
 

@@ -16,6 +16,7 @@
 #include "tactile/core/table_file.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/robot/log_units.hpp"
 #include "tactile/robot/mixed_rows.hpp"
 #include "tactile/robot/pose_speeds.hpp"
 
@@ -44,10 +45,11 @@ struct OutputColumn {
 struct Columns {
   std::size_t time = 0;
   std::optional<Six> speed, pose;
-  bool pose_is_joints = false;
-  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed;
+  RobotSpeedSource speed_from = RobotSpeedSource::actual_tcp_speed, pose_from = RobotSpeedSource::actual_tcp_pose;
   std::optional<std::size_t> bits, host_time;
   std::vector<OutputColumn> outputs;
+
+  bool pose_is_joints() const { return pose_from == RobotSpeedSource::actual_q || pose_from == RobotSpeedSource::target_q; }
 };
 
 /// All six columns of a vector, or none. @throws Error  if some are missing
@@ -76,20 +78,16 @@ void find_motion(const TableFile& table, Columns& columns) {
   using Source = RobotSpeedSource;
   const auto find = [&](Source source) { return vector_columns(table, source); };
   const auto take_pose = [&](Source pose, Source joints) {
-    if (columns.pose) return;
-    columns.pose = find(pose);
-    if (columns.pose) return;
-    columns.pose = find(joints);
-    columns.pose_is_joints = columns.pose.has_value();
+    for (const Source source : {pose, joints}) {
+      if (columns.pose) return;
+      columns.pose = find(source);
+      if (columns.pose) columns.pose_from = source;
+    }
   };
   columns.speed = find(Source::actual_tcp_speed);
   take_pose(Source::actual_tcp_pose, Source::actual_q);
   const bool has_actual = columns.speed || columns.pose;
-  if (columns.speed) {
-    columns.speed_from = Source::actual_tcp_speed;
-  } else if (columns.pose) {
-    columns.speed_from = columns.pose_is_joints ? Source::actual_q : Source::actual_tcp_pose;
-  }
+  if (!columns.speed) columns.speed_from = columns.pose_from;
   take_pose(Source::target_tcp_pose, Source::target_q);
   if (has_actual) return;
   columns.speed = find(Source::target_tcp_speed);
@@ -99,9 +97,7 @@ void find_motion(const TableFile& table, Columns& columns) {
                     "RTDE's names with _0 to _5 after them",
                     table.file(), speed_name));
   }
-  columns.speed_from = columns.speed            ? Source::target_tcp_speed
-                       : columns.pose_is_joints ? Source::target_q
-                                                : Source::target_tcp_pose;
+  columns.speed_from = columns.speed ? Source::target_tcp_speed : columns.pose_from;
 }
 
 Columns columns_of(const TableFile& table) {
@@ -174,7 +170,7 @@ void refuse_binary(const TableFile& table) {
 RobotState state_in(const TableFile& table, const Columns& columns) {
   RobotState state;
   const double seconds = table.number_at(columns.time);
-  if (std::abs(seconds) > 1e12) table.refuse(columns.time, "controller seconds");
+  if (std::abs(seconds) > 1e12) table.refuse(columns.time, "seconds; divide milliseconds by 1000, microseconds by 1000000");
   state.t = RobotTime{microseconds{std::llround(seconds * 1e6)}};
   for (std::size_t i = 0; i < 6; ++i) {
     const auto number_at = [&](std::size_t column) {
@@ -302,8 +298,9 @@ class Pieces {
 
 /// Makes what the columns lack: poses from joints, speeds from poses.
 void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions& options) {
-  for (RobotLog& piece : file.pieces) drop_mixed_rows(piece, columns.speed.has_value(), columns.pose && !columns.pose_is_joints);
-  if (columns.pose_is_joints && !file.pieces.empty())
+  for (RobotLog& piece : file.pieces)
+    drop_mixed_rows(piece, columns.speed.has_value(), columns.pose && !columns.pose_is_joints());
+  if (columns.pose_is_joints() && !file.pieces.empty())
     file.arm = options.arm.value_or(rate_hz(file.longest()) > fastest_cb_rate_hz ? ArmModel::ur10e : ArmModel::ur10);
   for (RobotLog& piece : file.pieces) {
     for (RobotState& state : piece.states) {
@@ -311,7 +308,7 @@ void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions&
     }
     if (!columns.speed) {
       piece.smoothed_over = set_speeds_from_poses(piece.states);
-    } else if (columns.pose && !columns.pose_is_joints) {
+    } else if (columns.pose && !columns.pose_is_joints()) {
       piece.smoothed_over = smoothing_of(piece.states);
     }
     if (!columns.pose) set_poses_from_speeds(piece.states);
@@ -415,6 +412,10 @@ RobotLogFile read_robot_log(const std::filesystem::path& path, const RobotLogOpt
   }
   pieces.refuse_rounded_times(table.file());
   file.pieces = pieces.take();
+  const LoggedColumns logged{.pose = columns.pose ? name_of(columns.pose_from) : "",
+                             .pose_is_joints = columns.pose_is_joints(),
+                             .speed = columns.speed ? name_of(columns.speed_from) : ""};
+  if (const std::string why = other_units(file.pieces, logged); !why.empty()) throw Error(table.file() + ": " + why);
   complete(file, columns, options);
   return file;
 }

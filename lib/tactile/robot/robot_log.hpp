@@ -105,9 +105,9 @@ std::uint64_t lost_packages(const RobotLog& log);
 ///   length of a lost connection; and, without host times, where it leaps by more than a minute.
 ///
 /// @throws Error  naming the file, the row and the column that cannot be read; for record.py --binary, how to convert the file;
-/// if times were rounded when the log was written: half of the rows or more repeat the time of the row before, and the motion
-/// continues, or all times are whole seconds
-/// Sources: RTDE Python client library, record.py and csv_writer.py; ur_rtde, RTDEReceiveInterface; UR's RTDE guide.
+/// if the units are others (`other_units`); if times were rounded when the log was written: half of the rows or more repeat the
+/// time of the row before, and the motion continues, or all times are whole seconds Sources: RTDE Python client library,
+/// record.py and csv_writer.py; ur_rtde, RTDEReceiveInterface; UR's RTDE guide.
 RobotLogFile read_robot_log(const std::filesystem::path& file, const RobotLogOptions& options = {});
 
 /// Writes the states, separated by commas, whole or not at all. `timestamp` has six decimals.
