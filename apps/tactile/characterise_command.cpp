@@ -55,7 +55,7 @@ void check_folder(const CharacteriseArguments& args) {
 std::string mask_text(const Sensor& sensor) {
   CsvTable table("x,y,kind,rate_hz");
   for (const characterise::UnusualPixel& pixel : sensor.unusual.pixels) {
-    if (pixel.kind == characterise::UnusualPixel::Kind::warm) continue;
+    if (!pixel.is_hot()) continue;
     table.add_row(pixel.x, pixel.y, name_of(pixel.kind), fmt::format("{:.6g}", pixel.rate_hz.value));
   }
   return table.text();
@@ -75,7 +75,8 @@ std::string flicker_text(const characterise::Flicker& flicker) {
   if (flicker.lines.empty()) return fmt::format("none from {:.0f} to {:.0f} Hz", flicker.from_hz, flicker.to_hz);
   std::string text;
   for (const characterise::FlickerLine& line : flicker.lines)
-    text += fmt::format("{}{} Hz ({} of the rate)", text.empty() ? "" : ", ", measured_text(line.hz), percent_text(line.depth));
+    text += fmt::format("{}{} Hz ({} of the rate{})", text.empty() ? "" : ", ", measured_text(line.hz), percent_text(line.depth),
+                        line.is_local ? fmt::format(" of {} in step with it", counted(line.lit_pixels, "pixel")) : "");
   return text;
 }
 
@@ -84,9 +85,11 @@ std::vector<std::pair<std::string, std::string>> rows_of(const Sensor& sensor) {
   const characterise::UnusualPixels& unusual = sensor.unusual;
   std::vector<std::pair<std::string, std::string>> rows{
       {"events", fmt::format("{} in {:.3f} s: {} events/s, {} without hot pixels", sensor.events, sensor.seconds,
-                             measured_text(sensor.rate_hz), measured_text(sensor.rate_without_hot_hz))},
-      {"read-out", readout_text(sensor.readout)},
-      {"stamps", precision_text(sensor.readout)}};
+                             measured_text(sensor.rate_hz), measured_text(sensor.rate_without_hot_hz))}};
+  if (sensor.seconds_left_out > 0)
+    rows.emplace_back("left out", fmt::format("{:.3f} s in which something moves", sensor.seconds_left_out));
+  rows.emplace_back("read-out", readout_text(sensor.readout));
+  rows.emplace_back("stamps", precision_text(sensor.readout));
   if (sensor.readout.kind == events::Readout::Kind::steady)
     rows.emplace_back("jitter", fmt::format("{} us; slow wander {} us", measured_text(sensor.readout.jitter_us),
                                             measured_text(sensor.readout.wander_us)));
@@ -113,6 +116,8 @@ std::vector<std::pair<std::string, std::string>> rows_of(const Sensor& sensor) {
                 fmt::format("of a pixel {} in 2 ms, {} in 40 ms; of an ordinary one {} and {}",
                             measured_text(sensor.largest.tick), measured_text(sensor.largest.history),
                             measured_text(sensor.largest_ordinary.tick), measured_text(sensor.largest_ordinary.history))}});
+  if (unusual.lit > 0)
+    rows.emplace_back("lit pixels", fmt::format("{} fire in step with the flicker, and are neither hot nor warm", unusual.lit));
   if (sensor.passages)
     rows.emplace_back("passages", fmt::format("{} ON and {} OFF events as a marker's edge passes a pixel",
                                               measured_text(sensor.passages->on), measured_text(sensor.passages->off)));

@@ -1,5 +1,6 @@
 #include "tactile/characterise/characterise.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "characterise/made_sensor.hpp"
@@ -91,6 +92,103 @@ TEST(Characterise, FindsFlicker) {
   ASSERT_EQ(sensor.flicker.lines.size(), 1U);
   EXPECT_NEAR(sensor.flicker.lines[0].hz.value, 100, 0.3);
   EXPECT_LT(test::off_by(sensor.flicker.lines[0].depth, 0.3), 3);
+}
+
+/// Three spots of 9 pixels each, in light that is pulsed: at each pulse a pixel fires ON and then OFF, or not at all.
+std::vector<events::Event> with_strobes(const test::MadeSensor& made, std::vector<events::Event> events, double hz) {
+  Random random(8);
+  for (int pulse = 0; pulse < static_cast<int>(hz * made.seconds); ++pulse) {
+    for (int pixel = 0; pixel < 27; ++pixel) {
+      if (random.uniform() > 0.3) continue;
+      for (const int on : {1, 0}) {
+        const int x = 20 + 20 * (pixel / 9) + pixel % 3;
+        const double t_us = 1e6 / hz * (pulse + (on == 1 ? 0 : 0.3)) + 200 * random.uniform(), offset = 1000 + made.step_us * x;
+        const double stamp = offset + made.period_us * std::ceil((t_us - offset) / made.period_us);
+        events.push_back(test::event(1'000'000 + std::llround(stamp), x, 2 + pixel % 9 / 3, on));
+      }
+    }
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  return events;
+}
+
+TEST(Characterise, FindsAStrobeInAPartOfTheImageAndTakesItsPixelsForNoneOfTheSensors) {
+  const test::TemporaryFolder folder;
+  test::MadeSensor made = with_hot_pixels();
+  made.seconds = 4;
+  for (const double hz : {250.0, 500.0}) {
+    const auto file =
+        test::write_recording(folder / fmt::format("{}.aedat4", hz), made.size, with_strobes(made, events_of(made, 12), hz));
+    const Sensor sensor = characterise({file}, {});
+    ASSERT_FALSE(sensor.flicker.lines.empty()) << hz;
+    EXPECT_NEAR(sensor.flicker.lines[0].hz.value, hz, 0.1);
+    EXPECT_EQ(sensor.flicker.lines[0].lit_pixels, 27U);
+    EXPECT_TRUE(sensor.flicker.lines[0].is_local);
+    EXPECT_GT(sensor.flicker.lines[0].depth.value, 0.9);
+    EXPECT_EQ(sensor.unusual.lit, 27U);
+    EXPECT_EQ(sensor.unusual.hot.value, 12) << "these fire by themselves";
+    EXPECT_EQ(sensor.unusual.stuck.value, 1);
+    EXPECT_EQ(sensor.unusual.warm.value, 0);
+    EXPECT_EQ(physics_of(sensor).at("camera").at("hot_pixels"), 12);
+    EXPECT_NEAR(sensor.background.on_hz.value, 1.2, 0.1);
+  }
+}
+
+TEST(Characterise, FindsNoFlickerInTheRhythmsOfHotPixels) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made{.seconds = 4};
+  std::vector<events::Event> events = events_of(made, 13);
+  for (int pixel = 0; pixel < 6; ++pixel) {
+    const double hz = 210 + 37 * pixel;
+    for (int i = 0; i < static_cast<int>(hz * made.seconds); ++i)
+      events.push_back(test::event(1'000'000 + std::llround(1e6 * i / hz), 10 + 10 * pixel, 20, 1));
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  const Sensor sensor = characterise({test::write_recording(folder / "a.aedat4", made.size, events)}, {});
+  EXPECT_TRUE(sensor.flicker.lines.empty());
+  EXPECT_EQ(sensor.unusual.hot.value, 6);
+  EXPECT_EQ(sensor.unusual.lit, 0U);
+}
+
+/// Between `begin_us` and `end_us` an edge of 10 pixels stands and trembles 82 times a second.
+std::vector<events::Event> with_motion(std::vector<events::Event> events, std::int64_t begin_us, std::int64_t end_us) {
+  Random random(9);
+  for (std::int64_t t_us = begin_us; t_us < end_us; t_us += 1'000'000 / 82) {
+    for (int y = 20; y < 30; ++y) {
+      for (int i = 0; i < 4; ++i)
+        events.push_back(test::event(1'000'000 + t_us + static_cast<std::int64_t>(2'000 * random.uniform()), 40, y, i % 2));
+    }
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  return events;
+}
+
+TEST(Characterise, UsesTheTimesInWhichNothingMoves) {
+  const test::TemporaryFolder folder;
+  test::MadeSensor made = with_hot_pixels();
+  made.seconds = 8;
+  const auto events = with_motion(with_motion(events_of(made, 14), 1'500'000, 3'500'000), 5'000'000, 6'000'000);
+  const Sensor sensor = characterise({test::write_recording(folder / "a.aedat4", made.size, events)}, {});
+  EXPECT_NEAR(sensor.seconds, 8 - 3 - 4 * 0.1, 0.1) << "0.1 s before and after each motion are left out too";
+  EXPECT_NEAR(sensor.seconds + sensor.seconds_left_out, 8, 0.01);
+  EXPECT_TRUE(sensor.flicker.lines.empty());
+  EXPECT_EQ(sensor.unusual.hot.value, 12);
+  EXPECT_EQ(sensor.unusual.warm.value, 0);
+  EXPECT_FALSE(sensor.background.is_disturbed());
+  EXPECT_LT(test::off_by(sensor.background.on_hz, 1.2), 3);
+  EXPECT_NEAR(sensor.readout.period_us.value, made.period_us, 1e-3);
+}
+
+TEST(Characterise, RefusesARecordingInWhichSomethingMovesTooOften) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made{.seconds = 6};
+  std::vector<events::Event> events = events_of(made, 15);
+  for (int i = 0; i < 10; ++i) events = with_motion(std::move(events), 600'000 * i, 600'000 * i + 200'000);
+  const auto file = test::write_recording(folder / "a.aedat4", made.size, events);
+  EXPECT_NE(test::error_of([&] {
+              characterise({file}, {});
+            }).find("a.aedat4: something moves all the time; expected 0.5 s or more without touch and motion"),
+            std::string::npos);
 }
 
 TEST(Characterise, ListsNoDeadPixelsThatItDoesNotKnow) {

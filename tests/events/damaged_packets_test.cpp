@@ -98,6 +98,30 @@ TEST_F(DamagedRecording, SkipsPacketsOfAnotherTypeThanTheirStreams) {
   EXPECT_EQ(recording.problems().mismatched_packets, 1U) << "reading again must not count again";
 }
 
+TEST_F(DamagedRecording, IsRefusedIfItsEventsAreLossyTimeBins) {
+  // Of jAER: letters, version, number of bins; then each bin's time, its number of records and x, y, polarity and count of each.
+  std::string bins = "LBEV";
+  append(bins, std::uint16_t{1});
+  append(bins, std::uint32_t{1});
+  append(bins, std::uint64_t{1'024});
+  append(bins, std::uint32_t{1});
+  append(bins, std::uint16_t{5});
+  append(bins, std::uint16_t{6});
+  append(bins, std::uint8_t{1});
+  append(bins, std::uint16_t{3});
+  for (const int compression : {0, 1, 3}) {
+    const auto stored = [&](const std::string& content) {
+      return compression == 0 ? content : compression == 1 ? test::lz4(content) : test::zstd(content);
+    };
+    EXPECT_NE(error_of(file_start(compression, one_camera) + packet(0, stored(event_payload(row_of_events(100, 3)))) +
+                       packet(0, stored(bins)))
+                  .find("has jAER's lossy time bins (LBEV), which count events instead of listing them; expected events (EVTS): "
+                        "record again, with lossy time bins off in jAER"),
+              std::string::npos)
+        << compression;
+  }
+}
+
 // --- packet contents
 // -----------------------------------------------------------------------------------------------------------------
 

@@ -2,10 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <ctime>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "events/aedat4_bytes.hpp"
+#include "events/made_raw.hpp"
+#include "tactile/core/random.hpp"
 
 namespace tactile::events {
 namespace {
@@ -95,6 +102,112 @@ Words any_words(std::size_t count) {
     words.push_back(static_cast<std::uint16_t>(state >> 16));
   }
   return words;
+}
+
+/// The format's description, word by word.
+Decoded plainly_decoded(const Words& words, SensorSize size) {
+  Decoded made;
+  std::optional<std::int64_t> high;
+  std::optional<std::int64_t> t;
+  std::optional<int> y;
+  int base = 0;
+  unsigned base_on = 0;
+  const auto put = [&](int x, unsigned on) {
+    if (!t || !y) {
+      ++made.problems.unplaced;
+    } else if (x >= size.width || *y >= size.height) {
+      ++made.problems.outside;
+    } else {
+      made.events.push_back(event(*t, x, *y, on));
+    }
+  };
+  for (const std::uint16_t word : words) {
+    const unsigned type = word >> 12U, value = word & 0x7FFU, upper_bit = word >> 11U & 1U;
+    if (type == 0) y = static_cast<int>(value);
+    if (type == 2) put(static_cast<int>(value), upper_bit);
+    if (type == 3) {
+      base = static_cast<int>(value);
+      base_on = upper_bit;
+    }
+    if (type == 4 || type == 5) {
+      const int pixels = type == 4 ? 12 : 8;
+      for (int i = 0; i < pixels; ++i) {
+        if ((word >> i & 1) != 0) put(base + i, base_on);
+      }
+      base += pixels;
+    }
+    if (type == 6 && high) t = *high + (word & 0xFFF);
+    if (type == 8) {
+      std::int64_t next = word & 0xFFF;
+      if (high) {
+        next += *high >> 12 & ~std::int64_t{0xFFF};
+        if (next < (*high >> 12) - 16) next += 0x1000;
+        if (next > (*high >> 12) + 0x1000 - 17) next -= 0x1000;
+      }
+      if (t && next << 12 != *high) t = next << 12;
+      high = next << 12;
+    }
+    if (type == 10 && t) made.triggers.push_back({camera_time(*t), static_cast<std::uint8_t>(word >> 8 & 0xF), (word & 1) != 0});
+    made.problems.unplaced += type == 10 && !t ? 1 : 0;
+    made.problems.unknown_words += type == 1 || type == 9 || (type > 10 && type < 14) ? 1 : 0;
+  }
+  return made;
+}
+
+TEST(Evt3Decoder, GivesWhatAPlainDecoderMakesOfAnyWords) {
+  Random random(7);
+  for (int round = 0; round < 200; ++round) {
+    // Most words of a real stream are usual ones, in some streams times. The first event has no time.
+    const bool is_sparse = round % 2 == 0;
+    Words words{test::evt3_event(1, 5), test::evt3_time_high(5), test::evt3_time_low(6), test::evt3_row(7)};
+    unsigned high = 5;
+    for (int i = 0; i < 3'000; ++i) {
+      constexpr std::array<unsigned, 12> dense{0, 2, 2, 2, 2, 2, 2, 3, 4, 5, 2, 6}, sparse{0, 2, 6, 8, 8, 8, 7, 14, 15, 0, 2, 6};
+      const auto place = static_cast<std::size_t>(12 * random.uniform());
+      const bool is_any = random.uniform() < 0.02;
+      const unsigned type = is_any      ? static_cast<unsigned>(16 * random.uniform())
+                            : is_sparse ? sparse.at(place)
+                                        : dense.at(place);
+      if (type == 8 && (is_any || random.uniform() < 0.01)) high = static_cast<unsigned>(high + 40 * random.uniform()) & 0xFFF;
+      words.push_back(test::evt3_word(
+          type, type == 8 ? high : static_cast<unsigned>((type == 0 && !is_any ? 490 : 4096) * random.uniform())));
+    }
+    const SensorSize size = round % 3 == 0 ? SensorSize{640, 480} : SensorSize{2048, 2048};
+    const Decoded made = decoded(words, size), plain = plainly_decoded(words, size);
+    ASSERT_EQ(made.events, plain.events) << round;
+    EXPECT_EQ(made.triggers, plain.triggers) << round;
+    EXPECT_EQ(made.problems, plain.problems) << round;
+  }
+}
+
+/// The shortest CPU time of a decoder for one word, with events in memory that it has used before.
+double ns_per_word(const Words& words) {
+  double shortest = std::numeric_limits<double>::infinity();
+  Decoded made;
+  for (int i = 0; i < 15; ++i) {
+    Evt3Decoder decoder({1280, 720});
+    const std::clock_t begin = std::clock();
+    for (auto rest = std::as_bytes(std::span(words)); !rest.empty();) {
+      made.events.clear();
+      rest = rest.subspan(decoder.decode(rest, made.events, made.triggers, 4'000));
+    }
+    shortest = std::min(shortest, 1e9 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+  return shortest / static_cast<double>(words.size());
+}
+
+TEST(Evt3Decoder, NeedsNoMoreTimeForWordsInAnyOrderThanForOneEventAfterAnother) {
+  // A camera that sees little repeats the upper half of the time between its few events. The order cannot be predicted.
+  Random random(3);
+  Words sparse{test::evt3_time_high(5)}, steady{test::evt3_time_high(5), test::evt3_time_low(6), test::evt3_row(7)};
+  while (sparse.size() < 500'000) {
+    while (random.uniform() < 0.5) sparse.push_back(test::evt3_time_high(5));
+    sparse.insert(sparse.end(), {test::evt3_time_low(static_cast<unsigned>(4096 * random.uniform())),
+                                 test::evt3_row(static_cast<unsigned>(700 * random.uniform())),
+                                 test::evt3_event(1, static_cast<unsigned>(1200 * random.uniform()))});
+  }
+  while (steady.size() < 500'000) steady.push_back(test::evt3_event(1, static_cast<unsigned>(1200 * random.uniform())));
+  EXPECT_LT(ns_per_word(sparse), 1.5 * ns_per_word(steady));
 }
 
 TEST(Evt3Decoder, GivesTheSameWhereverItsInputIsDivided) {

@@ -15,7 +15,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/events/evt2.hpp"
-#include "tactile/events/evt3_survey.hpp"
+#include "tactile/events/evt3.hpp"
 #include "tactile/events/recording_health.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/repair.hpp"
@@ -126,40 +126,6 @@ TEST(RawRecording, IsReadInPiecesAsInOnePass) {
   for_events_between(recording, 0, camera_time(5'000'000), camera_time(5'001'000),
                      [&](std::span<const Event> part) { between_times += part.size(); });
   EXPECT_EQ(between_times, 100U);
-}
-
-TEST(Evt3Survey, CountsWhatTheDecoderMakesOfAnyWords) {
-  Random random(7);
-  for (int round = 0; round < 200; ++round) {
-    // Some rounds have few rare words, as real streams do, and others any. The first event has no time.
-    std::vector<std::uint16_t> words{test::evt3_event(1, 5), test::evt3_time_high(5), test::evt3_time_low(6), test::evt3_row(7)};
-    for (int i = 0; i < 3'000; ++i) {
-      constexpr std::array<unsigned, 12> usual{0, 2, 2, 2, 2, 2, 2, 3, 4, 5, 2, 6};
-      const bool is_any = random.uniform() < (round % 2 == 0 ? 0.005 : 0.5);
-      const auto type =
-          is_any ? static_cast<unsigned>(16 * random.uniform()) : usual.at(static_cast<std::size_t>(12 * random.uniform()));
-      words.push_back(test::evt3_word(type, static_cast<unsigned>((type == 0 ? 600 : 4096) * random.uniform())));
-    }
-    const SensorSize size = round % 3 == 0 ? SensorSize{640, 480} : SensorSize{2048, 2048};
-    const auto bytes = std::as_bytes(std::span(words));
-    Evt3Decoder decoding(size), surveying(size);
-    std::vector<Event> events, after_decoding, after_survey;
-    std::vector<Evt3Trigger> triggers, found;
-    decoding.decode(bytes, events, triggers);
-    const Evt3Survey made = survey(surveying, size, bytes, found);
-    ASSERT_EQ(made.events, static_cast<std::int64_t>(events.size())) << round;
-    EXPECT_EQ(found, triggers);
-    EXPECT_EQ(surveying.problems(), decoding.problems());
-    const auto earlier = [](const Event& a, const Event& b) { return a.t < b.t; };
-    const auto [first, last] = std::minmax_element(events.begin(), events.end(), earlier);
-    ASSERT_NE(first, events.end());
-    EXPECT_EQ(made.first, first->t);
-    EXPECT_EQ(made.last, last->t);
-    // Both continue alike.
-    decoding.decode(bytes, after_decoding, triggers);
-    surveying.decode(bytes, after_survey, found);
-    EXPECT_EQ(after_survey, after_decoding);
-  }
 }
 
 TEST(RawRecording, IsHealthyAndDeclaresTriggersOnlyIfItHasAny) {

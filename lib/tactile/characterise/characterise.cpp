@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
+#include "tactile/characterise/lit_pixels.hpp"
 #include "tactile/characterise/second_reading.hpp"
 
 namespace tactile::characterise {
@@ -29,7 +31,10 @@ Sensor characterise(const std::vector<std::filesystem::path>& quiet, const std::
   sensor.seconds = first.counts.seconds;
   sensor.readout = first.readout;
   sensor.packets = first.packets;
-  sensor.unusual = unusual_pixels(first.counts);
+  sensor.seconds_left_out = first.seconds_left_out;
+  LightReading light = read_light(first, unusual_pixels(first.counts), options, progress);
+  sensor.unusual = unusual_pixels(first.counts, light.lit);
+  sensor.flicker = std::move(light.flicker);
   for (std::size_t i = 0; i < first.counts.pixels(); ++i)
     sensor.events += std::uint64_t{first.counts.on[i]} + first.counts.off[i];
   SecondReading second(first, sensor.unusual, !touched.empty());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "tactile/core/error.hpp"
@@ -64,9 +65,11 @@ void read_recording(OpenRecording& open, ReadRecording& recording, FirstReading&
                     const ProgressCallback& progress) {
   events::ReadoutMeter readout(open.stream().size, events::ReadoutMeter::Extent::all);
   const auto width = static_cast<std::size_t>(reading.counts.size.width);
+  const QuietStretch stretch = recording.stretch();
   bool any = false;
   packets.begin_recording();
   open.for_packets(
+      stretch,
       [&](std::span<const events::Event> events) {
         readout.add(events);
         packets.add(events);
@@ -80,10 +83,6 @@ void read_recording(OpenRecording& open, ReadRecording& recording, FirstReading&
         }
       },
       progress);
-  if (!any || recording.first == recording.last) {
-    throw Error(fmt::format("{}: {}; expected a recording of some seconds", recording.file.string(),
-                            any ? "all events have the same time" : "holds no event"));
-  }
   recording.readout = readout.readout();
 }
 
@@ -124,6 +123,26 @@ OpenRecording::OpenRecording(const std::filesystem::path& file, const Characteri
   }
 }
 
+void OpenRecording::for_packets(const QuietStretch& stretch, const std::function<void(std::span<const events::Event>)>& use,
+                                const ProgressCallback& progress) {
+  std::vector<events::Event> inside;
+  for_packets(
+      [&](std::span<const events::Event> events) {
+        const auto is_inside = [&](const events::Event& event) { return stretch.begin <= event.t && event.t < stretch.end; };
+        if (std::all_of(events.begin(), events.end(), is_inside)) return use(events);
+        inside.clear();
+        std::copy_if(events.begin(), events.end(), std::back_inserter(inside), is_inside);
+        if (!inside.empty()) use(inside);
+      },
+      progress);
+}
+
+microseconds FirstReading::shortest() const {
+  microseconds shortest = microseconds::max();
+  for (const ReadRecording& recording : recordings) shortest = std::min(shortest, between(recording.first, recording.last));
+  return shortest;
+}
+
 void OpenRecording::for_packets(const std::function<void(std::span<const events::Event>)>& use,
                                 const ProgressCallback& progress) {
   for (const events::PacketRecord& packet : reader_.packets()) {
@@ -147,11 +166,27 @@ FirstReading read_first(const std::vector<std::filesystem::path>& quiet, const C
       reading.counts.off.resize(reading.counts.on.size());
     }
     has_packets &= open.reader().index() != events::PacketIndex::pieces;
-    ReadRecording& recording = reading.recordings.emplace_back();
-    recording.file = file;
-    recording.stream = open.stream().id;
-    read_recording(open, recording, reading, packets, progress);
-    reading.counts.seconds += recording.seconds();
+    QuietMeter meter(*size);
+    open.for_packets([&](std::span<const events::Event> events) { meter.add(events); }, progress);
+    if (meter.seconds() == 0) {
+      throw Error(fmt::format("{}: {}; expected a recording of some seconds", file.string(),
+                              meter.is_empty() ? "holds no event" : "all events have the same time"));
+    }
+    reading.seconds_left_out += meter.seconds();
+    for (const QuietStretch& stretch : meter.stretches()) {
+      ReadRecording& recording = reading.recordings.emplace_back();
+      recording.file = file;
+      recording.stream = open.stream().id;
+      recording.first = stretch.begin;
+      recording.last = after(stretch.end, microseconds{-1});
+      read_recording(open, recording, reading, packets, progress);
+      reading.counts.seconds += recording.seconds();
+      reading.seconds_left_out -= recording.seconds();
+    }
+  }
+  if (reading.recordings.empty()) {
+    throw Error(fmt::format("{}: something moves all the time; expected {} s or more without touch and motion",
+                            quiet.front().string(), std::chrono::duration<double>(QuietMeter::shortest).count()));
   }
   reading.readout = combined_readout(reading.recordings);
   if (reading.readout.kind == events::Readout::Kind::steady) reading.counts.period_us = reading.readout.period_us.value;

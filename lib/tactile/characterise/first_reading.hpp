@@ -5,17 +5,19 @@
 
 #include "tactile/characterise/characterise.hpp"
 #include "tactile/characterise/pixel_counts.hpp"
+#include "tactile/characterise/quiet_stretches.hpp"
 #include "tactile/events/recording_reader.hpp"
 
 namespace tactile::characterise {
 
-/// One quiet or touched recording, as its first reading shows it.
+/// One quiet stretch of a recording, as its first reading shows it.
 struct ReadRecording {
   std::filesystem::path file;
   std::int32_t stream = 0;
   CameraTime first{}, last{};
   events::Readout readout;
 
+  QuietStretch stretch() const { return {first, after(last, microseconds{1})}; }
   double seconds() const { return std::chrono::duration<double>(between(first, last)).count(); }
 };
 
@@ -26,6 +28,13 @@ struct FirstReading {
   std::string camera;
   events::Readout readout;  ///< of the first recording, with the combined values of all that have the same kind
   std::optional<PacketTimes> packets;
+  double seconds_left_out = 0;  ///< in which something moves
+
+  microseconds shortest() const;
+  /// The recording's own, if it is of the same kind as the others.
+  const events::Readout& readout_of(const ReadRecording& recording) const {
+    return recording.readout.kind == readout.kind && recording.readout.scan == readout.scan ? recording.readout : readout;
+  }
 };
 
 /// A recording that is open, and its event stream. @throws Error  as `characterise`
@@ -37,8 +46,11 @@ class OpenRecording {
 
   const events::Stream& stream() const { return stream_; }
   const events::RecordingReader& reader() const { return reader_; }
-  /// Every packet of the stream in file order.
+  /// The events of every packet of the stream, in file order.
   void for_packets(const std::function<void(std::span<const events::Event>)>& use, const ProgressCallback& progress);
+  /// Only those in a stretch.
+  void for_packets(const QuietStretch& stretch, const std::function<void(std::span<const events::Event>)>& use,
+                   const ProgressCallback& progress);
 
  private:
   events::RecordingReader reader_;

@@ -25,14 +25,12 @@ double hann_response(double offset) {
   return sinc / (1 - offset * offset);
 }
 
-/// The chance that the mean of `n` exponential values is `ratio` times their expectation or more.
-/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, PNAS 17 (1931).
+}  // namespace
+
 double chance_of(double ratio, double n) {
   const double z = (std::cbrt(ratio) - (1 - 1 / (9 * n))) * std::sqrt(9 * n);
   return 0.5 * std::erfc(z / std::numbers::sqrt2);
 }
-
-}  // namespace
 
 FlickerMeter::FlickerMeter(double bin_us, double readout_us, microseconds duration) : bin_us_(bin_us), readout_us_(readout_us) {
   constexpr double longest_s = 1.0, segments = 8;

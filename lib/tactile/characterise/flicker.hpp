@@ -13,9 +13,15 @@ namespace tactile::characterise {
 /// A frequency at which the event rate varies.
 struct FlickerLine {
   Measured hz;
-  Measured depth;     ///< d of the rate r (1 + d sin(2 pi hz t)): of events, not of light
-  double chance = 0;  ///< probability that noise alone gives one line as strong anywhere in what was searched
+  Measured depth;              ///< d of the rate r (1 + d sin(2 pi hz t)): of events, not of light
+  double chance = 0;           ///< probability that noise alone gives one line as strong anywhere in what was searched
+  std::size_t lit_pixels = 0;  ///< unusual pixels that fire in step
+  bool is_local = false;       ///< only they show it, and r is their rate
 };
+
+/// The chance that the mean of `n` exponential values is `ratio` times their expectation or more.
+/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, PNAS 17 (1931).
+double chance_of(double ratio, double n);
 
 struct Flicker {
   double from_hz = 0, to_hz = 0;   ///< what was searched: up to half the rate of the read-outs; nothing if to_hz <= from_hz

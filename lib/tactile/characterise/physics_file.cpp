@@ -49,6 +49,7 @@ void put_readout(nlohmann::json& camera, const events::Readout& readout) {
 void put_unusual(nlohmann::json& camera, const UnusualPixels& unusual) {
   std::vector<double> rates, on_shares, stuck_shares;
   for (const UnusualPixel& pixel : unusual.pixels) {
+    if (pixel.kind == UnusualPixel::Kind::lit) continue;  // light, not the sensor
     if (pixel.kind == UnusualPixel::Kind::stuck) {
       stuck_shares.push_back(pixel.on_share);
       continue;

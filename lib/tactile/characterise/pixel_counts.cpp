@@ -35,7 +35,7 @@ Measured counted(std::size_t n, double near) { return {static_cast<double>(n), s
 
 }  // namespace
 
-UnusualPixels unusual_pixels(const PixelCounts& counts) {
+UnusualPixels unusual_pixels(const PixelCounts& counts, const std::vector<bool>& lit) {
   constexpr double over_mean = 10, fewest_events = 10, stuck_share = 0.5;
   UnusualPixels unusual;
   std::vector<std::uint32_t> sums(counts.pixels());
@@ -44,32 +44,38 @@ UnusualPixels unusual_pixels(const PixelCounts& counts) {
   const double stuck_events =
       counts.period_us > 0 ? stuck_share * counts.seconds * 1e6 / counts.period_us : std::numeric_limits<double>::infinity();
   std::unordered_set<std::size_t> found;
-  double all = 0, of_hot = 0, squares = 0;
+  double all = 0, of_loud = 0;
   for (const std::uint32_t n : sums) all += n;
   for (const events::HotPixel& pixel : hot.pixels) {
     const auto at =
         static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(counts.size.width) + static_cast<std::size_t>(pixel.x);
     found.insert(at);
     unusual.pixels.push_back(pixel_at(counts, at, pixel.events >= stuck_events ? Kind::stuck : Kind::hot));
-    of_hot += pixel.events;
-    squares += static_cast<double>(pixel.events) * pixel.events;
+    of_loud += pixel.events;
   }
-  const double mean = (all - of_hot) / static_cast<double>(std::max<std::size_t>(1, counts.pixels() - found.size()));
+  const double mean = (all - of_loud) / static_cast<double>(std::max<std::size_t>(1, counts.pixels() - found.size()));
   const double least = std::max(over_mean * mean, fewest_events);
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sums[i] >= least && !found.contains(i)) unusual.pixels.push_back(pixel_at(counts, i, Kind::warm));
   }
   std::stable_sort(unusual.pixels.begin(), unusual.pixels.end(),
                    [](const UnusualPixel& a, const UnusualPixel& b) { return a.rate_hz.value > b.rate_hz.value; });
-  std::array<std::size_t, 3> numbers{};
+  std::array<std::size_t, 4> numbers{};
   std::vector<double> on_shares;
-  for (const UnusualPixel& pixel : unusual.pixels) {
+  double of_hot = 0, squares = 0;
+  for (UnusualPixel& pixel : unusual.pixels) {
+    const std::size_t at = counts.index_of(pixel);
+    if (!lit.empty() && lit[at]) pixel.kind = Kind::lit;
     ++numbers[static_cast<std::size_t>(pixel.kind)];
-    if (pixel.kind != Kind::stuck) on_shares.push_back(pixel.on_share);
+    if (pixel.kind == Kind::warm || pixel.kind == Kind::hot) on_shares.push_back(pixel.on_share);
+    if (!pixel.is_hot()) continue;
+    of_hot += sums[at];
+    squares += static_cast<double>(sums[at]) * sums[at];
   }
   unusual.warm = counted(numbers[static_cast<std::size_t>(Kind::warm)], near_limit(counts, least));
   unusual.hot = counted(numbers[static_cast<std::size_t>(Kind::hot)], near_limit(counts, hot.least_events));
   unusual.stuck = counted(numbers[static_cast<std::size_t>(Kind::stuck)], 0);
+  unusual.lit = numbers[static_cast<std::size_t>(Kind::lit)];
   unusual.hot_share = {of_hot / std::max(1.0, all), std::sqrt(squares) / std::max(1.0, all)};
   if (!on_shares.empty()) unusual.on_share = mean_of(on_shares);
   return unusual;

@@ -16,11 +16,17 @@ struct PixelCounts {
   double period_us = 0;  ///< of the read-outs, 0 if they have none
 
   std::size_t pixels() const { return on.size(); }
+  /// @param place  an event or a pixel
+  template <class Place>
+  std::size_t index_of(const Place& place) const {
+    return static_cast<std::size_t>(place.y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(place.x);
+  }
   double events(std::size_t pixel) const { return static_cast<double>(on[pixel]) + off[pixel]; }
 };
 
 /// Stuck, hot and warm pixels; `regularity` is measured later.
-UnusualPixels unusual_pixels(const PixelCounts& counts);
+/// @param lit  by pixel, those that light makes fire, if they are known
+UnusualPixels unusual_pixels(const PixelCounts& counts, const std::vector<bool>& lit = {});
 
 /// By pixel: none of the unusual ones.
 std::vector<bool> ordinary_pixels(const PixelCounts& counts, const UnusualPixels& unusual);

@@ -6,8 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "tactile/characterise/readout_bins.hpp"
-
 namespace tactile::characterise {
 namespace {
 
@@ -93,12 +91,6 @@ double window_us(const FirstReading& first, const std::vector<bool>& ordinary) {
   return 1e6 * std::min(shortest / 2, events_in_window / std::max(hz, 1e-9));
 }
 
-microseconds shortest_of(const FirstReading& first) {
-  microseconds shortest = microseconds::max();
-  for (const ReadRecording& recording : first.recordings) shortest = std::min(shortest, between(recording.first, recording.last));
-  return shortest;
-}
-
 }  // namespace
 
 struct SecondReading::State {
@@ -110,9 +102,6 @@ struct SecondReading::State {
         intervals(unusual_ones.pixels.size()),
         fired_when_touched(ordinary.size()),
         windows(ordinary, window_us(reading, ordinary)),
-        bin_us(ReadoutBins(reading.readout).length_us),
-        flicker(bin_us, reading.readout.kind == events::Readout::Kind::none ? 0 : reading.readout.period_us.value,
-                shortest_of(reading)),
         neighbours(reading.counts.size, ordinary),
         interval(ordinary.size()),
         largest(ordinary.size()),
@@ -124,7 +113,7 @@ struct SecondReading::State {
       unusual_index[static_cast<std::size_t>(unusual.pixels[i].y) * width + static_cast<std::size_t>(unusual.pixels[i].x)] =
           static_cast<std::uint32_t>(i);
   }
-  void add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const ReadoutBins& bins);
+  void add(const events::Event& event, std::int64_t t_us, std::int64_t tick);
   void begin_part(double seconds);
   void prefetch(const events::Event& event) const;
   Measured regularity_of_unusual() const;
@@ -139,8 +128,6 @@ struct SecondReading::State {
   std::vector<bool> fired_when_touched;
   std::vector<Part> parts;
   WindowCounter windows;
-  double bin_us;
-  FlickerMeter flicker;
   NeighbourMeter neighbours;
   IntervalMeter interval;
   LargestCountMeter largest;
@@ -165,7 +152,7 @@ void SecondReading::State::begin_part(double seconds) {
   quiet.begin_part();
 }
 
-void SecondReading::State::add(const events::Event& event, std::int64_t t_us, std::int64_t tick, const ReadoutBins& bins) {
+void SecondReading::State::add(const events::Event& event, std::int64_t t_us, std::int64_t tick) {
   const std::size_t pixel =
       static_cast<std::size_t>(event.y) * static_cast<std::size_t>(first.counts.size.width) + static_cast<std::size_t>(event.x);
   const std::uint32_t index = unusual_index[pixel];
@@ -174,7 +161,7 @@ void SecondReading::State::add(const events::Event& event, std::int64_t t_us, st
   Part& part = parts.back();
   if (index != usual) {
     part.unusual += 1;
-    part.hot += unusual.pixels[index].kind != UnusualPixel::Kind::warm;
+    part.hot += unusual.pixels[index].is_hot();
     if (!since) return;
     Intervals& sums = intervals[index];
     const auto length = static_cast<double>(*since);
@@ -185,7 +172,6 @@ void SecondReading::State::add(const events::Event& event, std::int64_t t_us, st
   }
   (event.on ? part.on : part.off) += 1;
   windows.add(pixel, t_us);
-  flicker.add(bins.index_of(t_us, event));
   neighbours.add(pixel, tick);
   if (is_touched) quiet.add(pixel, event.on != 0, t_us);
 }
@@ -196,18 +182,16 @@ SecondReading::~SecondReading() = default;
 
 void SecondReading::read_quiet(OpenRecording& open, const ReadRecording& recording, const ProgressCallback& progress) {
   State& s = *state_;
-  const bool is_alike = recording.readout.kind == s.first.readout.kind && recording.readout.scan == s.first.readout.scan;
-  const ReadoutBins bins(is_alike ? recording.readout : s.first.readout);
   const double length_us = static_cast<double>(between(recording.first, recording.last).count());
   const double part_us = length_us / parts_per_recording;
   const std::int64_t first_tick = tick_of(recording.first);
   s.windows.begin_recording();
-  s.flicker.begin_recording();
   s.interval.begin_recording();
   s.largest.begin_recording();
   std::size_t part = 0;
   s.begin_part(part_us * 1e-6);
   open.for_packets(
+      recording.stretch(),
       [&](std::span<const events::Event> events) {
         for (std::size_t i = 0; i < events.size(); ++i) {
           if (i + ahead < events.size()) s.prefetch(events[i + ahead]);
@@ -217,7 +201,7 @@ void SecondReading::read_quiet(OpenRecording& open, const ReadRecording& recordi
             ++part;
             s.begin_part(part_us * 1e-6);
           }
-          s.add(event, t_us, tick_of(event.t) - first_tick, bins);
+          s.add(event, t_us, tick_of(event.t) - first_tick);
         }
       },
       progress);
@@ -257,7 +241,8 @@ Measured SecondReading::State::regularity_of_unusual() const {
   std::vector<double> regularities;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const Intervals& sums = intervals[i];
-    if (sums.n < fewest || unusual.pixels[i].kind == UnusualPixel::Kind::stuck) continue;
+    const UnusualPixel::Kind kind = unusual.pixels[i].kind;
+    if (sums.n < fewest || kind == UnusualPixel::Kind::stuck || kind == UnusualPixel::Kind::lit) continue;
     const double mean = sums.sum / sums.n, variance = std::max(0.0, sums.squares / sums.n - mean * mean) * sums.n / (sums.n - 1);
     regularities.push_back(1 - std::sqrt(variance) / std::max(mean, 1e-9));
   }
@@ -300,8 +285,7 @@ void SecondReading::State::put_background(Sensor& sensor) const {
     rate->uncertainty = std::hypot(rate->uncertainty, between_pixels);
   }
   double warm = 0, hot = 0;
-  for (const UnusualPixel& pixel : unusual.pixels)
-    (pixel.kind == UnusualPixel::Kind::warm ? warm : hot) += pixel.rate_hz.value * pixel.rate_hz.value;
+  for (const UnusualPixel& pixel : unusual.pixels) (pixel.is_hot() ? hot : warm) += pixel.rate_hz.value * pixel.rate_hz.value;
   const double ordinary_pixels = pixels * std::hypot(sensor.background.on_hz.uncertainty, sensor.background.off_hz.uncertainty);
   sensor.rate_without_hot_hz.uncertainty = std::hypot(sensor.rate_without_hot_hz.uncertainty, ordinary_pixels, std::sqrt(warm));
   sensor.rate_hz.uncertainty = std::hypot(sensor.rate_hz.uncertainty, ordinary_pixels, std::sqrt(warm + hot));
@@ -342,7 +326,6 @@ void SecondReading::put_into(Sensor& sensor) const {
   sensor.background.on_spread = on_spread(s.first.counts, s.ordinary);
   sensor.background_rates_hz = rate_quantiles(s.first.counts, s.ordinary);
   sensor.unusual.regularity = s.regularity_of_unusual();
-  sensor.flicker = s.flicker.flicker();
   sensor.neighbours = s.neighbours.neighbours();
   sensor.shortest_interval_us = s.interval.shortest_us();
   sensor.refractory_us = sensor.shortest_interval_us;

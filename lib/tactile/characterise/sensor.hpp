@@ -18,14 +18,17 @@ namespace tactile::characterise {
 /// A pixel that fires by itself more than the others.
 struct UnusualPixel {
   enum class Kind : std::uint8_t {
-    warm,  ///< at least ten times the mean rate of ordinary pixels and ten events, but not hot
-    hot,   ///< by the rule of `tactile info`
-    stuck  ///< at half of the read-outs or more
+    warm,   ///< at least ten times the mean rate of ordinary pixels and ten events, but not hot
+    hot,    ///< by the rule of `tactile info`
+    stuck,  ///< at half of the read-outs or more
+    lit     ///< one of these in step with light that flickers
   };
   Kind kind = Kind::hot;
   int x = 0, y = 0;
   Measured rate_hz;
   double on_share = 0;
+
+  bool is_hot() const { return kind == Kind::hot || kind == Kind::stuck; }
 };
 
 /// The noise of the pixels that are not unusual. Rates are per pixel.
@@ -48,6 +51,7 @@ struct UnusualPixels {
   Measured hot_share;                  ///< of the events, those of hot and stuck pixels
   Measured on_share;                   ///< mean over hot and warm pixels
   Measured regularity;                 ///< mean over hot and warm pixels: 1 - standard deviation / mean of their intervals
+  std::size_t lit = 0;                 ///< pixels, which are no other kind
   std::vector<UnusualPixel> pixels{};  ///< most events first
 };
 
@@ -78,7 +82,8 @@ struct Sensor {
   std::vector<std::string> quiet, touched;  ///< the recordings
   std::string camera;
   events::SensorSize size;
-  double seconds = 0;  ///< of the quiet recordings
+  double seconds = 0;           ///< of the quiet recordings in which nothing moves
+  double seconds_left_out = 0;  ///< of them in which something moves
   std::uint64_t events = 0;
   events::Readout readout;
   std::optional<PacketTimes> packets;  ///< if the format has packets

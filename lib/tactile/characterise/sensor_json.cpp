@@ -22,6 +22,7 @@ nlohmann::json json_of(const UnusualPixels& unusual) {
   return {{"hot", json_of(unusual.hot)},
           {"stuck", json_of(unusual.stuck)},
           {"warm", json_of(unusual.warm)},
+          {"lit", unusual.lit},
           {"hot_share_of_events", json_of(unusual.hot_share)},
           {"on_share", json_of(unusual.on_share)},
           {"regularity", json_of(unusual.regularity)},
@@ -37,7 +38,11 @@ nlohmann::json json_of(const DeadPixels& dead) {
 nlohmann::json json_of(const Flicker& flicker) {
   nlohmann::json lines = nlohmann::json::array();
   for (const FlickerLine& line : flicker.lines)
-    lines.push_back({{"hz", json_of(line.hz)}, {"depth", json_of(line.depth)}, {"chance", line.chance}});
+    lines.push_back({{"hz", json_of(line.hz)},
+                     {"depth", json_of(line.depth)},
+                     {"chance", line.chance},
+                     {"lit_pixels", line.lit_pixels},
+                     {"only_lit_pixels", line.is_local}});
   const bool searched = flicker.to_hz > flicker.from_hz;
   return {{"searched_hz", searched ? nlohmann::json{flicker.from_hz, flicker.to_hz} : nlohmann::json()},
           {"resolution_hz", flicker.resolution_hz},
@@ -60,7 +65,7 @@ nlohmann::json json_of(const LargestCounts& counts) {
 
 std::string_view name_of(UnusualPixel::Kind kind) {
   using Kind = UnusualPixel::Kind;
-  return kind == Kind::warm ? "warm" : kind == Kind::hot ? "hot" : "stuck";
+  return kind == Kind::warm ? "warm" : kind == Kind::hot ? "hot" : kind == Kind::stuck ? "stuck" : "lit";
 }
 
 nlohmann::json json_of(const Sensor& sensor) {
@@ -73,6 +78,7 @@ nlohmann::json json_of(const Sensor& sensor) {
       {"camera", sensor.camera},
       {"sensor", {{"width", sensor.size.width}, {"height", sensor.size.height}}},
       {"seconds", sensor.seconds},
+      {"seconds_left_out", sensor.seconds_left_out},
       {"events", sensor.events},
       {"rate_hz", json_of(sensor.rate_hz)},
       {"rate_without_hot_hz", json_of(sensor.rate_without_hot_hz)},

@@ -9,6 +9,6 @@ namespace tactile::characterise {
 /// As `sensor.json` has it; docs/format/ describes the members.
 nlohmann::json json_of(const Sensor& sensor);
 
-std::string_view name_of(UnusualPixel::Kind kind);  ///< "warm", "hot", "stuck"
+std::string_view name_of(UnusualPixel::Kind kind);  ///< "warm", "hot", "stuck", "lit"
 
 }  // namespace tactile::characterise

@@ -22,6 +22,43 @@ std::int64_t next_high_us(std::int64_t before_us, unsigned high) {
   return before_us + step * 4096;
 }
 
+unsigned upper_half(std::int64_t high_us) { return static_cast<unsigned>(high_us >> 12) & 0xFFF; }
+
+/// What a usual word of a type does, as numbers to calculate with. A word is usual if
+///
+///   (word & mask) - usual < range,   unsigned:   one that repeats the upper half of the time, an event inside the sensor, ...
+struct WordType {
+  std::uint32_t mask = 0, usual = 0, range = 0;
+  std::uint32_t events = 0;
+  std::uint64_t sets_y = 0;   ///< mask
+  std::int64_t sets_low = 0;  ///< mask
+};
+
+/// Whether the next event has a time and a row of the sensor.
+bool is_placing(const Evt3Decoder::State& state, SensorSize size) {
+  return state.has_low && state.has_row && state.y < static_cast<unsigned>(size.height);
+}
+
+/// No word is usual before an event can be placed.
+std::array<WordType, 16> word_types(const Evt3Decoder::State& state, SensorSize size) {
+  std::array<WordType, 16> types{};
+  if (!is_placing(state, size)) return types;
+  types[Evt3Word::address_y] = {.mask = 0x7FF, .range = static_cast<std::uint32_t>(size.height), .sets_y = ~std::uint64_t{}};
+  types[Evt3Word::address_x] = {.mask = 0x7FF, .range = static_cast<std::uint32_t>(size.width), .events = 1};
+  types[Evt3Word::time_low] = {.range = 1, .sets_low = -1};
+  types[Evt3Word::time_high] = {.mask = 0xFFF, .usual = upper_half(state.high_us), .range = 1};
+  for (const unsigned without_event : {Evt3Word::continued_4, Evt3Word::others, Evt3Word::continued_12})
+    types[without_event].range = 1;
+  return types;
+}
+
+/// Two writes of 8 bytes: the compiler would first collect the fields in memory, which takes longer than all the rest.
+void write_event(Event* event, std::int64_t t_us, std::uint64_t x, std::uint64_t y, std::uint64_t on) {
+  const std::array<std::uint64_t, 2> stored{static_cast<std::uint64_t>(t_us), x | y << 16 | on << 32};
+  static_assert(sizeof stored == sizeof *event);
+  std::memcpy(static_cast<void*>(event), stored.data(), sizeof stored);
+}
+
 }  // namespace
 
 Trigger trigger_of(const Evt3Trigger& trigger) {
@@ -29,7 +66,7 @@ Trigger trigger_of(const Evt3Trigger& trigger) {
   return {.t = trigger.t, .type = trigger.is_rising ? rising_edge : falling_edge};
 }
 
-Evt3Decoder::Evt3Decoder(SensorSize size) : size_(size), block_(block_words * most_of_word) {}
+Evt3Decoder::Evt3Decoder(SensorSize size) : size_(size), block_(block_words * most_of_word + 1) {}
 
 std::size_t Evt3Decoder::decode(std::span<const std::byte> data, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers,
                                 std::size_t most) {
@@ -49,20 +86,55 @@ std::size_t Evt3Decoder::decode(std::span<const std::byte> data, std::vector<Eve
   return used;
 }
 
-Evt3Decoder::State Evt3Decoder::after_rare_word(unsigned word, State state, std::vector<Evt3Trigger>& triggers) {
+Event* Evt3Decoder::decode_word(unsigned word, Event* next, std::vector<Evt3Trigger>& triggers) {
+  State& s = state_;
+  const auto width = static_cast<unsigned>(size_.width), height = static_cast<unsigned>(size_.height);
+  const bool is_known = s.has_low && s.has_row;
+  const unsigned value = word & 0x7FF, upper_bit = word >> 11 & 1;
+  const auto put_all = [&](unsigned x, unsigned mask, unsigned pixels, unsigned on) {
+    const unsigned inside = x >= width ? 0 : width - x;
+    unsigned usable = mask & (inside >= pixels ? ~0U : (1U << inside) - 1);
+    if (!is_known || s.y >= height) usable = 0;
+    if (usable != mask)
+      (is_known ? problems_.outside : problems_.unplaced) += static_cast<unsigned>(std::popcount(mask ^ usable));
+    for (; usable != 0; usable &= usable - 1)
+      write_event(next++, s.t_us, x + static_cast<unsigned>(std::countr_zero(usable)), s.y, on);
+  };
   switch (word >> 12) {
+    case Evt3Word::address_y:
+      s.y = value;
+      s.has_row = true;
+      break;
+    case Evt3Word::address_x:
+      put_all(value, 1, 1, upper_bit);
+      break;
+    case Evt3Word::vector_base_x:
+      s.base_x = value;
+      s.base_on = upper_bit != 0;
+      break;
+    case Evt3Word::vector_12:
+      put_all(s.base_x, word & 0xFFF, 12, s.base_on);
+      s.base_x += 12;
+      break;
+    case Evt3Word::vector_8:
+      put_all(s.base_x, word & 0xFF, 8, s.base_on);
+      s.base_x += 8;
+      break;
+    case Evt3Word::time_low:
+      s.t_us = s.high_us + (word & 0xFFF);
+      s.has_low = s.has_high;
+      break;
     case Evt3Word::time_high: {
-      const unsigned high = word & 0xFFF;
-      const std::int64_t before_us = state.high_us;
-      state.high_us = state.has_clock ? next_high_us(before_us, high) : std::int64_t{high} << 12;
-      if (state.high_us != before_us) state.t_us = state.high_us;
-      state.has_clock = state.has_high = true;
+      const std::int64_t before_us = s.high_us;
+      s.high_us = s.has_clock ? next_high_us(before_us, word & 0xFFF) : std::int64_t{word & 0xFFF} << 12;
+      if (s.high_us != before_us) s.t_us = s.high_us;
+      s.has_clock = s.has_high = true;
       break;
     }
     case Evt3Word::external_trigger:
-      if (state.has_low) {
+      if (s.has_low) {
         triggers.push_back(
-            {.t = camera_time(state.t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0xF), .is_rising = (word & 1) != 0});
+            {.t = camera_time(s.t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0xF), .is_rising = (word & 1) != 0});
       } else {
         ++problems_.unplaced;
       }
@@ -75,66 +147,44 @@ Evt3Decoder::State Evt3Decoder::after_rare_word(unsigned word, State state, std:
       ++problems_.unknown_words;
       break;
   }
-  return state;
+  return next;
 }
 
+/// Most words are usual ones: they are decoded without a branch for their type, which would often be predicted wrong.
 void Evt3Decoder::decode_words(const std::byte* words, std::size_t count, std::vector<Event>& events,
                                std::vector<Evt3Trigger>& triggers) {
-  // What changes often is in local variables, which the compiler keeps in registers: the loop runs several 10^8 times a second.
-  const auto width = static_cast<unsigned>(size_.width), height = static_cast<unsigned>(size_.height);
-  State state = state_;
-  bool is_known = state.has_low && state.has_row;
+  bool places_events = is_placing(state_, size_);
+  std::array<WordType, 16> types = word_types(state_, size_);
+  std::uint64_t y = state_.y;
+  std::int64_t high_us = state_.high_us, t_us = state_.t_us;
   Event* next = block_.data();
-  const auto drop = [&](int dropped) { (is_known ? problems_.outside : problems_.unplaced) += static_cast<unsigned>(dropped); };
-  const auto put = [&](unsigned x, unsigned on) {
-    *next++ = Event{.t = camera_time(state.t_us),
-                    .x = static_cast<std::int16_t>(x),
-                    .y = static_cast<std::int16_t>(state.y),
-                    .on = static_cast<std::uint8_t>(on)};
-  };
-  const auto put_vector = [&](unsigned mask, unsigned pixels) {
-    const unsigned inside = state.base_x >= width ? 0 : width - state.base_x;
-    unsigned usable = mask & (inside >= pixels ? ~0U : (1U << inside) - 1);
-    if (!is_known || state.y >= height) usable = 0;
-    if (usable != mask) drop(std::popcount(mask ^ usable));
-    for (; usable != 0; usable &= usable - 1) put(state.base_x + static_cast<unsigned>(std::countr_zero(usable)), state.base_on);
-    state.base_x += pixels;
-  };
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const std::byte* const end = words + word_bytes * count; words != end; words += word_bytes) {
     std::uint16_t stored = 0;
-    std::memcpy(&stored, words + 2 * i, sizeof stored);
-    const unsigned word = stored, value = word & 0x7FF, upper_bit = word >> 11 & 1;
-    switch (word >> 12) {
-      case Evt3Word::address_y:
-        state.y = value;
-        state.has_row = true;
-        is_known = state.has_low;
-        break;
-      case Evt3Word::address_x:
-        (is_known && value < width && state.y < height) ? put(value, upper_bit) : drop(1);
-        break;
-      case Evt3Word::vector_base_x:
-        state.base_x = value;
-        state.base_on = upper_bit != 0;
-        break;
-      case Evt3Word::vector_12:
-        put_vector(word & 0xFFF, 12);
-        break;
-      case Evt3Word::vector_8:
-        put_vector(word & 0xFF, 8);
-        break;
-      case Evt3Word::time_low:
-        state.t_us = state.high_us + (word & 0xFFF);
-        state.has_low = state.has_high;
-        is_known = state.has_low && state.has_row;
-        break;
-      default:
-        state = after_rare_word(word, state, triggers);
-        break;
+    std::memcpy(&stored, words, sizeof stored);
+    const std::uint64_t word = stored, x = word & 0x7FF;
+    const WordType& type = types[word >> 12];
+    if ((stored & type.mask) - type.usual >= type.range) {
+      state_.y = static_cast<unsigned>(y);
+      state_.t_us = t_us;
+      next = decode_word(stored, next, triggers);
+      y = state_.y;
+      t_us = state_.t_us;
+      high_us = state_.high_us;
+      if (is_placing(state_, size_) != places_events) {
+        places_events = !places_events;
+        types = word_types(state_, size_);
+      }
+      types[Evt3Word::time_high].usual = upper_half(high_us);
+      continue;
     }
+    y ^= (y ^ x) & type.sets_y;
+    t_us ^= (t_us ^ (high_us + static_cast<std::int64_t>(word & 0xFFF))) & type.sets_low;
+    write_event(next, t_us, x, y, word >> 11 & 1);
+    next += type.events;
   }
   events.insert(events.end(), block_.data(), next);
-  state_ = state;
+  state_.y = static_cast<unsigned>(y);
+  state_.t_us = t_us;
 }
 
 void Evt3Decoder::resume(const State& state) {

@@ -77,10 +77,11 @@ class Evt3Decoder {
 
  private:
   void decode_words(const std::byte* words, std::size_t count, std::vector<Event>& events, std::vector<Evt3Trigger>& triggers);
-  State after_rare_word(unsigned word, State state, std::vector<Evt3Trigger>& triggers);
+  /// Any word, with all checks. @return  where the next event is written
+  Event* decode_word(unsigned word, Event* next, std::vector<Evt3Trigger>& triggers);
 
   SensorSize size_;
-  std::vector<Event> block_;  ///< room for the events of one block of words
+  std::vector<Event> block_;  ///< room for the events of one block of words, and for one more
   Evt3Problems problems_;
   std::optional<std::byte> half_word_;
   State state_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <string_view>
 
 #include "event_packet_generated.h"
 #include "file_data_table_generated.h"
@@ -65,6 +66,8 @@ std::size_t copy_to(const flatbuffers::FlatBufferBuilder& builder, PacketBuffer&
 }  // namespace
 
 Contents decode_events(PacketBuffer& packet, std::size_t size, std::span<Event>& events) {
+  constexpr std::string_view lossy = "LBEV";  // where other contents have the size prefix
+  if (size >= lossy.size() && std::memcmp(packet.data(), lossy.data(), lossy.size()) == 0) return Contents::lossy;
   const aedat4::EventPacket* root = nullptr;
   const Contents contents = verify(packet, size, aedat4::EventPacketIdentifier(), 1, root);
   if (contents != Contents::whole) return contents;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "tactile/events/event.hpp"
@@ -13,7 +14,17 @@
 namespace tactile::events {
 
 /// The state of a packet's contents.
-enum class Contents : std::uint8_t { whole, mismatched, broken };
+enum class Contents : std::uint8_t {
+  whole,
+  mismatched,
+  broken,
+  lossy  ///< counts of events in bins of time, as jAER 3.6 writes on request. Source: jAER, Aedat4LossyTimeBins.java
+};
+
+/// Why a recording with lossy contents is refused.
+inline constexpr std::string_view lossy_contents =
+    "has jAER's lossy time bins (LBEV), which count events instead of listing them; expected events (EVTS): record again, with "
+    "lossy time bins off in jAER";
 
 // Reading: `packet` begins with `size` decompressed bytes, with their size prefix. Everything in them is checked before use.
 // Contents at unaligned addresses are moved inside the buffer.

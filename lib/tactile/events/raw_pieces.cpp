@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <type_traits>
 #include <utility>
 
 #include "tactile/events/evt2.hpp"
 #include "tactile/events/evt3.hpp"
-#include "tactile/events/evt3_survey.hpp"
 #include "tactile/events/recording_file.hpp"
 #include "tactile/events/recording_header.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -33,12 +31,14 @@ class DecodedPieces final : public RawPieces {
       PacketRecord piece{.stream_id = event_stream_id,
                          .payload_offset = begin_ + at,
                          .payload_size = static_cast<std::uint32_t>(std::min<std::uint64_t>(piece_bytes, size - at))};
-      triggers_.clear();
-      const Evt3Survey found = survey_of(bytes_of(piece));
-      piece.elements = found.events;
-      piece.first = found.first;
-      piece.last = found.last;
-      if (found.events > 0) records.push_back(piece);
+      decode_next(piece);
+      if (!events_.empty()) {
+        const auto [first, last] = time_extent_of(std::span<const Event>(events_));
+        piece.elements = static_cast<std::int64_t>(events_.size());
+        piece.first = first;
+        piece.last = last;
+        records.push_back(piece);
+      }
       if (triggers_.empty()) continue;
       const auto [first, last] = time_extent_of(std::span<const Evt3Trigger>(triggers_));
       records.push_back({.stream_id = trigger_stream_id,
@@ -67,19 +67,6 @@ class DecodedPieces final : public RawPieces {
   }
 
  private:
-  /// What the next bytes hold; EVT2 is decoded fast enough to be counted afterwards.
-  Evt3Survey survey_of(std::span<const std::byte> bytes) {
-    if constexpr (std::is_same_v<Decoder, Evt3Decoder>) {
-      return survey(decoder_, sensor_, bytes, triggers_);
-    } else {
-      events_.clear();
-      decoder_.decode(bytes, events_, triggers_);
-      if (events_.empty()) return {};
-      const auto [first, last] = time_extent_of(std::span<const Event>(events_));
-      return {.events = static_cast<std::int64_t>(events_.size()), .first = first, .last = last};
-    }
-  }
-
   /// Valid until the next call.
   std::span<const std::byte> bytes_of(const PacketRecord& piece) {
     bytes_.resize(piece_bytes);
@@ -90,6 +77,10 @@ class DecodedPieces final : public RawPieces {
 
   void decode(const PacketRecord& piece) {
     decoder_.resume(states_.at(static_cast<std::size_t>((piece.payload_offset - begin_) / piece_bytes)));
+    decode_next(piece);
+  }
+
+  void decode_next(const PacketRecord& piece) {
     events_.clear();
     triggers_.clear();
     decoder_.decode(bytes_of(piece), events_, triggers_);

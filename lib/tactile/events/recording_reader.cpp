@@ -211,8 +211,9 @@ std::size_t RecordingReader::State::index_of(const PacketRecord& packet, StreamT
   throw Error(fmt::format("{}: stream {} holds {}; expected {}", file.name(), stream.id, name_of(stream.type), name_of(type)));
 }
 
-/// Counts a packet that is not whole, once.
+/// Counts a packet that is not whole, once. @throws Error  if it is lossy: the others would not be the whole recording
 bool RecordingReader::State::is_whole(std::size_t i, Contents contents) {
+  if (contents == Contents::lossy) throw Error(fmt::format("{}: {}", file.name(), lossy_contents));
   if (contents != Contents::whole && !std::exchange(notes[i].counted, true)) {
     ++(contents == Contents::broken ? problems.broken_packets : problems.mismatched_packets);
   }

@@ -100,9 +100,10 @@ void draw_rates(PlotScript& script, const Sensor& sensor) {
 void draw_map(PlotScript& script, const Sensor& sensor) {
   const characterise::UnusualPixels& unusual = sensor.unusual;
   begin(script, left, lower,
-        fmt::format("{:.0f} hot (orange), {:.0f} stuck (black), {:.0f} warm (blue) pixels", unusual.hot.value,
-                    unusual.stuck.value, unusual.warm.value));
-  std::array<std::vector<double>, 3> places;
+        fmt::format("{:.0f} hot (orange), {:.0f} stuck (black), {:.0f} warm (blue) pixels{}", unusual.hot.value,
+                    unusual.stuck.value, unusual.warm.value,
+                    unusual.lit > 0 ? fmt::format(", {} in step with flicker (not drawn)", unusual.lit) : ""));
+  std::array<std::vector<double>, 4> places;
   for (const UnusualPixel& pixel : sensor.unusual.pixels) {
     auto& list = places[static_cast<std::size_t>(pixel.kind)];
     list.insert(list.end(), {static_cast<double>(pixel.x), static_cast<double>(pixel.y)});
@@ -150,9 +151,10 @@ void draw_spectrum(PlotScript& script, const Sensor& sensor) {
 
 void draw_sensor(const Sensor& sensor, const std::filesystem::path& file) {
   const std::string camera = sensor.camera.empty() ? "A sensor" : sensor.camera;
-  PlotScript script(fmt::format("{}: {} x {} pixels, {} events in {:.3f} s without touch", camera, sensor.size.width,
-                                sensor.size.height, sensor.events, sensor.seconds),
-                    width, height);
+  PlotScript script(
+      fmt::format("{}: {} x {} pixels, {} events in {:.3f} s {}", camera, sensor.size.width, sensor.size.height, sensor.events,
+                  sensor.seconds, sensor.background.is_disturbed() ? "with motion or flicker" : "without touch"),
+      width, height);
   script.note(fmt::format(
       "{:.1f} thousand events per s, {:.1f} without hot pixels, which have {} % of the events. Uncertainties are one standard "
       "deviation.",
