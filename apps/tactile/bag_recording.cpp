@@ -12,9 +12,8 @@ namespace tactile::cli {
 BagRecording::BagRecording(const std::string& bag, conversion::BagImportOptions options, const CommonArguments& common)
     : folder_(std::filesystem::temp_directory_path() / "tactile-recording") {
   options.joints_topic = options.pose_topic = options.video_topic = "none";
-  const auto summary = conversion::import_bag(bag, folder_.path() / "bag" / "01", options, progress_line(common));
-  warn_about_import(bag, summary);
-  file_ = summary.run.events();
+  summary_ = conversion::import_bag(bag, folder_.path() / "bag" / "01", options, progress_line(common));
+  warn_about_import(bag, summary_);
 }
 
 void warn_about_import(const std::string& bag, const conversion::BagImportSummary& summary) {

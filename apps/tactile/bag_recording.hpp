@@ -15,11 +15,12 @@ class BagRecording {
   /// Logs what the recording lacks. @throws Error  as `import_bag`
   BagRecording(const std::string& bag, conversion::BagImportOptions options, const CommonArguments& common);
 
-  const std::filesystem::path& file() const { return file_; }
+  std::filesystem::path file() const { return summary_.run.events(); }
+  const conversion::BagImportSummary& summary() const { return summary_; }
 
  private:
   PartFolder folder_;
-  std::filesystem::path file_;
+  conversion::BagImportSummary summary_;
 };
 
 /// Logs what is missing in a run or recording made from a bag.

@@ -90,8 +90,8 @@ Command add_command(CLI::App& app, const std::string& name, const std::string& d
     if (!common->config.empty()) fill_in_from(common->config, *declared);
     common->settings = effective_settings(*declared);
     if (common->print_config) return print(json_text(common->settings, 2) + "\n");
-    catch_ctrl_c();
-    if (ctrl_c == CtrlC::is_the_end) catch_termination();
+    catch_signals();
+    if (ctrl_c == CtrlC::is_the_end) fail_at_broken_pipes();
     release_signals();
     if (ctrl_c == CtrlC::breaks_off) stop_if_interrupted();
     if (common->quiet) spdlog::set_level(spdlog::level::warn);

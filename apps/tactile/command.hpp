@@ -26,21 +26,20 @@ struct CommonArguments {  // NOLINT(bugprone-exception-escape): moving nlohmann:
 /// A check failed, without an error: the command ends with 2.
 struct CheckFailed {};
 
-/// Ctrl-C: the command ends with 130, and keeps what it wrote so far.
+/// Ctrl-C, SIGTERM or SIGHUP: the command ends with 130, 143 or 129, and keeps what it wrote so far.
 struct Interrupted {};
 
-/// The meaning of Ctrl-C for a command: it interrupts the work, or is its usual end.
+/// The meaning of these signals for a command: it interrupts the work, or is its usual end.
 enum class CtrlC : std::uint8_t { breaks_off, is_the_end };
 
 /// Declares a command with --config, --print-config, --json, --quiet and --threads, and the function that runs once its options
 /// are read. Options that were not given take their value from --config; an unknown key there is an error that names the nearest
 /// option. With --print-config, the effective settings are printed instead, and nothing runs. A Ctrl-C
-/// before the command runs interrupts it. If Ctrl-C is the command's end, `interrupted()` returns true instead, also after
-/// SIGTERM and SIGHUP.
+/// before the command runs interrupts it. If Ctrl-C is the command's end, `interrupted()` returns true instead.
 Command add_command(CLI::App& app, const std::string& name, const std::string& description,
                     std::function<void(const CommonArguments&)> run, CtrlC ctrl_c = CtrlC::breaks_off);
 
-void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C
+void stop_if_interrupted();  ///< @throws Interrupted after Ctrl-C, SIGTERM and SIGHUP
 
 /// Prints a result to stdout: the JSON with --json, else the text.
 void print_result(const CommonArguments& common, const nlohmann::json& json, const std::string& text);

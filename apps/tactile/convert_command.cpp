@@ -190,11 +190,12 @@ std::string begin_text(CameraTime first) {
   return moment == us ? us : fmt::format("{} ({})", moment, us);
 }
 
+/// @param format  of the input
 std::string text_of(const ConvertArguments& args, const conversion::ConvertOptions& options,
-                    const conversion::ConvertSummary& summary) {
+                    const conversion::ConvertSummary& summary, std::string_view format) {
   const auto line = [](const std::string& label, const std::string& text) { return fmt::format("  {:<10}{}\n", label, text); };
   std::string text = args.out + "\n";
-  text += line("from", fmt::format("{}, {}, {}", args.in, name_of(summary.from), bytes_text(summary.bytes_in)));
+  text += line("from", fmt::format("{}, {}, {}", args.in, format, bytes_text(summary.bytes_in)));
   text += line("to", fmt::format("{}{}, {}", name_of(summary.to),
                                  summary.compression ? fmt::format(" ({})", name_of(*summary.compression)) : "",
                                  bytes_text(summary.bytes_out)));
@@ -321,10 +322,15 @@ void convert(ConvertArguments args, const CommonArguments& common) {
     if (!topic->empty()) throw Error(args.in + ": is not a bag; expected no options for topics");
   }
   const conversion::ConvertOptions options = options_of(args, common.threads);
-  const conversion::ConvertSummary summary = conversion::convert_recording(
-      from_bag ? from_bag->file() : std::filesystem::path(args.in), args.out, options, progress_line(common));
+  conversion::ConvertSummary summary = conversion::convert_recording(from_bag ? from_bag->file() : std::filesystem::path(args.in),
+                                                                     args.out, options, progress_line(common));
+  std::string format(name_of(summary.from));
+  if (from_bag) {  // not of the recording that was made of it on the way
+    format = from_bag->summary().format;
+    summary.bytes_in = from_bag->summary().bytes_in;
+  }
   warn(args, summary);
-  print_result(common, json_of(args, options, summary), text_of(args, options, summary));
+  print_result(common, json_of(args, options, summary), text_of(args, options, summary, format));
 }
 
 void add_topic_options(Command& command, conversion::BagImportOptions& bag) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -146,7 +145,6 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
 }
 
 void detect(DetectArguments args, const CommonArguments& common) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
   const ChosenModel chosen = chosen_model(args.model, args.models);
   const model::ModelBundle& bundle = chosen.bundle;

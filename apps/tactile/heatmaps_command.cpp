@@ -7,7 +7,6 @@
 #include "command.hpp"
 #include "commands.hpp"
 #include "heatmap_pictures.hpp"
-#include "interruption.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -65,7 +64,6 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
     histories.push_back(heatmap_options(history_ms, args.rendering));
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, heatmaps::stored_name(histories.back()));
   }
-  if (!args.pictures.empty()) catch_termination();  // so that no incomplete folder of pictures stays
   nlohmann::json result = {
       {"dataset", file.string()}, {"histories", nlohmann::json::array()}, {"pictures", 0}, {"warnings", nlohmann::json::array()}};
   std::vector<std::vector<std::string>> rows;

@@ -28,6 +28,7 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/splitting/split_proposal.hpp"
 #include "tactile/splitting/split_recording.hpp"
+#include "tactile/windows/shortest_run.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -111,6 +112,15 @@ std::size_t healthy_in(const std::vector<ImportedRun>& runs) {
       std::count_if(runs.begin(), runs.end(), [](const ImportedRun& run) { return run.report.health.healthy(); }));
 }
 
+/// Whether the recording is a sound file, but cannot be a run.
+bool is_too_short(const ImportedRun& run) {
+  return run.report.health.healthy() && run.report.health.duration() < windows::shortest_run({});
+}
+
+std::size_t too_short_in(const std::vector<ImportedRun>& runs) {
+  return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), is_too_short));
+}
+
 ReportOptions as_info_check() {
   ReportOptions options;
   options.check = true;
@@ -189,6 +199,7 @@ nlohmann::json json_of(const ImportCommandArguments& args, const RunNames& names
                    {"bytes", run.made.bytes},
                    {"healthy", run.report.health.healthy()},
                    {"reasons", run.report.health.reasons},
+                   {"too_short", is_too_short(run)},
                    {"lacks", run.lacks}});
   }
   return {{"data", args.splitting.data}, {"renamed", renamed}, {"runs", all}};
@@ -208,14 +219,16 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
     const bool lacks_times = run.report.has_film && !run.report.video;
     rows.push_back({name, named(run.recording), named(run.robot), named(run.film) + (lacks_times ? ", no times" : ""),
                     duration_text(health.duration()), std::to_string(run.made.events),
-                    !health.healthy()  ? "SICK: " + health.reasons.front()
-                    : run.made.is_kept ? "imported before"
-                                       : ""});
+                    !health.healthy()   ? "SICK: " + health.reasons.front()
+                    : is_too_short(run) ? "too short for a run"
+                    : run.made.is_kept  ? "imported before"
+                                        : ""});
     if (!run.lacks.empty()) runs_lacking[run.lacks].push_back(name);
   }
   text += text_table({"run", "from", "robot log", "film", "length", "events", ""}, rows) +
           (failed > 0 ? fmt::format("{} of {} imported, ", runs.size(), runs.size() + failed) : "") +
-          fmt::format("{} of {} healthy\n", healthy_in(runs), runs.size());
+          fmt::format("{} of {} healthy{}\n", healthy_in(runs), runs.size(),
+                      too_short_in(runs) > 0 ? fmt::format(", {} too short for a run", too_short_in(runs)) : "");
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
   const fs::path object = fs::path(args.splitting.data) / names.object;
@@ -242,6 +255,10 @@ void import_recordings(const ImportCommandArguments& args, const CommonArguments
     try {
       const ImportedRun& run = runs.emplace_back(import_one(recording, args, next, common));
       for (const std::string& reason : run.report.health.reasons) spdlog::error("{}: {}", run.made.run.name(), reason);
+      if (is_too_short(run)) {
+        spdlog::warn("{}: lasts {}, too short for a run; expected {} or more: 'tactile windows' finds no sample in less",
+                     run.made.run.name(), duration_text(run.report.health.duration()), duration_text(windows::shortest_run({})));
+      }
     } catch (const Error& e) {  // the others are imported nevertheless
       errors.emplace_back(e.what());
     }

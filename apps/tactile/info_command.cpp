@@ -1,8 +1,12 @@
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "bag_report.hpp"
@@ -32,7 +36,38 @@ struct Places {
   std::vector<RecordingPlace> found;
   std::vector<std::string> bags, misnamed, unreadable;
   std::vector<fs::path> without_recording;
+  std::set<fs::path> not_examined;  ///< folders with recordings, in places where neither runs nor loose recordings are looked for
 };
+
+/// Whether one of the sentences is about the folder.
+bool is_named_in(const std::vector<std::string>& sentences, const std::string& folder) {
+  return std::any_of(sentences.begin(), sentences.end(),
+                     [&](const std::string& sentence) { return sentence.starts_with(folder + ":"); });
+}
+
+/// Looks at all folders below `place` for recordings that are not in `places`. Hidden folders and discarded runs do not count.
+void note_not_examined(const std::string& place, Places& places) {
+  std::set<fs::path> examined(places.bags.begin(), places.bags.end()), runs;
+  for (const RecordingPlace& found : places.found) {
+    examined.insert(found.file);
+    if (found.run) runs.insert(found.run->folder);
+  }
+  std::error_code failed;
+  constexpr auto how = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator entry(place, how, failed), end; !failed && entry != end; entry.increment(failed)) {
+    const fs::path& path = entry->path();
+    const std::string name = path.filename().string();
+    std::error_code unknown;
+    if (entry->is_directory(unknown)) {
+      const bool is_done = runs.contains(path) || examined.contains(path) || is_named_in(places.misnamed, path.string());
+      if (is_done || name.starts_with('.') || name.find(".discarded-") != std::string::npos) entry.disable_recursion_pending();
+    } else if (has_recording_name(path) && !examined.contains(path)) {
+      places.not_examined.insert(path.parent_path());
+    }
+  }
+}
+
+void add_recordings_below(const std::string& place, Places& places);
 
 void add_place(const std::string& place, Places& places) {
   std::error_code unknown;
@@ -44,6 +79,12 @@ void add_place(const std::string& place, Places& places) {
     if (const std::string why = what_is_misnamed(place); is_there(run.info()) && !why.empty()) places.misnamed.push_back(why);
     return;
   }
+  add_recordings_below(place, places);
+  note_not_examined(place, places);
+}
+
+/// The runs in a folder, else the loose recordings in it.
+void add_recordings_below(const std::string& place, Places& places) {
   RunsBelow below = look_for_runs(place);
   if (below.runs.empty()) below.runs = runs_of_object(place);
   for (const RunFolder& found : below.runs) places.found.push_back({found.folder.string(), found.events(), found});
@@ -126,6 +167,14 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
   for (const std::string& misnamed : places.misnamed) spdlog::warn("{}", misnamed);
   const std::string missing = sentence_on_missing_recordings(places.without_recording);
   if (!missing.empty()) spdlog::warn("{}", missing);
+  std::vector<std::string> not_examined;
+  for (const fs::path& folder : places.not_examined) not_examined.push_back(folder.string());
+  if (!not_examined.empty()) {
+    spdlog::warn(
+        "not examined, because 'tactile info' looks for DATA/<object>/<run>, or for recordings in the named folder "
+        "itself: the recordings in {}",
+        fmt::join(not_examined, ", "));
+  }
   report_on_recordings(places.found, args.report, common.threads, progress, findings);
   report_on_bags(places.bags, args.report.check, progress, findings);
   if (!findings.recordings.empty() || !findings.bags.empty() || common.json) {
@@ -136,7 +185,8 @@ void report_on(const InfoArguments& args, const CommonArguments& common) {
                   {"bags", findings.bags},
                   {"failed", findings.failed},
                   {"misnamed", places.misnamed},
-                  {"without_recording", without_recording}},
+                  {"without_recording", without_recording},
+                  {"not_examined", not_examined}},
                  findings.text);
   }
   end_with(findings.errors);

@@ -55,23 +55,22 @@ void release_signals() {
   pthread_sigmask(SIG_UNBLOCK, &held, nullptr);
 }
 
-void catch_ctrl_c() {
-  static const bool caught = (catch_signal(SIGINT), true);
-  static_cast<void>(caught);
-}
-
-void catch_termination() {
+void catch_signals() {
   static const bool caught = [] {
+    catch_signal(SIGINT);
     catch_signal(SIGTERM);
     struct sigaction present {};
     const bool is_ignored = sigaction(SIGHUP, nullptr, &present) == 0 && present.sa_handler == SIG_IGN;
     if (!is_ignored) catch_signal(SIGHUP);  // under nohup the command continues without the terminal
-    std::signal(SIGPIPE, SIG_IGN);
     return true;
   }();
   static_cast<void>(caught);
 }
 
+void fail_at_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
+void fail_at_file_size_limit() { std::signal(SIGXFSZ, SIG_IGN); }
+
 bool interrupted() { return raised != 0; }
+int exit_code_of_interruption() { return 128 + raised; }
 
 }  // namespace tactile::cli

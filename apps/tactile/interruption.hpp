@@ -7,13 +7,15 @@ namespace tactile::cli {
 void hold_signals();
 void release_signals();
 
-/// From now on Ctrl-C raises a flag. The second Ctrl-C ends the process.
-void catch_ctrl_c();
+/// From now on Ctrl-C, SIGTERM and SIGHUP (a closed terminal) raise a flag. The same signal again ends the process.
+void catch_signals();
 
-/// The same for SIGTERM and SIGHUP (a closed terminal), for commands whose usual end they are. The program that reads our output
-/// may end, too: SIGPIPE is ignored, and writing fails instead.
-void catch_termination();
+/// From now on writing fails if the program that reads our output has ended, or if a file exceeds the limit of its size
+/// (`ulimit -f`): the signals that would end the process without a sentence are ignored.
+void fail_at_broken_pipes();
+void fail_at_file_size_limit();
 
 bool interrupted();
+int exit_code_of_interruption();  ///< as shells give it: 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP
 
 }  // namespace tactile::cli

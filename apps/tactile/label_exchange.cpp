@@ -17,8 +17,6 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/labels/exchange/audacity.hpp"
-#include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 #include "tactile/labels/exchange/run_exchange.hpp"
@@ -47,14 +45,7 @@ struct FileToWrite {
 
 /// One file if `to` has an ending of a format, else a folder with a file for each run.
 std::vector<FileToWrite> files_of(const fs::path& to, labels::ExchangeFormat format, const std::vector<RunFolder>& runs) {
-  if (labels::exchange_format_by_ending(to) && !fs::is_directory(to)) {
-    if (runs.size() > 1 && !labels::holds_many_runs(format)) {
-      throw Error(
-          fmt::format("--export {}: a file of this format holds one run, and there are {}; expected a folder, with --format {}",
-                      to.string(), runs.size(), name_of(format)));
-    }
-    return {{.path = to, .first_run = 0, .runs = runs.size()}};
-  }
+  if (labels::exchange_format_by_ending(to) && !fs::is_directory(to)) return {{.path = to, .first_run = 0, .runs = runs.size()}};
   std::vector<FileToWrite> files;
   for (std::size_t i = 0; i < runs.size(); ++i)
     files.push_back(
@@ -86,12 +77,8 @@ void check_free(const FileToWrite& file, bool replace) {
                           file.path.string()));
 }
 
-std::string text_of(labels::ExchangeFormat format, std::span<const labels::LabelsToExport> labels, const fs::path& file) {
+std::string text_of(labels::ExchangeFormat format, std::span<const labels::LabelsToExport> labels) {
   switch (format) {
-    case labels::ExchangeFormat::audacity:
-      return labels::audacity_text(labels.front());
-    case labels::ExchangeFormat::elan:
-      return labels::elan_text(labels.front(), file);
     case labels::ExchangeFormat::label_studio:
       return labels::label_studio_text(labels);
     case labels::ExchangeFormat::csv:
@@ -108,10 +95,8 @@ fs::path config_beside(const fs::path& to, const FileToWrite& tasks) {
 labels::ExchangeFormat format_to_export(const LabelExchangeArguments& arguments) {
   const auto format = format_in(arguments) ? format_in(arguments) : labels::exchange_format_by_ending(arguments.to);
   if (format) return *format;
-  throw Error(
-      fmt::format("--export {}: its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or "
-                  ".csv, or a folder and --format",
-                  arguments.to));
+  throw Error(fmt::format(
+      "--export {}: its ending names no format; expected .json (Label Studio) or .csv, or a folder and --format", arguments.to));
 }
 
 bool has_no_labels(const RunFolder& run) { return !is_there(run.labels()); }
@@ -127,7 +112,7 @@ std::vector<labels::LabelsToExport> labels_to_export(const CommonArguments& comm
   std::size_t done = 0;
   parallel_for(runs.size(), common.threads, [&](std::size_t i) {
     try {
-      labels[i] = labels::labels_to_export(runs[i], origin_in(arguments), format == labels::ExchangeFormat::elan);
+      labels[i] = labels::labels_to_export(runs[i], origin_in(arguments).value_or(labels::TimeOrigin::first_event));
       if (format == labels::ExchangeFormat::label_studio) labels[i].signals = labels::signals_of(runs[i], labels[i]);
     } catch (const std::exception& e) {
       why_not[i] = sentence_of(e, runs[i].name());
@@ -185,14 +170,14 @@ std::vector<fs::path> files_in(const LabelExchangeArguments& arguments, const st
     }
     const std::size_t before = files.size();
     for (const RunFolder& run : runs) {
-      for (const char* name : {"audacity", "elan", "label-studio", "csv"}) {
+      for (const char* name : {"label-studio", "csv"}) {
         const auto known = labels::exchange_format_named(name);
         const fs::path file = fs::path(from) / (labels::file_stem_of(run) + std::string(labels::ending_of(*known)));
         if ((!format || format == known) && is_there(file)) files.push_back(file);
       }
     }
     if (files.size() == before) {
-      throw Error(fmt::format("--import {}: holds no file of the runs; expected files such as {}.eaf, as --export names them",
+      throw Error(fmt::format("--import {}: holds no file of the runs; expected files such as {}.csv, as --export names them",
                               from, runs.empty() ? "fan-01" : labels::file_stem_of(runs.front())));
     }
   }
@@ -205,8 +190,7 @@ void add_label_exchange_options(Command command, LabelExchangeArguments& argumen
                                 const Option force) {
   const Option to = command
                         .add_option("--export", arguments.to,
-                                    "Write labels for another tool: .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv; "
-                                    "a folder gets one file per run")
+                                    "Write labels for another tool: .json (Label Studio) or .csv; a folder gets one file per run")
                         .type_name("FILE")
                         .excludes(compare_truth);
   command
@@ -218,11 +202,10 @@ void add_label_exchange_options(Command command, LabelExchangeArguments& argumen
       .excludes(compare_truth)
       .excludes(force);
   command.add_option("--format", arguments.format, "Format for --export and --import; default: by the file's extension")
-      .check(one_of({"audacity", "elan", "label-studio", "csv"}));
+      .check(one_of({"label-studio", "csv"}));
   command
       .add_option("--origin", arguments.origin,
-                  "Time zero of the exchanged file: first-event, camera or video. Default: first-event; for ELAN: video, if its "
-                  "clock is known")
+                  "Time zero of the exchanged file: first-event, camera or video. Default: first-event")
       .check(one_of({"first-event", "camera", "video"}));
 }
 
@@ -251,7 +234,7 @@ void export_labels(const CommonArguments& common, const LabelExchangeArguments& 
   const std::vector<labels::LabelsToExport> labels = labels_to_export(common, arguments, format, runs, errors);
   if (runs.empty()) return end_with(errors);
   std::vector<FileToWrite> files = files_of(arguments.to, format, runs);
-  for (FileToWrite& file : files) file.text = text_of(format, runs_of(file, labels), file.path);
+  for (FileToWrite& file : files) file.text = text_of(format, runs_of(file, labels));
   if (format == labels::ExchangeFormat::label_studio)
     files.push_back({.path = config_beside(arguments.to, files.front()), .text = labels::label_studio_config(labels)});
   for (const FileToWrite& file : files) check_free(file, replace);

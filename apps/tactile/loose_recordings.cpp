@@ -1,6 +1,8 @@
 #include "loose_recordings.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "tactile/bags/bag.hpp"
 #include "tactile/core/text.hpp"
@@ -8,6 +10,11 @@
 namespace tactile::cli {
 
 namespace fs = std::filesystem;
+
+bool has_recording_name(const fs::path& file) {
+  constexpr std::array<std::string_view, 5> extensions{".aedat4", ".raw", ".bag", ".db3", ".mcap"};
+  return std::find(extensions.begin(), extensions.end(), lower_case(file.extension().string())) != extensions.end();
+}
 
 std::vector<std::string> loose_recordings_in(const fs::path& folder) {
   std::vector<std::string> found;

@@ -104,6 +104,7 @@ int run(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std
 
 int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> commands, std::string (*libraries)()) {
   open_missing_streams();
+  fail_at_file_size_limit();
   std::set_terminate(end_uncaught);
   int exit_code = 0;
   try {
@@ -112,7 +113,7 @@ int run_program(int argc, char** argv, std::span<void (*const)(CLI::App&)> comma
     exit_code = 2;
   } catch (const Interrupted&) {
     print_error("interrupted");
-    return 130;
+    return exit_code_of_interruption();
   } catch (const std::bad_alloc&) {
     return fail_for_lack_of_memory();
   } catch (const std::exception& e) {

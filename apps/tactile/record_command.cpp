@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <future>
 #include <memory>
@@ -215,7 +214,6 @@ void record(RecordArguments args, const CommonArguments& common) {
   if (args.from.empty()) args.from.push_back(default_source("record"));
   wanted.settings = settings_json(args, wanted.plan);
 
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is reported like a full disk, and the data so far is kept
   LiveLine line(!common.quiet);
   const auto print = [&](const RecordedRuns& recorded) { print_runs(common, args.out, wanted.is_session, recorded); };
   std::optional<RecordPreview> preview;  // outlives the recorder, whose sources show it events

@@ -38,7 +38,7 @@ struct ReviewArguments {
   std::string host = "127.0.0.1";
   std::uint16_t port = 7790;
   bool open = false, no_pictures = false;
-  std::string who, models = "models", studies = ".", pieces = "pieces";
+  std::string who, models = "models", studies = ".", pieces = "data";
   double history_ms = 40;
 };
 

@@ -144,17 +144,6 @@ std::string result_text(const SplitArguments& args, const splitting::SplitPropos
   return text;
 }
 
-/// The original among the runs of DATA would be used like one of them.
-void warn_of_original(const SplitArguments& args, const splitting::SplitSource& source) {
-  std::error_code unknown;
-  const fs::path data = fs::weakly_canonical(args.splitting.data, unknown),
-                 place = fs::weakly_canonical(source.recording, unknown);
-  const fs::path below = place.lexically_relative(data);
-  if (unknown || below.empty() || below.begin()->string() == ".." || std::distance(below.begin(), below.end()) != 3) return;
-  spdlog::warn("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin,
-               args.splitting.data);
-}
-
 void split(const SplitArguments& args, const CommonArguments& common) {
   std::optional<ConvertedSource> converted;
   if (needs_conversion(args.recording)) converted.emplace(args.recording, args.splitting.data, common);
@@ -176,7 +165,7 @@ void split(const SplitArguments& args, const CommonArguments& common) {
   if (!args.first_run.empty()) options.first_run = std::stoi(args.first_run);
   const splitting::SplitResult result = splitting::split_recording(source, recording, proposal, options, progress_line(common));
   warn_of_losses(args.recording, result.problems);
-  if (!converted) warn_of_original(args, source);
+  if (!result.warning.empty()) spdlog::warn("{}", result.warning);
   json["result"] = splitting::json_of(result);
   print_result(common, json, result_text(args, proposal, result));
 }

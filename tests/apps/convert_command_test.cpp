@@ -1,8 +1,10 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
@@ -155,8 +157,13 @@ TEST(ConvertCommand, MakesARunOfABag) {
 TEST(ConvertCommand, MakesARecordingOfABagToo) {
   const test::TemporaryFolder folder;
   const std::string bags = std::string(test::data_folder) + "/bags/";
-  for (const char* name : {"mono.bag", "mono.db3", "mono.mcap"}) {
-    ASSERT_EQ(run_tactile("convert " + bags + name + " " + name + ".csv", folder.path()).exit_code, 0) << name;
+  for (const auto& [name, format] :
+       {std::pair("mono.bag", "ROS 1 bag"), std::pair("mono.db3", "ROS 2 bag"), std::pair("mono.mcap", "ROS 2 bag")}) {
+    const auto made = run_tactile("convert " + bags + name + " " + name + ".csv", folder.path());
+    ASSERT_EQ(made.exit_code, 0) << name;
+    EXPECT_NE(made.out.find(fmt::format("  from      {}{}, {}", bags, name, format)), std::string::npos) << made.out;
+    const auto again = run_tactile("convert --json --force " + bags + name + " " + name + ".csv", folder.path());
+    EXPECT_EQ(nlohmann::json::parse(again.out).at("bytes_in"), std::filesystem::file_size(bags + name)) << name;
     EXPECT_EQ(read_text(folder / (std::string(name) + ".csv")), read_text(folder / "mono.bag.csv")) << name;
   }
   const test::CommandResult cut = run_tactile("convert --json " + bags + "run-lz4.mcap part.aedat4 --to-us +5000", folder.path());

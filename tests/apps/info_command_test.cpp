@@ -112,6 +112,30 @@ TEST(InfoCommand, ShowsWhatARealDavisRecordingContains) {
   EXPECT_EQ(recording.at("healthy"), true) << recording.at("reasons");
 }
 
+TEST(InfoCommand, NamesRecordingsBelowAFolderThatItDoesNotExamine) {
+  const test::TemporaryFolder folder;
+  const std::string recording = std::string(test::data_folder) + "/aedat4/dv-lz4.aedat4";
+  for (const char* place :
+       {"loose", "loose/monday", "loose/monday/a", ".hidden", "data/cup/01", "data/cup/notes", "data/a/b/c/d"}) {
+    std::filesystem::create_directories(folder / place);
+    const bool is_run = std::string(place) == "data/cup/01";
+    std::filesystem::copy_file(recording, folder / place / (is_run ? "events.aedat4" : "take.aedat4"));
+  }
+  const auto not_examined = [&](const std::string& place) {
+    const auto result = test::run_tactile("info --json " + place, folder.path());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("recordings").size(), 1U) << place;
+    EXPECT_NE(result.err.find("not examined"), std::string::npos) << result.err;
+    return json.at("not_examined");
+  };
+  EXPECT_EQ(not_examined("loose"), nlohmann::json({"loose/monday", "loose/monday/a"}));
+  EXPECT_EQ(not_examined("data"), nlohmann::json({"data/a/b/c/d", "data/cup/notes"}));
+  const auto all = test::run_tactile("info --json data/cup/01", folder.path());
+  EXPECT_TRUE(nlohmann::json::parse(all.out).at("not_examined").empty()) << all.out;
+  EXPECT_EQ(all.err.find("not examined"), std::string::npos) << all.err;
+}
+
 TEST(InfoCommand, KnowsASimulatedRunByItsCameraToo) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(run_tactile("simulate --preset tiny --objects fan --quiet", folder.path()).exit_code, 0);

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "support/run_command.hpp"
@@ -52,7 +52,7 @@ class LabelExchange : public testing::Test {
 TEST_F(LabelExchange, EveryFormatComesBackWithoutAChange) {
   ASSERT_EQ(label("").exit_code, 0);
   const std::string before = text_of("data/fan/01/labels.json");
-  for (const std::string format : {"audacity", "elan", "label-studio", "csv"}) {
+  for (const std::string format : {"label-studio", "csv"}) {
     const json exported = result_of("--export out/" + format + " --format " + format).at("exported");
     ASSERT_EQ(exported.size(), 2U);
     EXPECT_TRUE(std::filesystem::exists(folder / exported.at(0).at("file").get<std::string>()));
@@ -75,23 +75,28 @@ TEST_F(LabelExchange, EveryFormatComesBackWithoutAChange) {
 }
 
 TEST_F(LabelExchange, LabelsFirstWhereThereAreNone) {
-  const json result = result_of("data/fan/01 --export labels.txt");
+  const json result = result_of("data/fan/01 --export labels.csv");
   const json labelled = {"fan/01"};
   EXPECT_EQ(result.at("labelled"), labelled);
   EXPECT_TRUE(std::filesystem::exists(folder / "data/fan/01/labels.json"));
 }
 
-TEST_F(LabelExchange, EditsInAudacityBecomeThePersonsAndOutliveRelabelling) {
-  ASSERT_EQ(label("data/fan/01 --export labels.txt").exit_code, 0);
-  // What Audacity leaves when the press is taken away, the slip marked, and a press drawn.
-  std::istringstream lines(text_of("labels.txt"));
-  std::string line, edited;
+TEST_F(LabelExchange, EditsInASpreadsheetBecomeThePersonsAndOutliveRelabelling) {
+  ASSERT_EQ(label("data/fan/01 --export labels.csv").exit_code, 0);
+  // The press is taken away, the slip confirmed, and a press added.
+  std::istringstream lines(text_of("labels.csv"));
+  std::string line, header, edited;
+  std::getline(lines, header);
   while (std::getline(lines, line)) {
     if (line.find("press-1") != std::string::npos) continue;
-    edited += line + (line.find("slip-1") != std::string::npos ? " ok" : "") + "\n";
+    const std::size_t unconfirmed = line.find(",false,");
+    ASSERT_NE(unconfirmed, std::string::npos) << line;
+    edited += line.replace(unconfirmed, 7, line.find("slip-1") != std::string::npos ? ",true," : ",false,") + "\n";
   }
-  write_whole(folder / "labels.txt", edited + "0.250000\t0.400000\tpress\n");
-  const json run = result_of("data/fan/01 --import labels.txt").at("imported").at(0);
+  const auto commas = static_cast<std::size_t>(std::count(header.begin(), header.end(), ','));
+  write_whole(folder / "labels.csv",
+              header + "\n" + edited + "fan/01,,press,0.250000,0.400000" + std::string(commas - 4, ',') + "\n", IfThere::replace);
+  const json run = result_of("data/fan/01 --import labels.csv").at("imported").at(0);
   EXPECT_EQ(run.at("added"), 1) << run;
   EXPECT_EQ(run.at("confirmed"), 1) << run;
   EXPECT_EQ(run.at("rejected"), 1) << run;
@@ -125,46 +130,50 @@ TEST_F(LabelExchange, AnAnswerInLabelStudioConfirmsARunAndLeavesTheOthers) {
 }
 
 TEST_F(LabelExchange, WhatIsThereAlreadyIsReplacedOnlyIfForced) {
-  ASSERT_EQ(label("data/fan/01 --export labels.txt").exit_code, 0);
-  ASSERT_EQ(label("data/fan/01 --export labels.txt").exit_code, 0) << "the same again is no loss";
-  write_whole(folder / "labels.txt", "somebody's work");
-  expect_refused("data/fan/01 --export labels.txt", "labels.txt: exists already");
-  EXPECT_EQ(text_of("labels.txt"), "somebody's work");
-  ASSERT_EQ(label("data/fan/01 --export labels.txt --force").exit_code, 0);
-  EXPECT_NE(text_of("labels.txt"), "somebody's work");
+  ASSERT_EQ(label("data/fan/01 --export labels.csv").exit_code, 0);
+  ASSERT_EQ(label("data/fan/01 --export labels.csv").exit_code, 0) << "the same again is no loss";
+  write_whole(folder / "labels.csv", "somebody's work");
+  expect_refused("data/fan/01 --export labels.csv", "labels.csv: exists already");
+  EXPECT_EQ(text_of("labels.csv"), "somebody's work");
+  ASSERT_EQ(label("data/fan/01 --export labels.csv --force").exit_code, 0);
+  EXPECT_NE(text_of("labels.csv"), "somebody's work");
   expect_refused("data/fan/01 --export data/fan/01/labels.json --force", "is a file of the run itself");
 }
 
 TEST_F(LabelExchange, WhatCannotBeImportedChangesNothing) {
   ASSERT_EQ(label("--export all.csv").exit_code, 0);
-  ASSERT_EQ(label("--export out --format audacity").exit_code, 0);
+  ASSERT_EQ(label("--export out --format csv").exit_code, 0);
   write_whole(folder / "broken.csv", text_of("all.csv") + "fan/09,,press,1.0,2.0,,,,,,,,,,,,,,\n");
   expect_refused("--import broken.csv", "has labels of 'fan/09'; expected labels of fan/01, usb-hub/01");
-  expect_refused("data/usb-hub/01 --import out/fan-01.txt", "has labels of 'fan/01'; expected labels of usb-hub/01");
-  expect_refused("--import out/fan-01.txt --import all.csv", "expected each run once");
-  replace("out/fan-01.txt", "0.000000\t0.000000\t# fan/01 from first-event\n", "9.000000\t9.500000\tslip\n");
-  std::filesystem::rename(folder / "out/fan-01.txt", folder / "nameless.txt");
-  expect_refused("--import nameless.txt", "names no run");
-  expect_refused("data/fan/01 --import nameless.txt", "outside the recording");
-  expect_refused("--import missing.eaf", "missing.eaf: is missing");
-  expect_refused("--import all.xls", "its ending names no format");
+  expect_refused("data/usb-hub/01 --import out/fan-01.csv", "has labels of 'fan/01'; expected labels of usb-hub/01");
+  expect_refused("--import out/fan-01.csv --import all.csv", "expected each run once");
+  write_whole(folder / "nameless.csv", "class,start_s,end_s\nslip,9.0,9.5\n");
+  expect_refused("--import nameless.csv", "names no run");
+  expect_refused("data/fan/01 --import nameless.csv", "outside the recording");
+  expect_refused("--import missing.csv", "missing.csv: is missing");
+  for (const char* other : {"all.xls", "fan-01.eaf", "fan-01.txt"}) {
+    expect_refused(std::string("--import ") + other,
+                   std::string(other) +
+                       ": its ending names no format that labels are read from; expected .json of Label Studio, or .csv with the "
+                       "columns class, start_s and end_s");
+  }
   expect_refused("--import data", "holds no file of the runs");
-  expect_refused("--export one.eaf", "holds one run, and there are 2");
+  expect_refused("--export one.eaf", "its ending names no format; expected .json (Label Studio) or .csv");
   expect_refused("--export folder", "its ending names no format");
   std::filesystem::remove(folder / "data/fan/01/video.mp4");
   ASSERT_EQ(label("data/fan/01").exit_code, 0);
-  expect_refused("data/fan/01 --export labels.txt --origin video", "its video clock is unknown");
+  expect_refused("data/fan/01 --export labels.csv --origin video", "its video clock is unknown");
 }
 
 TEST_F(LabelExchange, ImportAndExportDoNotGoTogether) {
-  EXPECT_NE(label("--import a.txt --export b.txt").exit_code, 0);
-  EXPECT_NE(label("--import a.txt --force").exit_code, 0);
-  EXPECT_NE(label("--export a.txt --compare-truth").exit_code, 0);
-  EXPECT_NE(label("--export a.txt --format word").exit_code, 0);
+  EXPECT_NE(label("--import a.csv --export b.csv").exit_code, 0);
+  EXPECT_NE(label("--import a.csv --force").exit_code, 0);
+  EXPECT_NE(label("--export a.csv --compare-truth").exit_code, 0);
+  EXPECT_NE(label("--export a.csv --format word").exit_code, 0);
 }
 
-/// A run whose film's clock is known: the document counts from its first frame, and ELAN finds it.
-TEST_F(LabelExchange, ElanGetsTheFilmInStep) {
+/// A run whose film's clock is known: a file can count from its first frame.
+TEST_F(LabelExchange, TimesOfAVideoCountFromItsFirstFrame) {
   ASSERT_EQ(label("").exit_code, 0);
   json labels = json::parse(text_of("data/fan/01/labels.json"));
   const json truth = json::parse(text_of("data/fan/01/truth.json"));
@@ -172,17 +181,18 @@ TEST_F(LabelExchange, ElanGetsTheFilmInStep) {
   clock.update({{"residual_us", 1.0}, {"anchors", 1}, {"method", "known"}});
   labels["clocks"]["video"] = clock;
   write_whole(folder / "data/fan/01/labels.json", labels.dump());
-  const json exported = result_of("data/fan/01 --export data/fan/01/labels.eaf").at("exported").at(0);
+  const json exported = result_of("data/fan/01 --export film.csv --origin video").at("exported").at(0);
   const std::string origin = exported.at("origin");
   EXPECT_EQ(origin, "video");
-  const std::string text = text_of("data/fan/01/labels.eaf");
-  EXPECT_NE(text.find("RELATIVE_MEDIA_URL=\"./video.mp4\""), std::string::npos) << text;
   // By the clock's own formula: when the film, which counts from 0, shows the press's start.
-  const std::int64_t start = labels.at("intervals").at(0).at("start_us"), offset = clock.at("offset_us");
-  const auto shown_ms = static_cast<std::int64_t>(
-      std::llround(static_cast<double>(start - offset) / (1 + 1e-6 * clock.at("drift_ppm").get<double>()) / 1000));
-  EXPECT_NE(text.find("TIME_VALUE=\"" + std::to_string(shown_ms) + "\""), std::string::npos) << shown_ms << text;
-  const json imported = result_of("data/fan/01 --import data/fan/01/labels.eaf").at("imported").at(0);
+  const json& first = labels.at("intervals").at(0);
+  const std::int64_t start = first.at("start_us"), offset = clock.at("offset_us");
+  const double shown_s = static_cast<double>(start - offset) / (1 + 1e-6 * clock.at("drift_ppm").get<double>()) / 1e6;
+  const std::string text = text_of("film.csv"), begin = first.at("id").get<std::string>() + ",press,";
+  const std::size_t at = text.find(begin);
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + begin.size())), shown_s, 2e-6) << text;
+  const json imported = result_of("data/fan/01 --import film.csv").at("imported").at(0);
   EXPECT_EQ(imported.at("moved"), 0);
   EXPECT_GE(imported.at("kept"), 2);
 }

@@ -349,7 +349,7 @@ TEST_F(LabelCommand, ReadsARobotLogWithoutHeaderByTheNamesThatAreGiven) {
 }
 
 TEST_F(LabelCommand, RefusesAFormatThatNothingIsExchangedIn) {
-  for (const std::string wrong : {"--format elan", "--origin camera"}) {
+  for (const std::string wrong : {"--format csv", "--origin camera"}) {
     const auto result = run_tactile("label " + wrong, folder.path());
     EXPECT_EQ(result.exit_code, 1);
     EXPECT_NE(result.err.find("expected --export or --import too"), std::string::npos) << result.err;

@@ -202,25 +202,10 @@ TEST(Convert, CutsACsvByTime) {
   EXPECT_EQ(read_text(folder / "cut.csv"), "t_us,x,y,on\n10,2,2,0\n20,3,3,1\n");
 }
 
-/// Two cameras, each with events and an inertial sensor.
-fs::path two_cameras(const test::TemporaryFolder& folder) {
-  events::Stream second = test::stream_of(4, events::StreamType::events, "EVTS", "B");
-  second.size = events::SensorSize{32, 24};
-  events::RecordingWriter writer(folder / "two.aedat4", {events::event_stream_declaration({64, 48}, "A"),
-                                                         test::stream_of(2, events::StreamType::imu, "IMUS", "A"), second,
-                                                         test::stream_of(6, events::StreamType::imu, "IMUS", "B")});
-  writer.write_events(0, test::steady_events(30, 0, 100, {64, 48}));
-  writer.write_events(4, test::steady_events(20, 0, 100, {32, 24}));
-  events::ImuSample sample;
-  writer.write_imu(2, {&sample, 1});
-  writer.write_imu(6, {&sample, 1});
-  writer.close();
-  return folder / "two.aedat4";
-}
-
 TEST(Convert, KeepsTheChosenCameraWithItsOtherStreams) {
   const test::TemporaryFolder folder;
-  const fs::path two = two_cameras(folder);
+  const fs::path two = folder / "two.aedat4";
+  test::write_two_cameras(two);
   convert_recording(two, folder / "b.aedat4", {.streams = {"B"}});
   const events::RecordingReader kept(folder / "b.aedat4");
   ASSERT_EQ(kept.streams().size(), 2U);
@@ -232,7 +217,8 @@ TEST(Convert, KeepsTheChosenCameraWithItsOtherStreams) {
 
 TEST(Convert, KeepsSeveralChosenStreamsApart) {
   const test::TemporaryFolder folder;
-  const fs::path two = two_cameras(folder);
+  const fs::path two = folder / "two.aedat4";
+  test::write_two_cameras(two);
   EXPECT_EQ(convert_recording(two, folder / "both.aedat4", {.streams = {"B", "0"}}).streams.size(), 4U);
   const events::RecordingReader both(folder / "both.aedat4");
   EXPECT_EQ(both.stream(0).size, (events::SensorSize{64, 48}));
@@ -323,7 +309,8 @@ TEST(Convert, RefusesACropOutsideTheSensorOrWithoutEvents) {
 
 TEST(Convert, NeverMergesTwoCamerasIntoOneCsv) {
   const test::TemporaryFolder folder;
-  const fs::path two = two_cameras(folder);
+  const fs::path two = folder / "two.aedat4";
+  test::write_two_cameras(two);
   EXPECT_THROW(convert_recording(two, folder / "out.csv"), Error);
   const ConvertSummary summary = convert_recording(two, folder / "out.csv", {.streams = {"0"}});
   EXPECT_EQ(summary.streams.at(0).elements, 30U);

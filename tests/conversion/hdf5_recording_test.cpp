@@ -297,7 +297,34 @@ TEST(Hdf5Recording, NamesACompressionThatIsMissing) {
          "    for n in ('t_us', 'x', 'y', 'on'):\n"
          "        f.create_dataset('events/' + n, data=np.zeros(1000, dtype='i8'), chunks=(100,), compression='lzf')\n");
   const std::string message = hdf5_refusal_of(folder / "theirs.h5", {.size = events::SensorSize{64, 48}});
-  EXPECT_NE(message.find("/events/t_us: compressed with lzf; expected gzip or none"), std::string::npos) << message;
+  EXPECT_NE(message.find("/events/t_us: compressed with lzf (HDF5 filter 32000), which this program does not have; expected gzip "
+                         "or none"),
+            std::string::npos)
+      << message;
+}
+
+/// What DSEC and Metavision write: the filter is named first, then the layout.
+TEST(Hdf5Recording, RefusesTheLayoutsOfOtherProgramsInOneSentence) {
+  const test::TemporaryFolder folder;
+  python(folder,
+         "with h5py.File('dsec.h5', 'w') as f:\n"
+         "    for n in ('t', 'x', 'y', 'p'): f['events/' + n] = np.arange(5)\n"
+         "    f['t_offset'] = 7\n"
+         "with h5py.File('packed.h5', 'w') as f:\n"
+         "    for n in ('t', 'x', 'y', 'p'): f.create_dataset('events/' + n, data=np.arange(5), chunks=(5,), compression='lzf')\n"
+         "with h5py.File('metavision.h5', 'w') as f:\n"
+         "    events = np.zeros(5, dtype=[('x', 'u2'), ('y', 'u2'), ('p', 'i2'), ('t', 'i8')])\n"
+         "    f.create_dataset('CD/events', data=events, chunks=(5,), compression='lzf')\n");
+  const auto expect = [&](const char* file, const char* part) {
+    const std::string message = hdf5_refusal_of(folder / file);
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(
+      "dsec.h5",
+      "dsec.h5: /events: has the columns of another program, p, t, x, y; expected those that 'tactile convert' writes: t_us, x, "
+      "y and on");
+  expect("packed.h5", "packed.h5: /events/p: compressed with lzf (HDF5 filter 32000)");
+  expect("metavision.h5", "metavision.h5: /CD/events: compressed with lzf (HDF5 filter 32000)");
 }
 
 }  // namespace

@@ -39,6 +39,33 @@ TEST(WholeFile, IsNotThereBeforeItIsCommitted) {
   EXPECT_EQ(read_text(folder / "result.txt"), "half");
 }
 
+TEST(WholeFile, LeavesNoEmptyFolderThatItMade) {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "old");
+  for (const char* above : {"new/inner", "old"}) {
+    const WholeFile failed(folder / above / "result.txt", IfThere::refuse);
+    std::ofstream(failed.path()) << "half";
+  }
+  EXPECT_FALSE(fs::exists(folder / "new"));
+  EXPECT_TRUE(fs::exists(folder / "old")) << "it was there before";
+  write_whole(folder / "new/inner/result.txt", "whole");
+  EXPECT_EQ(read_text(folder / "new/inner/result.txt"), "whole");
+}
+
+TEST(WholeFile, IsMadeThoughAnotherTakesItsEmptyFolderAway) {
+  const test::TemporaryFolder folder;
+  const auto write_often = [&](const char* name) {
+    for (int i = 0; i < 300; ++i) {
+      { const PartFolder failed(folder / "shared" / name); }
+      write_whole(folder / "shared" / name, "whole");
+      fs::remove(folder / "shared" / name);
+    }
+  };
+  std::thread beside([&] { write_often("a"); });
+  write_often("b");
+  beside.join();
+}
+
 TEST(ReadText, ReadsAPipeToItsEndAndNoFurtherThanItsLimit) {
   const test::TemporaryFolder folder;
   const std::filesystem::path pipe = folder / "pipe";

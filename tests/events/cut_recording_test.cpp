@@ -31,7 +31,7 @@ class CutRecording : public testing::Test {
       fs::remove(pieces.back());
     }
     RecordingReader recording(in);
-    return cut_recording(recording, cuts, pieces);
+    return cut_recording(recording, recording.streams(), cuts, pieces);
   }
 
   /// The contents of all pieces, one after the other.

@@ -54,6 +54,21 @@ inline void write_plain_recording(const std::filesystem::path& file, std::span<c
   writer.close();
 }
 
+/// Two cameras, A and B, each with events (streams 0 and 4) and an inertial sensor (2 and 6).
+inline void write_two_cameras(const std::filesystem::path& file) {
+  events::Stream second = stream_of(4, events::StreamType::events, "EVTS", "B");
+  second.size = events::SensorSize{32, 24};
+  events::RecordingWriter writer(
+      file, {events::event_stream_declaration({64, 48}, "A"), stream_of(2, events::StreamType::imu, "IMUS", "A"), second,
+             stream_of(6, events::StreamType::imu, "IMUS", "B")});
+  writer.write_events(0, steady_events(30, 0, 100, {64, 48}));
+  writer.write_events(4, steady_events(20, 0, 100, {32, 24}));
+  events::ImuSample sample;
+  writer.write_imu(2, {&sample, 1});
+  writer.write_imu(6, {&sample, 1});
+  writer.close();
+}
+
 inline std::uint64_t event_offset(const events::PacketRecord& packet, std::size_t event_index) {
   return packet.payload_offset + 32 + 16 * event_index;
 }

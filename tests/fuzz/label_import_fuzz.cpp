@@ -4,8 +4,6 @@
 #include "bytes_as_file.hpp"
 #include "checked_labels.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/labels/exchange/audacity.hpp"
-#include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/import_edits.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
@@ -52,10 +50,8 @@ void edit(const labels::ImportedLabels& imported) {
 /// For any input, read as the file of each tool: edited labels are in order and do not overlap, or there is an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const test::BytesAsFile file(data, size);
-  const std::array<std::vector<labels::ImportedLabels> (*)(const std::filesystem::path&), 4> readers{
-      [](const std::filesystem::path& path) { return std::vector{labels::read_audacity(path)}; },
-      [](const std::filesystem::path& path) { return std::vector{labels::read_elan(path)}; }, labels::read_label_studio,
-      labels::read_label_csv};
+  const std::array<std::vector<labels::ImportedLabels> (*)(const std::filesystem::path&), 2> readers{labels::read_label_studio,
+                                                                                                     labels::read_label_csv};
   for (const auto read : readers) {
     try {
       for (const labels::ImportedLabels& imported : read(file.path())) {

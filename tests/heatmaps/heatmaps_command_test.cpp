@@ -363,7 +363,7 @@ TEST_F(HeatmapsCommand, LeavesNoHalfFolderOfPicturesWhereItIsEnded) {
       ::waitpid(child, &status, 0);
     }
     ASSERT_TRUE(WIFEXITED(status)) << "it is not killed, it ends";
-    ended += WEXITSTATUS(status) == 130 ? 1 : 0;
+    ended += WEXITSTATUS(status) == 128 + SIGTERM ? 1 : 0;
     EXPECT_FALSE(hidden());
   }
   EXPECT_GT(ended, 0);

@@ -75,6 +75,7 @@ TEST_F(SplittingOnThePage, ProposesCutsAndWritesThoseThatAPersonChose) {
   EXPECT_EQ(cut.at("cuts_us"), json({3'000'000, 4'500'000}));
   ASSERT_EQ(cut.at("result").at("runs").size(), 3U);
   EXPECT_EQ(cut.at("result").at("runs").at(2).at("run"), "mug/03");
+  EXPECT_TRUE(cut.at("result").at("warning").is_null()) << cut;
   std::uint64_t events = 0;
   for (const RunFolder& piece : find_runs(folder / "pieces")) {
     const events::RecordingReader recording(piece.events());

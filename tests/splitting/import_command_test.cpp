@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
+#include "events/made_recording.hpp"
 #include "support/events_in_file.hpp"
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
@@ -204,6 +207,42 @@ TEST_F(ImportCommand, ImportsTheOtherRecordingsOfAFolderWhereOneCannotBe) {
   const auto numbered = run("import loose --object cup --run 5 --out other");
   EXPECT_NE(numbered.out.find("cup/06"), std::string::npos) << numbered.out << "a.aedat4 keeps its number";
   EXPECT_NE(numbered.out.find("1 of 3 imported, 1 of 1 healthy"), std::string::npos) << numbered.out;
+}
+
+/// Each camera becomes a run of its own, with its own streams, that other commands take without a choice.
+TEST_F(ImportCommand, MakesARunOfTheChosenCameraOfTwo) {
+  test::write_two_cameras(folder / "two.aedat4");
+  const auto unchosen = run("import two.aedat4 --object cup");
+  EXPECT_EQ(unchosen.exit_code, 1);
+  EXPECT_NE(unchosen.err.find("has 2 event streams; expected a choice of 0 (A), 4 (B)"), std::string::npos) << unchosen.err;
+  for (const auto& [choice, name, count, ids] :
+       {std::tuple("B", "cup/01", 20U, std::pair(4, 6)), std::tuple("0", "cup/02", 30U, std::pair(0, 2))}) {
+    const auto made = json_of(std::string("import two.aedat4 --object cup --stream ") + choice).at("runs").at(0);
+    EXPECT_EQ(made.at("run"), name);
+    EXPECT_EQ(made.at("events"), count);
+    EXPECT_EQ(made.at("healthy"), true) << made;
+    const events::RecordingReader recording(run_folder(name) / "events.aedat4");
+    ASSERT_EQ(recording.streams().size(), 2U);
+    EXPECT_EQ(recording.streams()[0].id, ids.first);
+    EXPECT_EQ(recording.streams()[1].id, ids.second);
+    EXPECT_EQ(json_of(std::string("import two.aedat4 --object cup --stream ") + choice).at("runs").at(0).at("kept"), true);
+  }
+  EXPECT_EQ(run("info --check data").exit_code, 0);
+}
+
+/// A file can be sound, and too short for a run all the same.
+TEST_F(ImportCommand, NamesARecordingThatIsTooShortForARun) {
+  const auto made = [&](const std::string& name, std::int64_t last_us) {
+    const std::vector<events::Event> events{test::event_at(0), test::event_at(last_us, 1)};
+    test::write_plain_recording(folder / (name + ".aedat4"), events, {64, 48});
+    return run("import " + name + ".aedat4 --object " + name);
+  };
+  const auto brief = made("brief", 99), enough = made("enough", 154'000);
+  EXPECT_EQ(brief.exit_code, 0) << brief.err;
+  EXPECT_NE(brief.out.find("1 of 1 healthy, 1 too short for a run"), std::string::npos) << brief.out;
+  EXPECT_NE(brief.err.find("brief/01: lasts 99 us, too short for a run; expected 154.0 ms or more"), std::string::npos)
+      << brief.err;
+  EXPECT_EQ(enough.out.find("too short"), std::string::npos) << enough.out;
 }
 
 TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {

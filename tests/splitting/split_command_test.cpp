@@ -231,6 +231,18 @@ TEST_F(SplitCommand, ReportsInOneLineWhyItWritesNothing) {
   }
 }
 
+/// In the folder of runs, the recording itself would be used like its pieces.
+TEST_F(SplitCommand, WarnsOfARecordingAmongItsOwnPieces) {
+  fs::create_directories(folder / "data/fan");
+  fs::rename(folder / "take", folder / "data/fan/01");
+  const auto among = run("split data/fan/01 --at 1.2 --object mug");
+  EXPECT_NE(among.err.find("fan/01 has the same events as its pieces: move it out of data before"), std::string::npos)
+      << among.err;
+  EXPECT_FALSE(json_of("split data/fan/01 --at 1.2 --object mug").at("result").at("warning").is_null());
+  const auto apart = run("split data/fan/01 --at 1.2 --object mug --out other");
+  EXPECT_EQ(apart.err.find("same events"), std::string::npos) << apart.err;
+}
+
 TEST_F(SplitCommand, CutsABagWithItsRobotLogAndFilm) {
   fs::copy_file(fs::path(test::data_folder) / "bags/run.bag", folder / "run.bag");
   const nlohmann::json json = json_of("split run.bag --at 0.05 --object mug");

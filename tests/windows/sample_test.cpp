@@ -8,6 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/ticks.hpp"
+#include "tactile/windows/shortest_run.hpp"
 
 namespace tactile::windows {
 namespace {
@@ -64,6 +65,15 @@ TEST(TicksOnOffer, CountTheEdgesByTheDefinition) {
   EXPECT_EQ(offered[1], 5U);            // 12, 14, 16, 18, 20 ms
   EXPECT_EQ(offered[2], 2U);            // 42, 44 ms
   EXPECT_EQ(offered[0], 3U + 1U + 6U);  // 2, 4, 6; 36; 50, 52, ..., 60 ms
+}
+
+TEST(ShortestRun, HasOneTickOfEachClassAndNoShorterOneHas) {
+  const SamplingOptions options;
+  const std::vector touches{interval(Touch::press, 150'000, 152'000), interval(Touch::slip, 152'000, 154'000)};
+  const CameraTime end = after(camera_time(0), shortest_run(options));
+  EXPECT_EQ(end, camera_time(154'000));
+  for (const std::uint64_t count : ticks_on_offer(touches, camera_time(0), end, options)) EXPECT_EQ(count, 1U);
+  EXPECT_EQ(ticks_on_offer(touches, camera_time(0), before(end, 1us), options)[2], 0U);
 }
 
 TEST(TicksOnOffer, AreAtMost250OfAnIntervalByDefault) {

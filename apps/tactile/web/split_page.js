@@ -195,6 +195,7 @@ export class SplitPage {
     if (result) {
       const kept = result.runs.filter((run) => run.kept).length;
       parts.push(el("p", { class: "written" }, `${counted(result.runs.length, "run")} in ${out}${kept ? `, ${kept} of them were there already` : ""}: `, result.runs.map((run) => run.run).join(", "), "."));
+      if (result.warning) parts.push(el("p", { class: "error", role: "alert" }, `${result.warning}.`));
       parts.push(el("p", {}, "Label them next: ", el("code", {}, `tactile label ${out}`), "."));
     } else if (open.length) {
       parts.push(el("p", { class: "empty" }, `Without a press or without a slip: run ${open.join(", ")}. Look at ${open.length === 1 ? "it" : "them"} before you write.`));

@@ -16,6 +16,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/camera_streams.hpp"
 #include "tactile/events/event_csv.hpp"
 #include "tactile/events/output_file.hpp"
 #include "tactile/events/packet_contents.hpp"
@@ -97,14 +98,10 @@ void choose_streams(std::span<const events::Stream> streams, const fs::path& in,
   std::vector<const events::Stream*> chosen;
   for (const std::string& choice : options.streams) chosen.push_back(&events::event_stream(streams, in.string(), choice));
   if (chosen.empty() && holds_one_stream(summary.to)) chosen.push_back(&events::event_stream(streams, in.string()));
-  const auto among_chosen = [&](const auto& is_it) {
-    return chosen.empty() || std::any_of(chosen.begin(), chosen.end(), [&](const events::Stream* c) { return is_it(*c); });
-  };
   for (const events::Stream& stream : streams) {
-    const bool is_wanted =
-        stream.type == events::StreamType::events
-            ? among_chosen([&](const events::Stream& c) { return c.id == stream.id; })
-            : stream.source.empty() || among_chosen([&](const events::Stream& c) { return c.source == stream.source; });
+    const bool is_wanted = chosen.empty() || std::any_of(chosen.begin(), chosen.end(), [&](const events::Stream* of_events) {
+                             return events::belongs_to(stream, *of_events);
+                           });
     if (!is_wanted || !can_hold(summary.to, stream.type)) {
       summary.left_out.push_back(stream);
       continue;

@@ -40,8 +40,8 @@ class Hdf5RecordingWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Reads such a file, also from another program: integers may have any width, and the streams' attributes are optional. A
-/// separate process reads it, because HDF5 may crash on a damaged file (`hdf5::read_apart`).
+/// Reads such a file, also if another program wrote it in this layout: integers may have any width, and the streams' attributes
+/// are optional. A separate process reads it, because HDF5 may crash on a damaged file (`hdf5::read_apart`).
 class Hdf5RecordingReader {
  public:
   /// @param size, source  of the events, if the file does not declare them; otherwise they are an error

@@ -136,6 +136,28 @@ void refuse_dataset(hid_t file, const std::string& name) {
   }
 }
 
+/// For a file of another program: its filters are the first thing that it lacks here.
+/// @throws Error  that names the filter, if a table in the group, or in a group of it, needs one that this HDF5 lacks
+void check_all_filters(hid_t group, const std::string& where, bool is_root = false) {
+  for (const std::string& member : h5::members_of(group)) {
+    const std::string place = where + (is_root ? ": /" : "/") + member;
+    if (!h5::linked_file(group, member).empty()) continue;
+    if (h5::is_group(group, member)) {
+      if (is_root) check_all_filters(h5::open_group(group, member, where), place);
+      continue;
+    }
+    const h5::Id table(H5Dopen2(group, member.c_str(), H5P_DEFAULT), H5Dclose);
+    if (table >= 0) h5::check_filters(table, place);
+  }
+}
+
+/// "p, t, x, y": the begin of it, because a file may have any number of members.
+std::string names_of(const std::vector<std::string>& members) {
+  std::string list;
+  for (const std::string& member : members) list += (list.empty() ? "" : ", ") + member.substr(0, 40);
+  return list.empty() ? "nothing" : list.substr(0, 200);
+}
+
 /// What the reading process sends.
 enum Sent : std::uint32_t { of_streams, of_events, of_imu, of_triggers, of_progress };
 
@@ -232,6 +254,13 @@ struct OpenRecording {
       for (const auto& [key, value] : info.items())
         in.stream.info.emplace_back(key, value.is_string() ? value.get<std::string>() : value.dump());
     }
+    if (type == events::StreamType::events && !h5::has_member(group, "t_us")) {
+      check_all_filters(group, where);
+      throw Error(
+          fmt::format("{}: has the columns of another program, {}; expected those that 'tactile convert' writes: t_us, "
+                      "x, y and on",
+                      where, names_of(h5::members_of(group))));
+    }
     in.t.open(group, "t_us", 1, where);
     in.rows = in.t.rows();
     const auto open = [&](auto& column, const char* called, hsize_t width) {
@@ -275,10 +304,9 @@ struct OpenRecording {
           fmt::format("{}: declares a sensor of {}x{} pixels; omit --size", name, sized->size->width, sized->size->height));
     }
     if (inputs.empty()) {
-      std::string list;
-      for (const std::string& member : members) list += (list.empty() ? "" : ", ") + member.substr(0, 40);
+      check_all_filters(file, name, true);
       throw Error(fmt::format("{}: contains no recording, only {}; expected the group /events with t_us, x, y and on", name,
-                              list.empty() ? "nothing" : list.substr(0, 200)));
+                              names_of(members)));
     }
   }
 

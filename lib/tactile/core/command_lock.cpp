@@ -38,6 +38,7 @@ CommandLock::~CommandLock() {
   if (file_ < 0) return;
   ::unlink(path_.c_str());  // before the lock ends: a later command must not lose its own file
   ::close(file_);
+  remove_empty_made_folders(path_.parent_path());
 }
 
 }  // namespace tactile

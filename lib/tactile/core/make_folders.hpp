@@ -9,4 +9,8 @@ namespace tactile {
 /// @throws Error if one cannot be made
 void make_folders(const std::filesystem::path& folder);
 
+/// For an output that is not written after all: removes a folder, and those above it, as far as `make_folders` made them in this
+/// process and they are empty.
+void remove_empty_made_folders(std::filesystem::path folder);
+
 }  // namespace tactile

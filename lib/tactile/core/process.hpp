@@ -17,8 +17,8 @@ struct ProcessOptions {
   bool own_group = false;              ///< Ctrl-C in a terminal does not reach it
 };
 
-/// A running child process. SIGINT, SIGTERM and SIGPIPE have their default effect on it, and no signal is blocked. It gets
-/// SIGKILL when this object is destroyed, or the thread that started it ends.
+/// A running child process. SIGINT, SIGTERM, SIGPIPE and SIGXFSZ have their default effect on it, and no signal is blocked. It
+/// gets SIGKILL when this object is destroyed, or the thread that started it ends.
 class ChildProcess {
  public:
   /// @throws std::system_error  if it cannot be started: ENOENT if there is no such program

@@ -81,10 +81,16 @@ PartFolder::PartFolder(const fs::path& target) {
   const fs::path folder = folder_of(target);
   make_folders(folder);
   remove_leftovers(target);
-  // Another process may remove the folder as a leftover until it is locked: then the next one is created.
-  for (;;) {
+  // Another process may remove the folder as a leftover until it is locked, or the folder above, which it made and leaves empty:
+  // then the next one is created.
+  constexpr int most_attempts = 100;
+  for (int attempt = 1;; ++attempt) {
     std::string name = (folder / (part_prefix(target) + std::string(random_part))).string();
     if (::mkdtemp(name.data()) == nullptr) {
+      if (errno == ENOENT && attempt < most_attempts) {
+        make_folders(folder);
+        continue;
+      }
       throw Error(target.string() + ": cannot be written, because no file can be created in its folder (" + std::strerror(errno) +
                   "); expected a writable folder with room");
     }
@@ -108,6 +114,7 @@ PartFolder::~PartFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
   ::close(lock_);
+  remove_empty_made_folders(path_.parent_path());
 }
 
 WholeFile::WholeFile(fs::path target, IfThere if_there)

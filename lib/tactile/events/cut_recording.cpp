@@ -27,16 +27,19 @@ std::size_t encode(std::span<const Frame> frames, PacketBuffer& content) { retur
 /// The second reading: passes packets to the files of the pieces.
 class Cutting {
  public:
-  Cutting(RecordingReader& recording, std::span<const CameraTime> cuts, std::span<const fs::path> pieces)
+  Cutting(RecordingReader& recording, std::span<const Stream> kept, std::span<const CameraTime> cuts,
+          std::span<const fs::path> pieces)
       : recording_(recording), cuts_(cuts) {
     for (const fs::path& piece : pieces) {
-      writers_.emplace_back(piece, piece.string(), recording.compression(), recording.streams());
+      writers_.emplace_back(piece, piece.string(), recording.compression(), kept);
       WrittenPiece& written = written_.emplace_back();
-      for (const Stream& stream : recording.streams()) written.streams.push_back({.stream = stream, .first = {}, .last = {}});
+      for (const Stream& stream : kept) written.streams.push_back({.stream = stream, .first = {}, .last = {}});
     }
   }
 
   void pass(const PacketRecord& packet) {
+    const std::vector<PieceStream>& kept = written_.front().streams;
+    if (std::none_of(kept.begin(), kept.end(), [&](const PieceStream& s) { return s.stream.id == packet.stream_id; })) return;
     switch (recording_.stream(packet.stream_id).type) {
       case StreamType::events:
         pass_elements(packet, std::span<const Event>(recording_.read_events(packet)));
@@ -137,12 +140,13 @@ std::size_t piece_of(std::span<const CameraTime> cuts, CameraTime t) {
   return static_cast<std::size_t>(std::upper_bound(cuts.begin(), cuts.end(), t) - cuts.begin());
 }
 
-std::vector<WrittenPiece> cut_recording(RecordingReader& recording, std::span<const CameraTime> cuts,
-                                        std::span<const fs::path> pieces, const ProgressCallback& progress) {
+std::vector<WrittenPiece> cut_recording(RecordingReader& recording, std::span<const Stream> kept,
+                                        std::span<const CameraTime> cuts, std::span<const fs::path> pieces,
+                                        const ProgressCallback& progress) {
   assert(pieces.size() == cuts.size() + 1 && "n cuts make n + 1 pieces");
   if (recording.encoding() != RecordingEncoding::aedat4)
     throw Error(recording.file().string() + ": is a Prophesee RAW file; expected AEDAT4, which 'tactile convert' makes of it");
-  Cutting cutting(recording, cuts, pieces);
+  Cutting cutting(recording, kept, cuts, pieces);
   for (const PacketRecord& packet : recording.packets()) {
     report_progress(progress, packet.payload_offset, recording.file_size(), recording.file().filename().string());
     cutting.pass(packet);

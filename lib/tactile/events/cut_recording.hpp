@@ -29,16 +29,18 @@ struct WrittenPiece {
 
 /// Divides an AEDAT4 recording at times into pieces. Piece i has the elements with `cuts[i - 1] <= t < cuts[i]`, the first all
 /// earlier ones, the last all later ones, each at its own time and in the order of the file. So the pieces one after the other
-/// have every element of the recording once. A packet that lies in one piece is copied as it is stored; one with a cut inside is
-/// encoded again, in parts. A packet of an unknown type goes to the piece of the packet before it. Streams, ids, attributes and
-/// compression stay. A packet that cannot be decoded is in no piece, and is counted in `recording.problems()`.
+/// have every element of the kept streams once. A packet that lies in one piece is copied as it is stored; one with a cut inside
+/// is encoded again, in parts. A packet of an unknown type goes to the piece of the packet before it. Streams, ids, attributes
+/// and compression stay. A packet that cannot be decoded is in no piece, and is counted in `recording.problems()`.
 ///
 /// Reads the recording once. Memory follows the packet, and the data tables of the pieces.
+/// @param kept    its streams that the pieces have
 /// @param cuts    ascending, each once
 /// @param pieces  `cuts.size() + 1` new files
 /// @throws Error  if the recording is no AEDAT4, cannot be read, or a piece cannot be written
-std::vector<WrittenPiece> cut_recording(RecordingReader& recording, std::span<const CameraTime> cuts,
-                                        std::span<const std::filesystem::path> pieces, const ProgressCallback& progress = {});
+std::vector<WrittenPiece> cut_recording(RecordingReader& recording, std::span<const Stream> kept,
+                                        std::span<const CameraTime> cuts, std::span<const std::filesystem::path> pieces,
+                                        const ProgressCallback& progress = {});
 
 /// How many elements each piece of one event stream would have, by the list of packets: only the packets with a cut inside are
 /// read. Damaged events, which readers drop, may count here.

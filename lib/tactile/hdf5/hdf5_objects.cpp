@@ -338,8 +338,9 @@ void check_filters(hid_t table, const std::string& where) {
         H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &parameters, nullptr, text.size(), text.data(), &config);
     if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
     const std::string name = text_at(text.data(), text.size());
-    throw Error(where + ": compressed with " + (name.empty() ? "filter " + std::to_string(filter) : name) +
-                "; expected gzip or none");
+    const std::string number = "HDF5 filter " + std::to_string(filter);
+    throw Error(where + ": compressed with " + (name.empty() ? number : name + " (" + number + ")") +
+                ", which this program does not have; expected gzip or none");
   }
 }
 

@@ -17,6 +17,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/events/camera_streams.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/splitting/cut_devices.hpp"
 
@@ -49,22 +50,36 @@ nlohmann::json hash_or_null(const std::optional<fs::path>& file) {
   return file ? nlohmann::json(sha256_of_file(*file)) : nlohmann::json();
 }
 
-/// What makes two pieces the same: the member `split` of run.json, without the piece's times.
-nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, const std::string& sha256, std::uint64_t bytes) {
-  return {{"from", source.origin},
-          {"sha256", sha256},
-          {"bytes", bytes},
-          {"session", result.session},
-          {"robot", result.robot},
-          {"robot_sha256", hash_or_null(source.robot)},
-          {"robot_columns", source.robot_columns},
-          {"film", result.film},
-          {"film_sha256", hash_or_null(source.video)},
-          {"film_times_sha256", hash_or_null(source.video_times)}};
+/// The event stream with the others of its camera; all streams if no other one has events.
+std::vector<events::Stream> streams_of_run(std::span<const events::Stream> all, const events::Stream& chosen) {
+  std::vector<events::Stream> kept(all.begin(), all.end());
+  const auto has_events = [](const events::Stream& stream) { return stream.type == events::StreamType::events; };
+  if (std::count_if(all.begin(), all.end(), has_events) > 1)
+    std::erase_if(kept, [&](const events::Stream& stream) { return !events::belongs_to(stream, chosen); });
+  return kept;
 }
 
-/// The runs in DATA that were cut from this recording, by their origin.
-std::map<nlohmann::json, RunFolder> earlier_pieces(const fs::path& data, const std::string& sha256) {
+/// What makes two pieces the same: the member `split` of run.json, without the piece's times.
+/// @param stream  null if all streams are in the pieces
+nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, const std::string& sha256, std::uint64_t bytes,
+                         const nlohmann::json& stream) {
+  nlohmann::json origin = {{"from", source.origin},
+                           {"sha256", sha256},
+                           {"bytes", bytes},
+                           {"session", result.session},
+                           {"robot", result.robot},
+                           {"robot_sha256", hash_or_null(source.robot)},
+                           {"robot_columns", source.robot_columns},
+                           {"film", result.film},
+                           {"film_sha256", hash_or_null(source.video)},
+                           {"film_times_sha256", hash_or_null(source.video_times)}};
+  if (!stream.is_null()) origin["stream"] = stream;
+  return origin;
+}
+
+/// The runs in DATA that were cut from the same streams of this recording, by their origin.
+std::map<nlohmann::json, RunFolder> earlier_pieces(const fs::path& data, const std::string& sha256,
+                                                   const nlohmann::json& stream) {
   std::map<nlohmann::json, RunFolder> pieces;
   if (!fs::is_directory(data)) return pieces;
   for (const RunFolder& run : find_runs(data)) {
@@ -72,6 +87,7 @@ std::map<nlohmann::json, RunFolder> earlier_pieces(const fs::path& data, const s
       const RunInfo info = read_run_info(run);
       const nlohmann::json origin = info.extra.value("split", nlohmann::json());
       if (!origin.is_object() || origin.value("sha256", nlohmann::json()) != sha256) continue;
+      if (origin.value("stream", nlohmann::json()) != stream) continue;
       const RunFiles files = check_files(run, info, FileComparison::size);
       if (files.missing.empty() && files.changed.empty()) pieces.emplace(origin, run);
     } catch (const Error&) {  // a run that cannot be read is no piece
@@ -147,12 +163,27 @@ void copy_whole(const fs::path& from, const fs::path& to) {
     throw Error(from.string() + ": cannot be copied (" + failed.message() + "); expected a readable file and a disk with room");
 }
 
+/// The original among the runs of DATA would be used like one of them.
+std::string warning_of_original(const SplitSource& source, const fs::path& data) {
+  std::error_code unknown;
+  const fs::path place = fs::weakly_canonical(source.recording, unknown);
+  const fs::path below = place.lexically_relative(fs::weakly_canonical(data, unknown));
+  if (unknown || below.empty() || below.begin()->string() == ".." || std::distance(below.begin(), below.end()) != 3) return {};
+  return fmt::format("{} has the same events as its pieces: move it out of {} before 'tactile windows'", source.origin,
+                     data.string());
+}
+
 /// One call of `split_recording`.
 class Splitting {
  public:
   Splitting(const SplitSource& source, events::RecordingReader& recording, const SplitProposal& proposal,
             const SplitOptions& options)
-      : source_(source), recording_(recording), proposal_(proposal), options_(options), runs_(runs_of(proposal)) {}
+      : source_(source),
+        recording_(recording),
+        proposal_(proposal),
+        options_(options),
+        runs_(runs_of(proposal)),
+        kept_(streams_of_run(recording.streams(), recording.stream(proposal.event_stream))) {}
 
   SplitResult run(const ProgressCallback& progress) {
     const std::vector<std::string> objects = objects_of(options_, runs_.size());
@@ -163,7 +194,10 @@ class Splitting {
       report_progress(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
     });
     result_.session = options_.session.empty() ? session_of(source_, recording_, sha256) : options_.session;
-    place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size()), earlier_pieces(options_.data, sha256));
+    const nlohmann::json stream =
+        kept_.size() < recording_.streams().size() ? nlohmann::json(proposal_.event_stream) : nlohmann::json();
+    place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size(), stream),
+                 earlier_pieces(options_.data, sha256, stream));
     if (std::any_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.whole != nullptr; })) {
       write_events(progress);
       write_robot();
@@ -171,6 +205,7 @@ class Splitting {
       for (std::size_t i = 0; i < pieces_.size(); ++i) write_info(i);
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) commit(i);
+    result_.warning = warning_of_original(source_, options_.data);
     result_.problems = recording_.problems();
     return std::move(result_);
   }
@@ -212,7 +247,7 @@ class Splitting {
   void write_events(const ProgressCallback& progress) {
     std::vector<fs::path> files;
     for (const Piece& piece : pieces_) files.push_back(piece.written.events());
-    const std::vector<events::WrittenPiece> written = events::cut_recording(recording_, proposal_.cuts, files, progress);
+    const std::vector<events::WrittenPiece> written = events::cut_recording(recording_, kept_, proposal_.cuts, files, progress);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       for (const events::PieceStream& stream : written[i].streams) {
         if (stream.stream.id != proposal_.event_stream) continue;
@@ -331,6 +366,7 @@ class Splitting {
   const SplitProposal& proposal_;
   const SplitOptions& options_;
   std::vector<ProposedRun> runs_;
+  std::vector<events::Stream> kept_;  ///< streams that the runs have
   std::deque<Piece> pieces_;
   SplitResult result_;
 };
@@ -359,8 +395,11 @@ nlohmann::json json_of(const SplitResult& result) {
                     {"bytes", run.bytes}});
   }
   const auto text_or_null = [](const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); };
-  return {
-      {"session", result.session}, {"robot", text_or_null(result.robot)}, {"film", text_or_null(result.film)}, {"runs", runs}};
+  return {{"session", result.session},
+          {"robot", text_or_null(result.robot)},
+          {"film", text_or_null(result.film)},
+          {"runs", runs},
+          {"warning", text_or_null(result.warning)}};
 }
 
 }  // namespace tactile::splitting

@@ -37,6 +37,7 @@ struct SplitResult {
   std::vector<SplitRun> runs;  ///< in the order of time
   std::string session;         ///< of all runs
   std::string robot, film;     ///< how they were cut, or why each run has the whole; empty if there is none
+  std::string warning;         ///< a sentence if the recording lies among the runs of DATA; else empty
   events::RecordingProblems problems;
 };
 
@@ -48,6 +49,7 @@ struct SplitResult {
 /// or
 ///   frames has no such file; else each run gets
 ///   the whole.
+/// - Of several event streams, the runs have the proposal's, and the other streams of its camera.
 /// - run.json is that of the recording, if it has one, with the pairs of host and camera time of the piece, and under `split` the
 ///   origin: the recording's name and SHA-256, and the piece's times.
 /// - Runs take free numbers; no existing one is changed. Each appears complete, after all are written. A run that an earlier call

@@ -14,7 +14,7 @@ using test::in_run;
 
 /// The three intervals of `exported_run`, as a tool with whole milliseconds gives them back.
 ImportedLabels in_milliseconds() {
-  ImportedLabels imported{.where = "labels.eaf"};
+  ImportedLabels imported{.where = "labels.csv"};
   const auto add = [&](const char* id, Touch touch, std::int64_t start_ms, std::int64_t end_ms) {
     imported.intervals.push_back({.id = id,
                                   .touch = touch,
@@ -22,7 +22,7 @@ ImportedLabels in_milliseconds() {
                                   .end_us = end_ms * 1000,
                                   .start_rounding_us = 1000,
                                   .end_rounding_us = 1000,
-                                  .where = "labels.eaf"});
+                                  .where = "labels.csv"});
   };
   add("press-1", Touch::press, 930, 1067);
   add("press-2", Touch::press, 1100, 1201);
@@ -144,7 +144,7 @@ TEST_F(WithEdits, KeepsWhatIsNotAnnotated) {
 
 TEST_F(WithEdits, EndsThatMeetExceptForTheRoundingMeet) {
   ImportedLabels imported = in_milliseconds();
-  imported.intervals[1].end_us = 1'485'000;  // where the slip begins, which ELAN shows at 1484 and is at 1484.4
+  imported.intervals[1].end_us = 1'485'000;  // where the slip begins, which is at 1484.4 and in the file at 1484
   const Labels labels = edited(imported);
   EXPECT_EQ(labels.intervals[1].end.at, in_run(1'484'400));
   EXPECT_EQ(labels.intervals[2].start.at, in_run(1'484'400));
@@ -159,10 +159,10 @@ TEST_F(WithEdits, TwoThatBeginTogetherOverlapHoweverShortTheFirstIs) {
                                   .end_us = end_us,
                                   .start_rounding_us = 1000,
                                   .end_rounding_us = 1000,
-                                  .where = "labels.eaf"});
+                                  .where = "labels.csv"});
   }
   EXPECT_EQ(test::error_of([&] { edited(imported); }),
-            "labels.eaf: a new press and a new press overlap by 0.000800 s; expected intervals without overlap");
+            "labels.csv: a new press and a new press overlap by 0.000800 s; expected intervals without overlap");
 }
 
 TEST_F(WithEdits, WhatCannotBeALabelIsNamed) {

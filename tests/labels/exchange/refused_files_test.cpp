@@ -5,8 +5,6 @@
 #include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/labels/exchange/audacity.hpp"
-#include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 
@@ -23,52 +21,6 @@ class RefusedFiles : public testing::Test {
   void expect(const std::string& error, const std::string& part) { EXPECT_NE(error.find(part), std::string::npos) << error; }
   test::TemporaryFolder folder;
 };
-
-TEST_F(RefusedFiles, OfAudacity) {
-  const auto read = [&](const std::string& text) { return error(read_audacity, "labels.txt", text); };
-  expect(read("0.1\t0.2\tpress\n0.3\t0.4\tpush\n"), "labels.txt, line 2: 'push' names no class; expected press or slip");
-  expect(read("nan\t0.2\tpress\n"), "line 1: 'nan' is not a time; expected seconds");
-  expect(read("0.1 0.2 press\n"), "line 1: '0.1 0.2 press' is not a label; expected 'start TAB end TAB text'");
-  expect(read("0.1\t0.2\t\n"), "names no class");
-  expect(read(""), "has no label");
-  expect(read(std::string(9 << 20, '\0')), "bytes long; expected at most");
-}
-
-TEST_F(RefusedFiles, ButFrequenciesAndRemarksOfAudacityArePassedOver) {
-  write_whole(folder / "labels.txt",
-              "\xEF\xBB\xBF"
-              "0.0\t0.0\t# a remark\r\n0.5\t0.75\tpress-1 Press ok\r\n\\\t-1.000000\t880.0\r\n");
-  const ImportedLabels read = read_audacity(folder / "labels.txt");
-  EXPECT_FALSE(read.run.has_value());
-  ASSERT_EQ(read.intervals.size(), 1U);
-  EXPECT_EQ(read.intervals[0].id, "press-1");
-  EXPECT_EQ(read.intervals[0].end_us, 750'000);
-  EXPECT_TRUE(read.intervals[0].confirmed);
-}
-
-TEST_F(RefusedFiles, OfElan) {
-  const auto document = [](const std::string& inside) {
-    return "<ANNOTATION_DOCUMENT><HEADER TIME_UNITS=\"milliseconds\"/>" + inside + "</ANNOTATION_DOCUMENT>";
-  };
-  const auto tier = [](const std::string& value) {
-    return "<TIME_ORDER><TIME_SLOT TIME_SLOT_ID=\"ts1\" TIME_VALUE=\"100\"/><TIME_SLOT TIME_SLOT_ID=\"ts2\"/></TIME_ORDER>"
-           "<TIER TIER_ID=\"touch\"><ANNOTATION><ALIGNABLE_ANNOTATION ANNOTATION_ID=\"a1\" TIME_SLOT_REF1=\"ts1\" "
-           "TIME_SLOT_REF2=\"" +
-           value + "\"><ANNOTATION_VALUE>push</ANNOTATION_VALUE></ALIGNABLE_ANNOTATION></ANNOTATION></TIER>";
-  };
-  const auto read = [&](const std::string& text) { return error(read_elan, "labels.eaf", text); };
-  expect(read("<ANNOTATION_DOCUMENT>"), "labels.eaf: is not XML");
-  expect(read("<html/>"), "is not an annotation document");
-  expect(read("<ANNOTATION_DOCUMENT><HEADER TIME_UNITS=\"NTSC-frames\"/></ANNOTATION_DOCUMENT>"),
-         "in 'NTSC-frames'; expected milliseconds");
-  expect(read(document("<TIME_ORDER/><TIER TIER_ID=\"speech\"/>")), "has no tier 'touch'");
-  expect(read(document(tier("ts2"))), "annotation 'a1' has no time ('ts2')");
-  expect(read(document(tier("ts1"))), "annotation 'a1': 'push' names no class");
-  expect(read(document("<TIME_ORDER><TIME_SLOT TIME_SLOT_ID=\"ts1\" TIME_VALUE=\"-4\"/></TIME_ORDER>")),
-         "time slot 'ts1' holds '-4'; expected whole milliseconds");
-  expect(read("<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY b \"bbbb\"><!ENTITY c \"&b;&b;\">]>" + document(tier("ts1"))),
-         "declares a document type or entities");
-}
 
 TEST_F(RefusedFiles, OfLabelStudio) {
   const auto read = [&](const std::string& text) { return error(read_label_studio, "tasks.json", text); };
@@ -120,22 +72,11 @@ TEST_F(RefusedFiles, ButSpreadsheetsOfAllLandsAreRead) {
   EXPECT_TRUE(read[0].intervals[0].confirmed);
 }
 
-TEST_F(RefusedFiles, LabelsThatElanCannotHoldAreNotWritten) {
-  LabelsToExport run = test::exported_run();
-  run.times = {.origin = TimeOrigin::video, .zero_us = 1'000'000, .drift_ppm = 0};
-  expect(test::error_of([&] { elan_text(run, folder / "a.eaf"); }), "fan/01: press-1 begins 0.070363 s before the film");
-  run = test::exported_run();
-  run.labels.intervals[1].start.at = test::in_run(1'067'300);
-  run.labels.intervals[0].end.at = test::in_run(1'067'200);
-  run.labels.intervals[0].start.at = test::in_run(1'067'100);
-  expect(test::error_of([&] { elan_text(run, folder / "a.eaf"); }), "press-1 and press-2 meet within one millisecond");
-}
-
 TEST_F(RefusedFiles, AnIdThatAToolWouldLoseIsNotWritten) {
-  for (const char* id : {"my press", "press", "1", "", "a\tb"}) {
+  for (const char* id : {"my press", "press-1#2", "1", "", "a\tb"}) {
     LabelsToExport run = test::exported_run();
     run.labels.intervals[0].id = id;
-    expect(test::error_of([&] { audacity_text(run); }), "cannot be kept in other tools");
+    expect(test::error_of([&] { label_csv_text(std::vector{run}); }), "cannot be kept in other tools");
   }
 }
 

@@ -18,10 +18,8 @@ struct FormatNames {
   std::string_view name, ending;
 };
 
-constexpr std::array<FormatNames, 4> formats{{{ExchangeFormat::audacity, "audacity", ".txt"},
-                                              {ExchangeFormat::elan, "elan", ".eaf"},
-                                              {ExchangeFormat::label_studio, "label-studio", ".json"},
-                                              {ExchangeFormat::csv, "csv", ".csv"}}};
+constexpr std::array<FormatNames, 2> formats{
+    {{ExchangeFormat::label_studio, "label-studio", ".json"}, {ExchangeFormat::csv, "csv", ".csv"}}};
 
 constexpr std::array<std::pair<TimeOrigin, std::string_view>, 3> origins{
     {{TimeOrigin::first_event, "first-event"}, {TimeOrigin::camera, "camera"}, {TimeOrigin::video, "video"}}};
@@ -29,38 +27,16 @@ constexpr std::array<std::pair<TimeOrigin, std::string_view>, 3> origins{
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// press or slip, in upper or lower case.
-std::optional<Touch> touch_in(std::string_view word) {
-  for (const Touch touch : {Touch::press, Touch::slip}) {
-    if (lower_case(word) == name_of(touch)) return touch;
-  }
-  return std::nullopt;
-}
-
-std::vector<std::string_view> words_in(std::string_view text) {
-  constexpr std::string_view white = " \t\r\n";
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t begin = text.find_first_not_of(white);
-    if (begin == std::string_view::npos) return words;
-    const std::size_t end = std::min(text.find_first_of(white, begin), text.size());
-    words.push_back(text.substr(begin, end - begin));
-    text.remove_prefix(end);
-  }
-}
-
 bool is_plain_id(std::string_view id) {
-  return !id.empty() && id.size() <= 64 && is_letter(id.front()) && !touch_in(id) && lower_case(id) != name_of(Touch::none) &&
-         std::all_of(id.begin(), id.end(),
-                     [](char c) { return is_letter(c) || is_digit(c) || c == '-' || c == '_' || c == '.'; });
+  return !id.empty() && id.size() <= 64 && is_letter(id.front()) && std::all_of(id.begin(), id.end(), [](char c) {
+    return is_letter(c) || is_digit(c) || c == '-' || c == '_' || c == '.';
+  });
 }
 
 }  // namespace
 
 std::string_view name_of(ExchangeFormat format) { return formats[static_cast<std::size_t>(format)].name; }
 std::string_view ending_of(ExchangeFormat format) { return formats[static_cast<std::size_t>(format)].ending; }
-
-bool holds_many_runs(ExchangeFormat format) { return format == ExchangeFormat::label_studio || format == ExchangeFormat::csv; }
 
 std::optional<ExchangeFormat> exchange_format_named(std::string_view name) {
   for (const FormatNames& known : formats) {
@@ -100,7 +76,7 @@ void check_ids(const LabelsToExport& labels) {
     if (is_plain_id(interval.id)) continue;
     throw Error(
         fmt::format("{}: the id {} cannot be kept in other tools; expected a letter, then at most 63 letters, digits, '-', '_' "
-                    "and '.', and no class's name",
+                    "and '.'",
                     labels.run, shown_text(interval.id)));
   }
 }
@@ -144,22 +120,6 @@ std::optional<ReadSeconds> seconds_in(std::string_view text) {
   constexpr std::array<std::int64_t, 6> roundings{500, 500, 500,
                                                   500, 50,  5};  // few decimals mean dropped zeros, not a low resolution
   return ReadSeconds{.us = us, .rounding_us = decimals.size() < roundings.size() ? roundings[decimals.size()] : 1};
-}
-
-void read_words(std::string_view text, const std::string& where, ImportedInterval& interval) {
-  const std::vector<std::string_view> words = words_in(text);
-  std::size_t class_at = 0;
-  if (words.size() > 1 && !touch_in(words[0]) && touch_in(words[1])) {
-    interval.id = words[0];
-    class_at = 1;
-  }
-  const std::optional<Touch> touch = words.empty() ? std::nullopt : touch_in(words[class_at]);
-  if (!touch) {
-    throw Error(fmt::format("{}: {} names no class; expected press or slip, such as 'press' or 'press-1 press ok'", where,
-                            shown_text(text)));
-  }
-  interval.touch = *touch;
-  interval.confirmed = words.size() > class_at + 1 && lower_case(words.back()) == "ok";
 }
 
 }  // namespace tactile::labels

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,12 +12,11 @@
 
 namespace tactile::labels {
 
-/// The formats of other tools. All four keep the ids of intervals, so that an edited file can be imported.
-enum class ExchangeFormat : std::uint8_t { audacity, elan, label_studio, csv };
+/// The formats for other tools. Both hold many runs, and keep the ids of intervals, so that an edited file can be imported.
+enum class ExchangeFormat : std::uint8_t { label_studio, csv };
 
-std::string_view name_of(ExchangeFormat format);    ///< "audacity", "elan", "label-studio", "csv"
-std::string_view ending_of(ExchangeFormat format);  ///< ".txt", ".eaf", ".json", ".csv"
-bool holds_many_runs(ExchangeFormat format);        ///< in one file: Label Studio and CSV do
+std::string_view name_of(ExchangeFormat format);    ///< "label-studio", "csv"
+std::string_view ending_of(ExchangeFormat format);  ///< ".json", ".csv"
 std::optional<ExchangeFormat> exchange_format_named(std::string_view name);
 std::optional<ExchangeFormat> exchange_format_by_ending(const std::filesystem::path& file);
 
@@ -51,10 +49,7 @@ struct LabelsToExport {
   Labels labels;
   FileTimes times;
   CameraTime first_event{}, last_event{};
-  std::filesystem::path film = {};                  ///< empty if the run has none
-  std::optional<std::int64_t> film_begins_us = {};  ///< time of its first frame on the file's axis; nothing without a video clock
-  std::int64_t written_s = 0;                       ///< Unix time at which the labels were written
-  LabelSignals signals = {};                        ///< only for Label Studio
+  LabelSignals signals = {};  ///< only for Label Studio
 };
 
 /// An interval in another tool's file.
@@ -64,7 +59,7 @@ struct ImportedInterval {
   std::int64_t start_us = 0, end_us = 0;                    ///< on the file's axis
   std::int64_t start_rounding_us = 1, end_rounding_us = 1;  ///< resolution of the file, > 0
   bool confirmed = false;
-  std::string where;  ///< for errors: "labels.txt, line 3"
+  std::string where;  ///< for errors: "labels.csv, line 3"
 };
 
 /// One run's part of another tool's file.
@@ -73,8 +68,6 @@ struct ImportedLabels {
   std::optional<std::string> run = {};  ///< "fan/01", if the file names it
   std::optional<FileTimes> times = {};  ///< if the file declares them
   bool looked_at = true;                ///< false: no person has annotated this run yet, so it is not changed
-  /// What the file's tool can show. An interval that begins before or is shorter is missing in the file, and not removed.
-  std::int64_t earliest_us = std::numeric_limits<std::int64_t>::min(), shortest_us = 0;
   std::vector<ImportedInterval> intervals = {};
 };
 
@@ -85,8 +78,7 @@ inline constexpr std::size_t most_imported_intervals = 100'000, most_imported_ru
 void check_count(std::size_t count, std::size_t most, std::string_view of_what, const std::filesystem::path& file);
 
 /// @throws Error  if an id does not survive in another tool: allowed are a letter, then at most 63 letters, digits, '-', '_' and
-/// '.',
-///                but no name of a class
+///                '.'
 void check_ids(const LabelsToExport& labels);
 
 /// The reasons of the unconfirmed flags, separated by "; ": those of one interval, or of the whole run.
@@ -102,9 +94,5 @@ struct ReadSeconds {
 
 /// Digits, with or without a decimal point or comma; nothing if `text` is anything else, or exceeds int64 in microseconds.
 std::optional<ReadSeconds> seconds_in(std::string_view text);
-
-/// "press-1 press 95% ±1.0 ms ok": an optional id, a class, any text, and "ok" at the end if confirmed. Sets id, class and
-/// confirmation. @throws Error  that names `where` if there is no class
-void read_words(std::string_view text, const std::string& where, ImportedInterval& interval);
 
 }  // namespace tactile::labels

@@ -40,8 +40,6 @@ class Edits {
         clock_(times.to_camera(first_event)),
         first_(first_event),
         last_(last_event),
-        earliest_us_(imported.earliest_us),
-        shortest_us_(imported.shortest_us),
         claimed_(old_.size(), false),
         old_of_(imported_.size(), nothing) {}
 
@@ -82,13 +80,6 @@ class Edits {
     if (placed.changed) placed.interval.source = "person";
     if (placed.changed || imported.confirmed) placed.interval.confirmed = true;
     return placed;
-  }
-
-  /// Missing in the file, because its tool cannot show it.
-  bool is_hidden(std::size_t old_index) const {
-    const std::int64_t start_us = clock_.clock_us_from(old_[old_index].start.at);
-    return !claimed_[old_index] && (start_us < earliest_us_ ||
-                                    saturating_subtract(clock_.clock_us_from(old_[old_index].end.at), start_us) < shortest_us_);
   }
 
  private:
@@ -148,7 +139,6 @@ class Edits {
   const std::vector<ImportedInterval>& imported_;
   ClockRelation clock_;
   CameraTime first_, last_;
-  std::int64_t earliest_us_, shortest_us_;
   std::vector<bool> claimed_;
   std::vector<std::size_t> old_of_;
 };
@@ -192,9 +182,6 @@ Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes
   edits.match();
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < imported.intervals.size(); ++i) placed.push_back(edits.place(i));
-  for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-    if (edits.is_hidden(i)) placed.push_back({.interval = labels.intervals[i], .old_index = i});
-  }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
     return std::pair(a.interval.start.at, a.interval.end.at) < std::pair(b.interval.start.at, b.interval.end.at);
   });

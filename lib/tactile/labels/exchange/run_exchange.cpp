@@ -1,7 +1,6 @@
 #include "tactile/labels/exchange/run_exchange.hpp"
 
 #include <fmt/core.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +10,6 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/exchange/audacity.hpp"
-#include "tactile/labels/exchange/elan.hpp"
 #include "tactile/labels/exchange/label_csv.hpp"
 #include "tactile/labels/exchange/label_studio.hpp"
 #include "tactile/labels/label_options.hpp"
@@ -24,11 +21,6 @@ namespace tactile::labels {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::int64_t written_s(const fs::path& file) {
-  struct stat status {};
-  return ::stat(file.c_str(), &status) == 0 ? static_cast<std::int64_t>(status.st_mtime) : 0;
-}
 
 /// The film's first frame in camera time, and the film's drift. A player's time 0 is the first frame.
 std::optional<ClockRelation> film_clock(const RunFolder& run, const Labels& labels) {
@@ -43,14 +35,10 @@ std::vector<ImportedLabels> read_imported(const fs::path& file, std::optional<Ex
   const std::optional<ExchangeFormat> known = format ? format : exchange_format_by_ending(file);
   if (!known) {
     throw Error(file.string() +
-                ": its ending names no format; expected .txt (Audacity), .eaf (ELAN), .json (Label Studio) or .csv, or "
-                "--format");
+                ": its ending names no format that labels are read from; expected .json of Label Studio, or .csv with the "
+                "columns class, start_s and end_s");
   }
   switch (*known) {
-    case ExchangeFormat::audacity:
-      return {read_audacity(file)};
-    case ExchangeFormat::elan:
-      return {read_elan(file)};
     case ExchangeFormat::label_studio:
       return read_label_studio(file);
     case ExchangeFormat::csv:
@@ -121,23 +109,11 @@ double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
 }  // namespace
 
-LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film) {
+LabelsToExport labels_to_export(const RunFolder& run, TimeOrigin origin) {
   const RecordingSpan span = span_of_events(run);
-  LabelsToExport labels{.run = run.name(),
-                        .labels = read_labels(run.labels()),
-                        .times = {},
-                        .first_event = span.first,
-                        .last_event = span.last,
-                        .film = fs::exists(run.video()) ? run.video() : fs::path(),
-                        .film_begins_us = {},
-                        .written_s = written_s(run.labels())};
-  const std::optional<ClockRelation> film = film_clock(run, labels.labels);
-  const bool can_prefer_film =
-      film && std::all_of(labels.labels.intervals.begin(), labels.labels.intervals.end(),
-                          [&](const LabelledInterval& interval) { return us_of(interval.start.at) >= film->offset_us; });
-  const TimeOrigin chosen = origin ? *origin : prefer_film && can_prefer_film ? TimeOrigin::video : TimeOrigin::first_event;
-  labels.times = times_of(chosen, run, labels.labels, span.first);
-  if (film) labels.film_begins_us = labels.times.to_camera(span.first).clock_us_from(camera_time(film->offset_us));
+  LabelsToExport labels{
+      .run = run.name(), .labels = read_labels(run.labels()), .times = {}, .first_event = span.first, .last_event = span.last};
+  labels.times = times_of(origin, run, labels.labels, span.first);
   return labels;
 }
 

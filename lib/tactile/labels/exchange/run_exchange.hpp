@@ -13,11 +13,10 @@
 
 namespace tactile::labels {
 
-/// The labels of a run, on the axis of `origin`. Without an origin: the film's axis if `prefer_film`, its clock is known and no
-/// label is before its start; otherwise times from the first event.
+/// The labels of a run, on the axis of `origin`.
 /// @throws Error  if the run has no labels, they or the recording cannot be read, or the origin is the film and its clock is
 /// unknown
-LabelsToExport labels_to_export(const RunFolder& run, std::optional<TimeOrigin> origin, bool prefer_film);
+LabelsToExport labels_to_export(const RunFolder& run, TimeOrigin origin);
 
 /// The event rate and, if the robot's clock is known, the TCP's height and speed, every millisecond (less often for recordings
 /// above 20 s), on the labels' axis. @throws Error  if recording or log cannot be read
@@ -35,7 +34,7 @@ struct ImportedRun {
 };
 
 /// Reads files of other tools and computes what they change in the labels of `runs`; writes nothing. The format is `format`,
-/// otherwise given by the file's ending. The run is named in the file, otherwise by its name (`fan-01.txt`), otherwise there must
+/// otherwise given by the file's ending. The run is named in the file, otherwise by its name (`fan-01.csv`), otherwise there must
 /// be only one run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event.
 /// @throws Error  if a file belongs to none of `runs`, two files belong to the same run, a run has no labels, or a file is
 /// invalid

@@ -81,6 +81,7 @@ CheckpointFolder::~CheckpointFolder() {
   std::error_code ignored;
   fs::remove(folder_, ignored);  // if nothing was saved
   if (lock_ >= 0) ::close(lock_);
+  remove_empty_made_folders(folder_.parent_path());
 }
 
 fs::path CheckpointFolder::beside(const fs::path& bundle) { return bundle.string() + ".training"; }
