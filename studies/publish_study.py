@@ -137,7 +137,10 @@ def alarms_part(study):
             ("share of the time without touch in alarm [%]", figure(alarms["none_in_alarm"]["share"], 100, 2)),
             ("episodes of the wrong class, per minute of touch", figure(alarms["wrong_class"]["per_min"])),
             ("share of the time of touch with the wrong class [%]", figure(alarms["wrong_class"]["share"], 100, 1))]
-    return table(("false alarms", "LeNet"), rows)
+    text = table(("false alarms", "LeNet"), rows)
+    if "of_runs" in alarms:  # not in older studies
+        text += (f"\nThese alarms are counted on {alarms['runs']} of {alarms['of_runs']} runs: only on those with a press and a slip whose labels are not flagged.\n")
+    return text
 
 
 def labels_sentence(study):
@@ -181,11 +184,12 @@ def front_part(trade):
 
 
 def variance_sentence(study):
-    if not study["variance"]:
-        return ""
     shares = study["variance"]
-    return (f"Of the variance of the mean accuracy, {100 * shares['training']:.0f} % comes from trainings (alike for all objects), {100 * shares['object']:.0f} % from objects and "
-            f"{100 * shares['run']:.0f} % from runs of an object.\n\n" + picture("variance", "Shares of trainings, objects and runs in the variance"))
+    if not shares or "training_on_object" not in shares:  # older studies count the last among the objects
+        return ""
+    return (f"Of the variance of the mean accuracy, {100 * shares['training']:.0f} % comes from trainings (alike for all objects), {100 * shares['object']:.0f} % from objects "
+            f"(alike for all trainings), {100 * shares['training_on_object']:.0f} % from trainings on single objects and {100 * shares['run']:.0f} % from runs of an object.\n\n"
+            + picture("variance", "Shares of trainings, objects, trainings on single objects, and runs in the variance"))
 
 
 def spread_sentence(study):

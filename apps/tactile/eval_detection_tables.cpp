@@ -165,7 +165,7 @@ std::string false_alarms_text(const results::Evaluation& evaluation) {
       fmt::format("Outside labels: {} in {:.3f} min; {}; none: {:.3f} min; labels: {} in {:.3f} min. ", total.outside_labels,
                   results::in_minutes(total.outside_labels_time), outside_motion, results::in_minutes(total.none_time),
                   total.wrong_class, results::in_minutes(total.labelled_time));
-  return text_table(header, rows) + wrapped(times + false_alarm_legend) + "\n\n";
+  return text_table(header, rows) + wrapped(evaluation.runs_counted() + " " + times + false_alarm_legend) + "\n\n";
 }
 
 std::string labels_text(const results::Evaluation& evaluation) {

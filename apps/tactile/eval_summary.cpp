@@ -48,12 +48,14 @@ std::string baselines_not_below(const results::Evaluation& evaluation) {
 }
 
 /// What a robot would meet, a line each.
-std::vector<std::pair<std::string, std::string>> detector_lines(const results::DetectorScore& detector) {
-  const results::FalseAlarmTable& alarms = detector.false_alarms;
-  return {{"press", delay_of(detector.press.all)},
-          {"slip", delay_of(detector.slip.all)},
+std::vector<std::pair<std::string, std::string>> detector_lines(const results::Evaluation& evaluation) {
+  const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
+  return {{"press", delay_of(evaluation.network.press.all)},
+          {"slip", delay_of(evaluation.network.slip.all)},
           {"false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels")},
-          {"wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels")}};
+          {"wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels")},
+          {"alarms counted", fmt::format("on {} of {} runs; the others have no press or no slip without a flag",
+                                         evaluation.test_runs().size(), evaluation.of_runs)}};
 }
 
 /// Empty unless decisions over several ticks may help.
@@ -93,7 +95,7 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
   if (best != evaluation.baselines.end()) {
     lines.emplace_back("best baseline", fmt::format("{}, {}", percent_of(best->accuracy.mean), best->name));
   }
-  const auto of_detector = detector_lines(evaluation.network);
+  const auto of_detector = detector_lines(evaluation);
   lines.insert(lines.end(), of_detector.begin(), of_detector.end());
   if (const auto& off = evaluation.gate_off; off && off->ticks > 0) {
     const double share = static_cast<double>(off->gated) / static_cast<double>(off->ticks);
@@ -109,7 +111,7 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
 }
 
 std::string summary_of(const results::UnseenComparison& comparison, const results::Evaluation& held_out) {
-  return text_of(comparison, held_out.simulated) + "\n" + text_list(detector_lines(held_out.network)) +
+  return text_of(comparison, held_out.simulated) + "\n" + text_list(detector_lines(held_out)) +
          "From press on: of models that never saw the objects. --verbose prints all tables.\n";
 }
 

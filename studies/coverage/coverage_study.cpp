@@ -27,8 +27,8 @@ struct Column {
   std::string name;
 
   const std::array<Effects, 3>& effects() const {
-    const bool of_samples =
-        quantity == Quantity::accuracy || quantity == Quantity::difference || quantity == Quantity::best_of_five;
+    const bool of_samples = quantity == Quantity::accuracy || quantity == Quantity::missed || quantity == Quantity::difference ||
+                            quantity == Quantity::best_of_five;
     return of_samples ? of_logits : of_logarithms;
   }
 };
@@ -175,9 +175,14 @@ void print_study(const Arguments& arguments) {
   print_coverages({{Quantity::difference, 0.95, "difference of two accuracies"},
                    {Quantity::best_of_five, 0, "best of four accuracies less a fifth"},
                    {Quantity::mean_delay, 0, "mean delay"},
-                   {Quantity::median_delay, 0, "median delay"},
+                   {Quantity::quantile_of_delays, 0.5, "median delay"},
+                   {Quantity::quantile_of_delays, 0.9, "90 % of delays, at most 100 ms"},
                    {Quantity::detected, 10, "detected within 10 ms"},
-                   {Quantity::rate, 0, "alarms per minute"}},
+                   {Quantity::detected, 50, "within 50 ms"},
+                   {Quantity::missed, 0.02, "missed 2 %"},
+                   {Quantity::missed, 0.005, "0.5 %"},
+                   {Quantity::rate, 3, "3 alarms per minute"},
+                   {Quantity::rate, 0.3, "0.3"}},
                   {{10, 7, 1},
                    {5, 3, 3},
                    {10, 7, 3},

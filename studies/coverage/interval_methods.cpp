@@ -30,7 +30,7 @@ Bounds chosen(const Trial& trial, const results::BootstrapOptions& options) {
 /// The same with all of the misses for Student's distribution.
 Bounds chosen_without_reserve(const Trial& trial, const results::BootstrapOptions& given) {
   results::BootstrapOptions options = given;
-  options.confidence = 1 - (1 - options.confidence) / 0.7;
+  options.confidence = 1 - (1 - options.confidence) / 0.5;
   return chosen(trial, options);
 }
 

@@ -11,8 +11,8 @@
 namespace tactile::study {
 namespace {
 
-constexpr int samples_of_run = 90;
-constexpr double added_logit = 0.3, tick_ms = 2, usual_ticks = 1.6, alarms_per_minute = 3;
+constexpr int samples_of_run = 90, touches_of_run = 5;
+constexpr double added_logit = 0.3, tick_ms = 2, usual_ticks = 1.6, longest_ms = 100;
 constexpr double best_levels[] = {0.93, 0.94, 0.945, 0.95, 0.95};
 
 double logistic(double x) { return 1 / (1 + std::exp(-x)); }
@@ -98,11 +98,11 @@ evaluation::CrossedResults cells_of(const Layout& layout) {
   return objects;
 }
 
-double measured_accuracy(double logit, Random& random) {
+double measured_share(double logit, int of, Random& random) {
   const double p = logistic(logit);
-  int right = 0;
-  for (int i = 0; i < samples_of_run; ++i) right += random.uniform() < p ? 1 : 0;
-  return static_cast<double>(right) / samples_of_run;
+  int count = 0;
+  for (int i = 0; i < of; ++i) count += random.uniform() < p ? 1 : 0;
+  return static_cast<double>(count) / of;
 }
 
 std::vector<double> of_each(std::vector<double> sums, const std::function<double(double)>& result) {
@@ -126,22 +126,22 @@ evaluation::Statistic mean_of(std::vector<double> values) {
   };
 }
 
-evaluation::Statistic median_of(std::vector<double> values) {
-  return [values = std::move(values)](const evaluation::RunsByObject& lists) -> std::optional<double> {
+evaluation::Statistic quantile_of(std::vector<double> values, double q) {
+  return [values = std::move(values), q](const evaluation::RunsByObject& lists) -> std::optional<double> {
     std::vector<double> all;
     for (const auto& list : lists) {
       for (const std::size_t index : list) all.push_back(values[index]);
     }
-    return median(all);
+    return nearest_rank_quantile(all, q);
   };
 }
 
 /// Alarms per minute, of sums of effects on their logarithm.
-evaluation::Statistic rate_of_alarms(std::vector<double> counts, Random& random) {
+evaluation::Statistic rate_of_alarms(double per_min, std::vector<double> counts, Random& random) {
   std::vector<double> minutes;
   for (double& count : counts) {
     minutes.push_back(random.uniform(0.05, 0.1));
-    count = static_cast<double>(random.poisson(alarms_per_minute * minutes.back() * std::exp(count)));
+    count = static_cast<double>(random.poisson(per_min * minutes.back() * std::exp(count)));
   }
   return
       [counts = std::move(counts), minutes = std::move(minutes)](const evaluation::RunsByObject& lists) -> std::optional<double> {
@@ -173,9 +173,9 @@ evaluation::Statistic share_detected(const std::vector<double>& delays, double w
   return [times, within_ms](const evaluation::RunsByObject& lists) { return times.share_within(lists, within_ms); };
 }
 
-double true_median_delay(double deviation) {
+double true_quantile_of_delays(double q, double deviation) {
   for (double ticks = 1;; ++ticks) {
-    if (expected(deviation, [&](double x) { return delay_of(x) <= tick_ms * ticks ? 1.0 : 0.0; }) >= 0.5) return tick_ms * ticks;
+    if (expected(deviation, [&](double x) { return delay_of(x) <= tick_ms * ticks ? 1.0 : 0.0; }) >= q) return tick_ms * ticks;
   }
 }
 
@@ -221,8 +221,8 @@ Trial draw(const Scenario& scenario, Random& random) {
   Trial trial{cells_of(layout), {}, {}, 0};
   const Things things = things_of(layout, effects, random);
   const auto sums = [&] { return sums_of_effects(trial.objects, layout, things, effects, random); };
-  const auto accuracies = [&](double centre) {
-    return of_each(sums(), [&](double sum) { return measured_accuracy(centre + sum, random); });
+  const auto accuracies = [&](double centre, int of = samples_of_run) {
+    return of_each(sums(), [&](double sum) { return measured_share(centre + sum, of, random); });
   };
   const double inf = std::numeric_limits<double>::infinity();
   switch (scenario.quantity) {
@@ -230,6 +230,12 @@ Trial draw(const Scenario& scenario, Random& random) {
       trial = {trial.objects,
                mean_of(accuracies(centre_of<expected_accuracy>(scenario.level, deviation))),
                {0, 1, 1.0 / samples_of_run},
+               scenario.level};
+      break;
+    case Quantity::missed:
+      trial = {trial.objects,
+               mean_of(accuracies(centre_of<expected_accuracy>(scenario.level, deviation), touches_of_run)),
+               {0, 1, 1.0 / touches_of_run},
                scenario.level};
       break;
     case Quantity::difference: {
@@ -253,18 +259,21 @@ Trial draw(const Scenario& scenario, Random& random) {
     case Quantity::mean_delay:
       trial = {trial.objects, mean_of(of_each(sums(), delay_of)), {0, inf, tick_ms}, expected(deviation, delay_of)};
       break;
-    case Quantity::median_delay:
-      trial = {trial.objects, median_of(of_each(sums(), delay_of)), {0, inf, tick_ms}, true_median_delay(deviation)};
+    case Quantity::quantile_of_delays:
+      trial = {trial.objects,
+               quantile_of(of_each(sums(), [](double x) { return std::min(delay_of(x), longest_ms); }), scenario.level),
+               {0, longest_ms, tick_ms},
+               true_quantile_of_delays(scenario.level, deviation)};
       break;
     case Quantity::detected:
       trial.statistic = share_detected(of_each(sums(), delay_of), scenario.level, random);
-      trial.range = {0, 1, evaluation::one_run_of(trial.objects)};
+      trial.range = {0, 1, 1};
       trial.truth = expected(deviation, [&](double x) { return delay_of(x) <= scenario.level ? 1.0 : 0.0; });
       break;
     case Quantity::rate:
-      trial.statistic = rate_of_alarms(sums(), random);
+      trial.statistic = rate_of_alarms(scenario.level, sums(), random);
       trial.range = {0, inf, 1 / 0.075};
-      trial.truth = alarms_per_minute * std::exp(deviation * deviation / 2);
+      trial.truth = scenario.level * std::exp(deviation * deviation / 2);
       break;
   }
   return trial;
@@ -282,7 +291,7 @@ Trial draw_objects(Quantity quantity, const std::vector<ObjectTruth>& truths, co
         of_samples ? centre_of<expected_accuracy>(level, deviation) : centre_of<expected_delay>(level, deviation);
     for (const evaluation::CrossedCell& cell : trial.objects[object]) {
       double& value = values[cell.index];
-      value = of_samples ? measured_accuracy(centre + factor * value, random) : delay_of(centre + factor * value);
+      value = of_samples ? measured_share(centre + factor * value, samples_of_run, random) : delay_of(centre + factor * value);
     }
     trial.truths.push_back(level);
     trial.truth += level / static_cast<double>(truths.size());

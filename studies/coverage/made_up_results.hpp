@@ -40,12 +40,12 @@ struct Trial {
   std::vector<double> truths{};  ///< of each object, where they differ
 };
 
-enum class Quantity { accuracy, difference, best_of_five, mean_delay, median_delay, detected, rate };
+enum class Quantity { accuracy, missed, difference, best_of_five, mean_delay, quantile_of_delays, detected, rate };
 
 struct Scenario {
   Quantity quantity = Quantity::accuracy;
-  /// The expected accuracy; of a difference, that of the first of the two settings; of `detected`, the time [ms] within which
-  /// touches are detected; unused for others.
+  /// The expected share; of a difference, that of the first of the two settings; of `quantile_of_delays`, the share that it is
+  /// of; of `detected`, the time [ms] within which touches are detected; of `rate`, alarms per minute; unused for others.
   double level = 0;
   Layout layout;  ///< one object: the figure of an object, which stays the same; the effects of objects are not drawn
   Effects effects;

@@ -10,7 +10,7 @@ design with missing cells come from a jackknife that builds each smaller table b
 import numpy as np
 from scipy import stats
 
-CONFIDENCE = 1 - 0.7 * 0.05  # of Student's t in an interval of 95 %
+CONFIDENCE = 1 - 0.5 * 0.05  # of Student's t in an interval of 95 %
 
 COMPLETE = np.array([  # [object][training][run]
     [[0.91, 0.94], [0.93, 0.97], [0.90, 0.92]],
@@ -20,11 +20,12 @@ COMPLETE = np.array([  # [object][training][run]
 ])
 
 
-def bounds(value, half, logit):
-    if not logit:
+def bounds(value, half, is_share):
+    if not is_share:
         return value - half, value + half
-    centre = np.log(value / (1 - value))
-    return tuple(1 / (1 + np.exp(-(centre + sign * half))) for sign in (-1, 1))
+    trials = value * (1 - value) * (stats.norm.ppf(0.975) / half) ** 2
+    count = value * trials
+    return stats.beta.ppf(0.025, count, trials - count + 1), stats.beta.ppf(0.975, count + 1, trials - count)
 
 
 def mean_squares(table):
@@ -41,9 +42,9 @@ def half_width(by_unit, by_training, both, units, trainings):
     return np.sqrt(t(units - 1) ** 2 * by_unit + t(trainings - 1) ** 2 * max(0, by_training - both))
 
 
-def by_jackknife(table, scale):
-    """The same variances from a table with gaps (NaN), on a scale."""
-    value = lambda rows, columns: scale(np.nanmean(table[np.ix_(rows, columns)]))
+def by_jackknife(table):
+    """The same variances from a table with gaps (NaN)."""
+    value = lambda rows, columns: np.nanmean(table[np.ix_(rows, columns)])
     rows, columns = range(table.shape[0]), range(table.shape[1])
     but = lambda all_of, one: [i for i in all_of if i != one]
     by_row = np.array([value(but(rows, i), columns) for i in rows])
@@ -76,19 +77,24 @@ def main():
     one = np.vstack([one, COMPLETE[1].T])
     print("one object of four runs:", bounds(one.mean(), half_width(*mean_squares(one), 4, 3), False))
 
-    logit = lambda x: np.log(x / (1 - x))
     gaps = one.copy()
     for training in range(3):
         gaps[training, training] = np.nan  # training k learned from run k
-    print("with gaps, logit:", bounds(np.nanmean(gaps), half_width(*by_jackknife(gaps, logit), 4, 3), True))
+    print("with gaps, a share:", bounds(np.nanmean(gaps), half_width(*by_jackknife(gaps), 4, 3), True))
+    one_miss = np.zeros(10)
+    one_miss[3] = 1 / 30
+    half = stats.t.ppf((1 + CONFIDENCE) / 2, 9) * one_miss.std(ddof=1) / np.sqrt(10)
+    print("one miss of 300 in ten objects:", bounds(one_miss.mean(), half, True))
 
     print("these objects:", of_these_objects([one, np.vstack([COMPLETE[2].T, COMPLETE[3].T])]))
 
     # Shares of the variance: runs are nested in objects.
     runs = COMPLETE.mean(1)
     of_runs = sum(x.var(ddof=1) / len(x) for x in runs) / len(runs) ** 2
-    training, objects = max(0, by_training - both), max(0, by_object - of_runs)
-    print("shares:", np.array([training, objects, of_runs]) / (training + objects + of_runs))
+    of_results = sum(mean_squares(object.T)[2] for object in COMPLETE) / len(COMPLETE) ** 2
+    interaction = max(0, both - of_results)
+    parts = np.array([max(0, by_training - both), max(0, by_object - of_runs - interaction), interaction, of_runs])
+    print("shares of trainings, objects, both, runs:", parts / parts.sum())
 
     try:
         import pandas

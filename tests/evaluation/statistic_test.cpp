@@ -24,7 +24,7 @@ TEST(PoissonUpperBound, IsThatOfTheExactInterval) {
 
 TEST(BinomialBounds, AreThoseOfTheExactInterval) {
   // Quantiles of the beta distribution, by SciPy.
-  const auto expect = [](std::size_t count, std::size_t n, double confidence, double low, double high) {
+  const auto expect = [](double count, double n, double confidence, double low, double high) {
     const auto bounds = binomial_bounds(count, n, confidence);
     EXPECT_NEAR(bounds.first, low, 1e-9) << count << " of " << n;
     EXPECT_NEAR(bounds.second, high, 1e-9) << count << " of " << n;
@@ -33,6 +33,7 @@ TEST(BinomialBounds, AreThoseOfTheExactInterval) {
   expect(1, 10, 0.95, 0.0025285785444617865, 0.4450161170281954);
   expect(5, 10, 0.95, 0.18708602844739855, 0.8129139715526015);
   expect(10, 10, 0.95, 0.6915028921812392, 1);
+  expect(2.5, 9.75, 0.95, 0.0452623480844581, 0.6168492059286586);
   expect(37, 200, 0.99, 0.12003614826512815, 0.26546828326787136);
 }
 

@@ -14,15 +14,5 @@ TEST(FigureText, HasTheIntervalIfThereIsOne) {
   EXPECT_EQ(interval_text({.value = 1}, 1, 1), "");
 }
 
-TEST(FigureText, NamesAnIntervalWithoutBounds) {
-  const Figure wide{28.3, 1e-4, 7'854'364.7, 3};
-  EXPECT_FALSE(is_bounded(wide));
-  EXPECT_EQ(figure_text(wide, 1, 1), "28.3 [not bounded]");
-  EXPECT_EQ(text_of(wide, " per minute"), "28.3 per minute [not bounded]");
-  EXPECT_TRUE(is_bounded({0, 0, 11, 3})) << "no alarm, and what its count allows";
-  EXPECT_TRUE(is_bounded({1, 0.1, 1e6, 3})) << "the low bound says something";
-  EXPECT_TRUE(is_bounded({1, 0, 900, 3}));
-}
-
 }  // namespace
 }  // namespace tactile::results

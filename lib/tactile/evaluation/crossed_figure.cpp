@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "tactile/core/random.hpp"
 
@@ -14,10 +15,10 @@ namespace tactile::evaluation {
 namespace {
 
 constexpr std::size_t fewest_units = 3;
-constexpr std::size_t fewest_to_subtract = 3;  // trainings; the one difference of two says too little of what is noise
-// Of the misses that are allowed, the share that Student's distribution gets. The rest is for what is not normal: figures near a
-// limit are skewed further than the scale corrects. Chosen by the study of docs/numerics/.
-constexpr double share_of_misses = 0.7;
+constexpr double unlimited = 1000;  // times its value, a figure without an upper limit counts as a share of this
+// Of the misses that are allowed, the share that Student's distribution gets. The rest is for what is not normal. Chosen by the
+// study of docs/numerics/.
+constexpr double share_of_misses = 0.5;
 constexpr double rough = 1.1 * 1.1;  // the variance of draws, over that of the jackknife, from which on the draws count
 
 enum Level : std::size_t { by_training, by_object, by_run };
@@ -87,48 +88,6 @@ class Crossing {
   std::vector<std::size_t> list_;
 };
 
-/// The scale on which an interval is made.
-class Scale {
- public:
-  Scale(const Range& range, double value)
-      : lowest_(range.lowest), highest_(range.highest), bounded_(value > range.lowest && value < range.highest) {
-    below_ = std::isfinite(lowest_) ? value - lowest_ : 0;
-    above_ = std::isfinite(highest_) ? highest_ - value : 0;
-  }
-
-  /// `n` things were there. Without one of them the figure may be at a limit, which is infinitely far: it counts as the n-th part
-  /// of the value's distance.
-  double of(double x, std::size_t n) const {
-    if (!bounded_) return x;
-    const auto share = 1 / static_cast<double>(n);
-    double result = std::isfinite(lowest_) || std::isfinite(highest_) ? 0 : x;
-    if (std::isfinite(lowest_)) result += std::log(std::max(x - lowest_, share * below_));
-    if (std::isfinite(highest_)) result -= std::log(std::max(highest_ - x, share * above_));
-    return result;
-  }
-  double gradient() const {
-    if (!bounded_ || !(below_ > 0 || above_ > 0)) return 1;
-    return (below_ > 0 ? 1 / below_ : 0) + (above_ > 0 ? 1 / above_ : 0);
-  }
-  /// The value moved by `change` on the scale, within the range.
-  double moved(double value, double change) const {
-    double x = value + change;
-    if (bounded_ && below_ > 0 && above_ > 0) {
-      const double odds = below_ / above_ * std::exp(change);
-      x = std::isinf(odds) ? highest_ : lowest_ + (highest_ - lowest_) * (odds / (1 + odds));
-    } else if (bounded_ && below_ > 0) {
-      x = lowest_ + below_ * std::exp(change);
-    } else if (bounded_ && above_ > 0) {
-      x = highest_ - above_ * std::exp(-change);
-    }
-    return change < 0 ? std::min(value, std::max(x, lowest_)) : std::max(value, std::min(x, highest_));
-  }
-
- private:
-  double lowest_, highest_, below_ = 0, above_ = 0;
-  bool bounded_;
-};
-
 double sum_of_squares(std::span<const double> values) {
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   double sum = 0;
@@ -136,30 +95,21 @@ double sum_of_squares(std::span<const double> values) {
   return sum;
 }
 
-/// What a figure is without each training, object or run.
-struct Deletions {
+/// (n - 1) / n sum of (value - mean)^2 of what a figure is without each training, object or run.
+double jackknife_variance(std::span<const double> without) {
+  const auto n = static_cast<double>(without.size());
+  return without.size() < 2 ? 0 : (n - 1) / n * sum_of_squares(without);
+}
+
+std::vector<double> deletions(Crossing& crossing, Level level, std::pair<std::size_t, std::size_t> group) {
   std::vector<double> values;
-  std::size_t of = 0;  // how many there were
-
-  /// (n - 1) / n sum of (value - mean)^2, on a scale if one is given.
-  double variance(const Scale* scale = nullptr) const {
-    if (values.size() < 2) return 0;
-    std::vector<double> scaled = values;
-    if (scale) std::transform(values.begin(), values.end(), scaled.begin(), [&](double x) { return scale->of(x, of); });
-    const auto n = static_cast<double>(values.size());
-    return (n - 1) / n * sum_of_squares(scaled);
-  }
-};
-
-Deletions deletions(Crossing& crossing, Level level, std::pair<std::size_t, std::size_t> group) {
-  Deletions deletions{{}, group.second - group.first};
   TimesTaken weights = crossing.all();
   for (std::size_t i = group.first; i < group.second; ++i) {
     weights[level][i] = 0;
-    if (const auto value = crossing.value(weights)) deletions.values.push_back(*value);
+    if (const auto value = crossing.value(weights)) values.push_back(*value);
     weights[level][i] = 1;
   }
-  return deletions;
+  return values;
 }
 
 /// The variance of draws with replacement, times n / (n - 1); nothing where more than half of the draws give nothing.
@@ -187,33 +137,29 @@ std::optional<double> variance_of_draws(Crossing& crossing, Level level, std::si
 }
 
 struct Variance {
-  double on_scale = 0;
+  double value = 0;
   bool rough = false;  // it comes from draws
   std::size_t freedom = 1;
 };
 
-std::optional<Variance> variance_over(Crossing& crossing, Level level, const Scale& scale,
-                                      const results::BootstrapOptions& options) {
+std::optional<Variance> variance_over(Crossing& crossing, Level level, const results::BootstrapOptions& options) {
   if (crossing.count(level) < 2) return Variance{};
-  double plain = 0, on_scale = 0, squares = 0;
-  std::size_t fewest = crossing.smallest_group(level) - 1;
+  double sum = 0, squares = 0;
+  const std::size_t fewest = crossing.smallest_group(level) - 1;
   for (const auto& group : crossing.groups(level)) {
-    const Deletions without = deletions(crossing, level, group);
-    const double of_group = without.variance(&scale);
-    plain += without.variance();
-    on_scale += of_group;
+    const double of_group = jackknife_variance(deletions(crossing, level, group));
+    sum += of_group;
     squares += of_group * of_group / static_cast<double>(group.second - group.first - 1);
   }
-  const std::size_t freedom =
-      squares > 0 ? std::max(fewest, static_cast<std::size_t>(on_scale * on_scale / squares * (1 + 1e-9))) : fewest;
+  const std::size_t freedom = squares > 0 ? std::max(fewest, static_cast<std::size_t>(sum * sum / squares * (1 + 1e-9))) : fewest;
   const auto drawn = variance_of_draws(crossing, level, (options.draws + 1) / 2, options.seed);
   if (!drawn) return std::nullopt;
-  if (*drawn <= rough * plain) return Variance{on_scale, false, freedom};
-  return Variance{std::max(on_scale, *drawn * scale.gradient() * scale.gradient()), true, freedom};
+  const bool is_rough = *drawn > rough * sum;
+  return Variance{is_rough ? *drawn : sum, is_rough, freedom};
 }
 
 /// The part of both variances that comes from single results: from the figure without each pair of a training and one of a group.
-double variance_of_both(Crossing& crossing, Level level, std::pair<std::size_t, std::size_t> group, const Scale& scale) {
+double variance_of_both(Crossing& crossing, Level level, std::pair<std::size_t, std::size_t> group) {
   const std::size_t rows = group.second - group.first, columns = crossing.count(by_training);
   std::vector<double> of_row(rows), of_column(columns), table(rows * columns);
   const auto n_rows = static_cast<double>(rows), n_columns = static_cast<double>(columns);
@@ -225,7 +171,7 @@ double variance_of_both(Crossing& crossing, Level level, std::pair<std::size_t, 
       const auto value = crossing.value(weights);
       weights[by_training][column] = 1;
       if (!value) return 0;
-      const double x = table[row * columns + column] = scale.of(*value, rows * columns);
+      const double x = table[row * columns + column] = *value;
       of_row[row] += x / n_columns;
       of_column[column] += x / n_rows;
     }
@@ -242,10 +188,44 @@ double variance_of_both(Crossing& crossing, Level level, std::pair<std::size_t, 
   return sum * (n_rows - 1) * (n_columns - 1) / (n_rows * n_columns);
 }
 
-double variance_of_both(Crossing& crossing, Level level, const Scale& scale) {
+double variance_of_both(Crossing& crossing, Level level) {
   double sum = 0;
-  for (const auto& group : crossing.groups(level)) sum += variance_of_both(crossing, level, group, scale);
+  for (const auto& group : crossing.groups(level)) sum += variance_of_both(crossing, level, group);
   return sum;
+}
+
+/// The normal distribution is at most this far from its mean with the probability `confidence`.
+double normal_quantile(double confidence) {
+  double low = 0, high = 40;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = (low + high) / 2;
+    (std::erf(middle / std::numbers::sqrt2) < confidence ? low : high) = middle;
+  }
+  return high;
+}
+
+/// @param square  of half the interval of a normal figure
+/// @param least   what one event changes; 0: not known
+void set_bounds(results::Figure& figure, double square, double least, const Range& range, double confidence) {
+  const double value = figure.value;
+  // Sums of the same numbers in another order differ in their last bits.
+  const bool varies = std::sqrt(square) > 1e-12 * std::abs(value) + 1e-300;
+  if (!varies && !(least > 0)) return;
+  const double half = varies ? std::sqrt(square) : least * poisson_upper_bound(0, confidence);
+  const double highest =
+      std::isfinite(range.highest) ? range.highest : range.lowest + unlimited * std::max(value - range.lowest, least);
+  const double width = highest - range.lowest, share = (value - range.lowest) / width;
+  const bool is_share = std::isfinite(width) && share >= 0 && share <= 1 && !(varies && (share == 0 || share == 1));
+  double low = value - half, high = value + half;
+  if (is_share) {
+    const double z = normal_quantile(confidence);
+    const double trials = varies ? share * (1 - share) * width * width * z * z / square : width / least;
+    std::tie(low, high) = binomial_bounds(share * trials, trials, confidence);
+    low = range.lowest + width * low;
+    high = range.lowest + width * high;
+  }
+  figure.low = std::min(value, std::max(low, range.lowest));
+  figure.high = std::max(value, std::min(high, range.highest));
 }
 
 results::Figure figure_of(Crossing& crossing, Level level, const results::BootstrapOptions& options, const Range& range) {
@@ -255,30 +235,20 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
   figure.trainings = crossing.count(by_training);
   const auto value = crossing.value(crossing.all());
   if (value) figure.value = *value;
-  if (!value || crossing.smallest_group(level) < fewest_units) return figure;
-  const Scale scale(range, *value);
-  const auto of_units = variance_over(crossing, level, scale, options);
-  const auto of_trainings = variance_over(crossing, by_training, scale, options);
-  if (!of_units || !of_trainings) return figure;
   const std::size_t count = crossing.count(by_training);
+  if (!value || crossing.smallest_group(level) < fewest_units || (count > 1 && count < fewest_units)) return figure;
+  const auto of_units = variance_over(crossing, level, options);
+  const auto of_trainings = variance_over(crossing, by_training, options);
+  if (!of_units || !of_trainings) return figure;
   const double confidence = 1 - share_of_misses * (1 - options.confidence);
   const double t_units = student_quantile(of_units->freedom, confidence);
-  double square = t_units * t_units * of_units->on_scale;
+  double square = t_units * t_units * of_units->value;
   if (count > 1) {
-    const bool subtracts = count >= fewest_to_subtract && !of_units->rough && !of_trainings->rough;
-    const double both = subtracts ? variance_of_both(crossing, level, scale) : 0;
+    const double both = of_units->rough || of_trainings->rough ? 0 : variance_of_both(crossing, level);
     const double t = student_quantile(count - 1, confidence);
-    square += t * t * std::max(0.0, of_trainings->on_scale - both);
+    square += t * t * std::max(0.0, of_trainings->value - both);
   }
-  // Sums of the same numbers in another order differ in their last bits.
-  if (std::sqrt(square) > 1e-12 * (std::abs(*value) * scale.gradient() + 1e-300)) {
-    figure.low = scale.moved(*value, -std::sqrt(square));
-    figure.high = scale.moved(*value, std::sqrt(square));
-  } else if (range.step > 0) {
-    const double unseen = poisson_upper_bound(0, options.confidence) * range.step / static_cast<double>(figure.n);
-    figure.low = std::min(*value, std::max(*value - unseen, range.lowest));
-    figure.high = std::max(*value, std::min(*value + unseen, range.highest));
-  }
+  set_bounds(figure, square, range.step / static_cast<double>(crossing.count(by_run)), range, options.confidence);
   return figure;
 }
 
@@ -316,14 +286,20 @@ unsigned most_results_of_a_run(const CrossedResults& objects) {
   return most;
 }
 
-double one_run_of(const CrossedResults& objects) {
-  std::size_t runs = 0;
+std::size_t result_count(const CrossedResults& objects) {
+  std::size_t count = 0;
+  for (const CrossedObject& cells : objects) count += cells.size();
+  return count;
+}
+
+std::size_t run_count(const CrossedResults& objects) {
+  std::size_t count = 0;
   for (const CrossedObject& cells : objects) {
-    std::set<std::size_t> of_object;
-    for (const CrossedCell& cell : cells) of_object.insert(cell.run);
-    runs += of_object.size();
+    std::set<std::size_t> runs;
+    for (const CrossedCell& cell : cells) runs.insert(cell.run);
+    count += runs.size();
   }
-  return static_cast<double>(objects.size()) / static_cast<double>(std::max<std::size_t>(runs, 1));
+  return count;
 }
 
 std::vector<std::size_t> indexes_of(const CrossedObject& cells) {
@@ -344,18 +320,20 @@ std::optional<results::VarianceShares> variance_shares(const CrossedResults& obj
   if (crossing.count(by_object) < fewest_units) return std::nullopt;
   const auto value = crossing.value(crossing.all());
   if (!value) return std::nullopt;
-  const Scale plain({}, *value);
-  const auto of_trainings = variance_over(crossing, by_training, plain, options);
-  const auto of_objects = variance_over(crossing, by_object, plain, options);
-  const auto of_runs = variance_over(crossing, by_run, plain, options);
+  const auto of_trainings = variance_over(crossing, by_training, options);
+  const auto of_objects = variance_over(crossing, by_object, options);
+  const auto of_runs = variance_over(crossing, by_run, options);
   if (!of_trainings || !of_objects || !of_runs) return std::nullopt;
+  // Each of them also has the variances of all that varies with it: objects have those of their runs and single results.
   const bool subtracts = crossing.count(by_training) > 1 && !of_trainings->rough && !of_objects->rough;
-  const double both = subtracts ? variance_of_both(crossing, by_object, plain) : 0;
-  const results::VarianceShares shares{std::max(0.0, of_trainings->on_scale - both),
-                                       std::max(0.0, of_objects->on_scale - of_runs->on_scale), of_runs->on_scale};
-  const double sum = shares.training + shares.object + shares.run;
+  const double of_pairs = subtracts ? variance_of_both(crossing, by_object) : 0;
+  const double of_results = subtracts ? variance_of_both(crossing, by_run) : 0;
+  const double both = std::max(0.0, of_pairs - of_results);
+  const results::VarianceShares shares{std::max(0.0, of_trainings->value - of_pairs),
+                                       std::max(0.0, of_objects->value - of_runs->value - both), both, of_runs->value};
+  const double sum = shares.training + shares.object + shares.both + shares.run;
   if (!(std::sqrt(sum) > 1e-12 * std::abs(*value))) return std::nullopt;
-  return results::VarianceShares{shares.training / sum, shares.object / sum, shares.run / sum};
+  return results::VarianceShares{shares.training / sum, shares.object / sum, shares.both / sum, shares.run / sum};
 }
 
 double student_quantile(std::size_t freedom, double confidence) {

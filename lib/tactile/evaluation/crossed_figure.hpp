@@ -49,39 +49,48 @@ RunsByObject all_of(const CrossedResults& objects);
 /// The largest number of trainings that are judged on the same run.
 unsigned most_results_of_a_run(const CrossedResults& objects);
 
-/// How much of an object one run is: objects / runs that have results. The `Range::step` of a share over objects, where one run
-/// has all or nothing of it.
-double one_run_of(const CrossedResults& objects);
+std::size_t result_count(const CrossedResults& objects);
+std::size_t run_count(const CrossedResults& objects);
 
-/// The values that a figure may have. The interval is made on a scale without limits, and so stays within them: the logarithm of
-/// (x - lowest) / (highest - x) with two limits, of the distance to the limit with one, x itself with none.
+/// The values that a figure may have; its interval stays within them.
 struct Range {
   double lowest = -std::numeric_limits<double>::infinity();
   double highest = std::numeric_limits<double>::infinity();
-  /// The least amount by which the figure of one run differs from that of another, such as a tick or one of its samples; 0: not
-  /// known. It is needed only where all runs give the same.
+  /// What one event changes of one result: an error of its samples, an alarm in its time, a tick of its delay; 0: not known. It
+  /// is needed only where all results give the same.
   double step = 0;
 };
 
-/// The figure of one object over trainings, runs, and what they have in common:
+/// The figure of one object over trainings, runs, and what they have in common. Half of a normal figure's interval is
 ///
-///   s(low), s(high) = s(value) -+ sqrt(t(n - 1)^2 V_runs + t(K - 1)^2 max(0, V_trainings - V_both)),   s: the scale of `range`
+///   h = sqrt(t(n - 1)^2 V_runs + t(K - 1)^2 max(0, V_trainings - V_both))
 ///
-/// t(d) is the quantile of Student's distribution with d degrees of freedom. V are variances on the scale s, by the jackknife:
-/// from leaving out each run, each training, and each pair of them. V_both, the noise of single results, is in both others. Where
-/// drawing with replacement spreads the figure over 10 % wider than the jackknife says, as it may for a median, the draws count,
-/// and nothing is subtracted. With one training, V_trainings is 0, and the interval holds for this training only.
+/// t(d) is the quantile of Student's distribution with d degrees of freedom. V are variances by the jackknife: from leaving out
+/// each run, each training, and each pair of them. V_both, the noise of single results, is in both others. Where drawing with
+/// replacement spreads the figure over 10 % wider than the jackknife says, as it may for a median, the draws count, and nothing
+/// is subtracted. With one training, V_trainings is 0, and the interval holds for this training only.
 ///
-/// The interval contains the value. It has no bounds where fewer than three runs have results, and where more than half of the
-/// draws give nothing. Where all runs and trainings give the same, n equal runs limit the number of others that may be expected
-/// to c = poisson_upper_bound(0, confidence): the bounds are value -+ c range.step / n, within the range. There are none without
-/// a step. Figures with the same cells are made from the same draws; a difference is a `statistic` that subtracts.
+/// A figure with limits is seldom normal near them. With p = (value - lowest) / (highest - lowest), as many independent trials
+/// with the same uncertainty are
+///
+///   N = p (1 - p) (highest - lowest)^2 (z / h)^2,   z: the quantile of the normal distribution
+///
+/// and the bounds are those of p N successes in N trials, by `binomial_bounds`, which take any real number. Where all results
+/// give the same, h is not known; N is then the number of events that could be seen, runs (highest - lowest) / step. Without a
+/// highest value, 1000 times the value takes its place. A figure without limits, and a median at one of them, has the bounds
+/// value -+ h.
+///
+/// The interval contains the value. It has no bounds where there are fewer than three runs or two trainings, where more than half
+/// of the draws give nothing, and where all results give the same and the step is not known. Figures with the same cells are
+/// made from the same draws; a difference is a `statistic` that subtracts.
 ///
 /// @param statistic  of the cells' indexes, in one list per object, repeated as often as drawn; of no list that is empty
 /// Source: B. Efron and C. Stein, The jackknife estimate of variance, Annals of Statistics 9 (1981); A. B. Owen, The pigeonhole
 /// bootstrap, Annals of Applied Statistics 1 (2007), for V of crossed trainings and runs; S. Banerjee, Approximate confidence
 /// interval for linear functions of means of k populations when the population variances are not equal, Sankhya 22 (1960), for
-/// the sum of t^2 V. How often such an interval contains the true value is in docs/numerics/.
+/// the sum of t^2 V; E. L. Korn and B. I. Graubard, Confidence intervals for proportions with small expected number of positive
+/// counts estimated from survey data, Survey Methodology 24 (1998), for N. How often such an interval contains the true value is
+/// in docs/numerics/.
 results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic,
                                  const results::BootstrapOptions& options = {}, const Range& range = {});
 

@@ -69,6 +69,10 @@ std::optional<DetectionTimes::Quantile> DetectionTimes::quantile(const RunsByObj
   return found;
 }
 
+double DetectionTimes::one_interval(std::size_t results) const {
+  return times_.empty() ? 0 : static_cast<double>(results) / static_cast<double>(times_.size());
+}
+
 std::optional<double> DetectionTimes::missed_share(const RunsByObject& chosen) const {
   const std::vector<double> weights = weights_of(chosen);
   const double all = weight_of_all(weights);
@@ -88,7 +92,7 @@ std::vector<results::DetectedWithin> detection_curve(const DetectionTimes& times
                                                      const results::BootstrapOptions& options) {
   std::vector<results::DetectedWithin> curve;
   if (chosen.empty()) return curve;
-  const Range range{0, 1, one_run_of(chosen)};
+  const Range range{0, 1, times.one_interval(result_count(chosen))};
   for (const double ms : curve_times_ms()) {
     const auto share = [&times, ms](const RunsByObject& drawn) { return times.share_within(drawn, ms); };
     curve.push_back({ms, figure_over_objects(chosen, share, options, range)});

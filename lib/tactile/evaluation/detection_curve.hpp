@@ -36,6 +36,9 @@ class DetectionTimes {
 
   std::optional<double> missed_share(const RunsByObject& chosen) const;  ///< in [0, 1]
 
+  /// The `Range::step` of a share of intervals: what one of them is in the mean of so many results.
+  double one_interval(std::size_t results) const;
+
  private:
   struct Time {
     double ms = 0;

@@ -69,53 +69,20 @@ std::map<std::string, CrossedObject> runs_that_have(Touch touch, std::span<const
   });
 }
 
-/// Above 0, unless delays are counted from a later onset; in steps of the shortest one of all runs, which is a tick or more.
-Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch) {
-  std::vector<std::size_t> all(runs.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  const std::vector<double> delays = delays_ms(runs, {all}, touch);
-  const auto shortest = std::min_element(delays.begin(), delays.end());
-  if (shortest == delays.end()) return {.lowest = 0};
-  if (*shortest <= 0) return {};
-  return {.lowest = 0, .step = *shortest};
-}
-
-/// The lower limit of times of all intervals, where an early one counts 0. A tick below 0 is the limit of the scale, so that 0
-/// itself is not infinitely far away.
-double lowest_of_all(const Range& of_delays) { return of_delays.lowest < 0 ? of_delays.lowest : -of_delays.step; }
-
-/// The longest time after an onset in which an interval could be detected.
-double longest_limit_ms(std::span<const results::RunDetections> runs, Touch touch) {
-  double longest = 0;
-  for (const results::RunDetections& run : runs) {
-    for (const results::Detection& detection : run.detections) {
-      if (detection.interval.touch == touch) longest = std::max({longest, in_ms(detection.limit), in_ms(detection.delay)});
-    }
-  }
-  return longest > 0 ? longest : std::numeric_limits<double>::infinity();
-}
-
 /// The detections of one class in all runs, and the values that their figures may have.
 struct TouchDetections {
   TouchDetections(std::span<const results::RunDetections> of, Touch its)
-      : runs(of),
-        touch(its),
-        times(of, its),
-        range(range_of_delays(of, its)),
-        range_of_all{.lowest = lowest_of_all(range), .highest = longest_limit_ms(of, its), .step = range.step},
-        objects(runs_that_have(its, of)) {}
+      : runs(of), touch(its), times(of, its), range(range_of_delays(of, its)), objects(runs_that_have(its, of)) {}
 
   std::span<const results::RunDetections> runs;
   Touch touch;
   DetectionTimes times;
-  Range range;         ///< of the delays of detected intervals
-  Range range_of_all;  ///< of times of all intervals
+  Range range;
   std::map<std::string, CrossedObject> objects;
 };
 
-/// @param one_run  the share of one run in what is drawn: 1 if runs are drawn
 template <class MakeFigure>
-results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& chosen, double one_run, MakeFigure make_figure) {
+results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& chosen, MakeFigure make_figure) {
   results::DelaySummary summary;
   for (const auto& object : chosen) {
     for (const std::size_t i : object) {
@@ -140,15 +107,15 @@ results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& 
   };
   summary.mean_ms = figure([](const std::vector<double>& delays) { return mean_of(delays); });
   summary.median_ms = figure([](const std::vector<double>& delays) { return quantile(delays, 0.5); });
-  summary.missed = make_figure([&of](const RunsByObject& drawn) { return of.times.missed_share(drawn); }, {0, 1, one_run});
+  summary.missed = make_figure([&of](const RunsByObject& drawn) { return of.times.missed_share(drawn); },
+                               {0, 1, of.times.one_interval(result_count(without_names(of.objects)))});
   for (const auto& [q, of_all] : {std::pair(0.5, &summary.median_of_all_ms), std::pair(0.9, &summary.quantile_of_all_ms)}) {
     of_all->ms = make_figure(
         [&of, q = q](const RunsByObject& drawn) -> std::optional<double> {
           const auto found = of.times.quantile(drawn, q);
           return found ? std::optional(found->ms) : std::nullopt;
         },
-        of.range_of_all);
-    if (of.range.lowest >= 0 && of_all->ms.low) of_all->ms.low = std::max(0.0, *of_all->ms.low);
+        of.range);
     const auto found = of.times.quantile(chosen, q);
     of_all->is_lower_bound = found && found->is_lower_bound;
   }
@@ -158,7 +125,7 @@ results::DelaySummary summary_of(const TouchDetections& of, const RunsByObject& 
 /// Over all objects.
 results::DelaySummary overall_summary(const TouchDetections& of, const results::BootstrapOptions& options) {
   const CrossedResults chosen = without_names(of.objects);
-  return summary_of(of, all_of(chosen), one_run_of(chosen), [&](const Statistic& statistic, const Range& range) {
+  return summary_of(of, all_of(chosen), [&](const Statistic& statistic, const Range& range) {
     return figure_over_objects(chosen, statistic, options, range);
   });
 }
@@ -215,6 +182,21 @@ results::Detection counted_from(const results::Detection& detection, CameraTime 
   return other;
 }
 
+Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch) {
+  Range range{.lowest = 0, .highest = 0};
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const results::RunDetections& run : runs) {
+    for (const results::Detection& detection : run.detections) {
+      if (detection.interval.touch != touch) continue;
+      range.highest = std::max({range.highest, in_ms(detection.limit), in_ms(detection.delay)});
+      if (detection.outcome == results::DetectionOutcome::detected) shortest = std::min(shortest, in_ms(detection.delay));
+    }
+  }
+  if (shortest <= 0) return {.highest = range.highest};
+  if (std::isfinite(shortest)) range.step = shortest;
+  return range;
+}
+
 std::vector<results::DetectedWithin> detected_within(std::span<const results::RunDetections> runs, Touch touch,
                                                      const results::BootstrapOptions& options) {
   const TouchDetections of(runs, touch);
@@ -231,10 +213,9 @@ results::DelayTable delay_table(std::span<const results::RunDetections> runs, To
   const TouchDetections of(runs, touch);
   results::DelayTable table;
   for (const auto& [name, cells] : of.objects) {
-    table.objects[name] =
-        summary_of(of, {indexes_of(cells)}, 1, [&, &own = cells](const Statistic& statistic, const Range& range) {
-          return figure_of_object(own, statistic, options, range);
-        });
+    table.objects[name] = summary_of(of, {indexes_of(cells)}, [&, &own = cells](const Statistic& statistic, const Range& range) {
+      return figure_of_object(own, statistic, options, range);
+    });
   }
   table.all = overall_summary(of, options);
   table.curve = detection_curve(of.times, without_names(of.objects), options);

@@ -36,6 +36,10 @@ std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<
 /// limit is counted from `onset`, too.
 results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks);
 
+/// The delays [ms] that one class can have: from 0, unless they are counted from a later onset, to the longest time after an
+/// onset in which an interval could be detected; in steps of the shortest one of all runs, which is a tick or more.
+Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch);
+
 /// The curve of detections over all runs, as `delay_table(...).curve`.
 std::vector<results::DetectedWithin> detected_within(std::span<const results::RunDetections> runs, Touch touch,
                                                      const results::BootstrapOptions& options = {});

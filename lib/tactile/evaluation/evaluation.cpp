@@ -191,6 +191,23 @@ std::vector<results::BaselineScore> baselines_of(const ScoredRuns& scored) {
   return baseline_scores(confusions, scored.names, scored.bootstrap);
 }
 
+/// All runs of the judged objects that the models did not learn from: those that are judged, the flagged ones that the dataset
+/// leaves out, and those in which it has no samples.
+std::size_t count_of_runs(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
+                          const results::Evaluation& evaluation) {
+  std::set<std::string> names, objects;
+  for (const std::string& name : evaluation.test_runs()) names.insert(name);
+  if (evaluation.with_flagged) names.insert(evaluation.with_flagged->runs.begin(), evaluation.with_flagged->runs.end());
+  for (const ModelOnRuns& training : trainings) {
+    for (const std::uint32_t run : training.runs) objects.insert(dataset.runs()[run].object);
+  }
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    const windows::DatasetRun& one = dataset.runs()[run];
+    if (objects.contains(one.object) && model::samples_of_runs(dataset, {&run, 1}).empty()) names.insert(name_of(one));
+  }
+  return names.size();
+}
+
 /// All figures. They do not depend on each other, and threads share them: drawing runs again takes most of their time.
 void add_figures(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards,
                  std::span<const ScoredFlaggedRun> left_out, const std::optional<model::GateRule>& gate,
@@ -314,6 +331,7 @@ results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const Mo
   }
   for (RunResult& run : runs) scored.runs.push_back(&run);
   add_figures(evaluation, scored, sampling_guards, left_out, gate_of(*trainings.front().classifier, options), options);
+  evaluation.of_runs = count_of_runs(dataset, trainings, evaluation);
   return evaluation;
 }
 

@@ -129,6 +129,7 @@ results::FalseAlarms false_alarms_of(const TickRange& ticks, std::span<const Tou
   }
   const TickZones of_ticks(ticks, zones);
   results::FalseAlarms found;
+  found.tick = ticks.tick;
   of_ticks.add_times(found, verdicts);
   const std::vector<Episode> episodes = episodes_in(verdicts);
   for (const Episode& episode : episodes) {
@@ -161,6 +162,13 @@ void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& c
   widen_by_few_alarms(per_min, counted.alarms, counted.none_time, confidence, seeds);
 }
 
+Range range_of_rates(std::size_t results, microseconds time, microseconds tick) {
+  Range range{.lowest = 0};
+  if (tick > microseconds{0}) range.highest = 1 / results::in_minutes(tick);
+  if (time > microseconds{0}) range.step = static_cast<double>(results) / results::in_minutes(time);
+  return range;
+}
+
 results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options) {
   const auto objects = results_by_object(runs, [](const RunFalseAlarms& run) { return run.counts.none_time > microseconds{0}; });
   const auto sum_of = [runs](const RunsByObject& chosen) {
@@ -173,26 +181,23 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
   const auto statistic = [&](std::optional<double> (results::FalseAlarms::*rate)() const) -> Statistic {
     return [sum_of, rate](const RunsByObject& chosen) { return (sum_of(chosen).*rate)(); };
   };
-  const auto in_steps_of_one_alarm = [](std::size_t units, microseconds time) {
-    return Range{.lowest = 0, .step = time > microseconds{0} ? static_cast<double>(units) / results::in_minutes(time) : 0};
-  };
   results::FalseAlarmTable table;
   for (const RunFalseAlarms& run : runs) table.total += run.counts;
   const results::FalseAlarms& total = table.total;
+  const auto range_of = [&total](std::size_t results, microseconds time) { return range_of_rates(results, time, total.tick); };
   for (const auto& [name, cells] : objects) {
     const results::FalseAlarms of = sum_of({indexes_of(cells)});
     results::Figure& of_object = table.objects[name];
-    of_object = figure_of_object(cells, statistic(&results::FalseAlarms::per_min), options,
-                                 in_steps_of_one_alarm(cells.size(), of.none_time));
+    of_object = figure_of_object(cells, statistic(&results::FalseAlarms::per_min), options, range_of(cells.size(), of.none_time));
     widen_by_few_alarms(of_object, of, options.confidence, most_results_of_a_run({cells}));
   }
   const CrossedResults with_none = without_names(objects);
   table.per_min = figure_over_objects(with_none, statistic(&results::FalseAlarms::per_min), options,
-                                      in_steps_of_one_alarm(with_none.size(), total.none_time));
+                                      range_of(result_count(with_none), total.none_time));
   widen_by_few_alarms(table.per_min, total, options.confidence, most_results_of_a_run(with_none));
   const CrossedResults all = without_names(results_by_object(runs, [](const RunFalseAlarms&) { return true; }));
   const auto per_min = [&](auto rate, std::uint64_t alarms, microseconds time) {
-    results::Figure figure = figure_over_objects(all, statistic(rate), options, in_steps_of_one_alarm(all.size(), time));
+    results::Figure figure = figure_over_objects(all, statistic(rate), options, range_of(result_count(all), time));
     widen_by_few_alarms(figure, alarms, time, options.confidence, most_results_of_a_run(all));
     return figure;
   };
@@ -200,7 +205,7 @@ results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs,
       per_min(&results::FalseAlarms::outside_labels_per_min, total.outside_labels, total.outside_labels_time);
   table.outside_motion_per_min =
       per_min(&results::FalseAlarms::outside_motion_per_min, total.outside_motion, total.outside_motion_time);
-  const auto share = [&](auto of_time) { return figure_over_objects(all, statistic(of_time), options, {0, 1, one_run_of(all)}); };
+  const auto share = [&](auto of_time) { return figure_over_objects(all, statistic(of_time), options, {0, 1, 1}); };
   table.outside_labels_share = share(&results::FalseAlarms::outside_labels_share);
   table.outside_motion_share = share(&results::FalseAlarms::outside_motion_share);
   table.none_in_alarm_share = share(&results::FalseAlarms::none_in_alarm_share);

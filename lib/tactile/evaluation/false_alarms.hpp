@@ -65,6 +65,9 @@ void widen_by_few_alarms(results::Figure& per_min, const results::FalseAlarms& c
 void widen_by_few_alarms(results::Figure& per_min, std::uint64_t alarms, microseconds time, double confidence,
                          unsigned seeds = 1);
 
+/// Of alarms per minute: at most one each tick. @param time  of all these results together
+Range range_of_rates(std::size_t results, microseconds time, microseconds tick);
+
 results::FalseAlarmTable false_alarm_table(std::span<const RunFalseAlarms> runs, const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::evaluation

@@ -136,16 +136,17 @@ class TouchDelays {
 
   results::SpreadByLabels mean(const results::BootstrapOptions& options) const {
     return spread_of(
-        means_, objects_, [this](const RunsByObject& of) { return mean_delay_ms(as_labelled_, of, touch_); }, Range{.lowest = 0},
-        options);
+        means_, objects_, [this](const RunsByObject& of) { return mean_delay_ms(as_labelled_, of, touch_); }, range(), options);
   }
 
   results::SpreadByLabels median(const results::BootstrapOptions& options) const {
     return spread_of(
-        medians_, objects_, [this](const RunsByObject& of) { return median_of_all_ms(times_, of); }, Range{.lowest = 0}, options);
+        medians_, objects_, [this](const RunsByObject& of) { return median_of_all_ms(times_, of); }, range(), options);
   }
 
  private:
+  Range range() const { return range_of_delays(as_labelled_, touch_); }
+
   const std::vector<results::RunDetections>& as_labelled_;
   Touch touch_;
   DetectionTimes times_;

@@ -37,8 +37,12 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
   truth.has_truth = std::filesystem::exists(run.truth());
   if (!truth.has_truth) return truth;
   for (const TrueInterval& interval : read_truth(run.truth()).intervals) {
-    (interval.labelled ? truth.true_ones : truth.unlabelled).push_back(interval.interval);
-    if (interval.labelled) truth.gross.push_back(interval.gross);
+    if (interval.labelled) {
+      truth.true_ones.push_back(interval.interval);
+      truth.gross.push_back(interval.gross);
+    } else if (interval.first_event) {
+      truth.unlabelled.push_back(interval.interval);
+    }
   }
   return truth;
 }

@@ -28,7 +28,7 @@ struct RunTruth {
   bool has_truth = false;                        ///< the rest is empty without
   std::vector<TouchInterval> true_ones;          ///< that labels should have
   std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other
-  std::vector<TouchInterval> unlabelled;         ///< motion without labels
+  std::vector<TouchInterval> unlabelled;         ///< motion without labels that causes events
 
   std::vector<TouchInterval> all_labelled() const;
   std::vector<TouchInterval> used() const;

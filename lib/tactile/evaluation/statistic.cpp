@@ -38,27 +38,42 @@ double poisson_upper_bound(std::uint64_t count, double confidence) {
   return high;
 }
 
-std::pair<double, double> binomial_bounds(std::size_t count, std::size_t n, double confidence) {
-  const auto at_least = [n](std::size_t least, double p) {
-    double sum = 0;
-    for (std::size_t k = least; k <= n; ++k) {
-      const auto x = static_cast<double>(k), all = static_cast<double>(n);
-      sum += std::exp(std::lgamma(all + 1) - std::lgamma(x + 1) - std::lgamma(all - x + 1) + x * std::log(p) +
-                      (all - x) * std::log1p(-p));
+namespace {
+
+/// The probability that a variable of the beta distribution is below x: the incomplete beta function, as a continued fraction by
+/// the method of Lentz.
+double beta_probability(double a, double b, double x) {
+  if (x <= 0 || x >= 1) return x <= 0 ? 0 : 1;
+  if (x > (a + 1) / (a + b + 2)) return 1 - beta_probability(b, a, 1 - x);
+  constexpr double tiny = 1e-300;
+  const auto or_tiny = [](double value) { return std::abs(value) < tiny ? tiny : value; };
+  double c = 1, d = 1 / or_tiny(1 - (a + b) * x / (a + 1)), fraction = d, change = 0;
+  for (double m = 1; m < 100'000 && std::abs(change - 1) > 1e-13; ++m) {
+    for (const double term :
+         {m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)), -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))}) {
+      d = 1 / or_tiny(1 + term * d);
+      c = or_tiny(1 + term / c);
+      fraction *= change = c * d;
     }
-    return sum;
-  };
-  // The probability of at least `least` grows with p.
-  const auto where = [&](std::size_t least, double probability) {
-    double low = 0, high = 1;
-    for (int step = 0; step < 60; ++step) {
-      const double middle = (low + high) / 2;
-      (at_least(least, middle) < probability ? low : high) = middle;
-    }
-    return (low + high) / 2;
-  };
-  const double share = (1 - confidence) / 2;
-  return {count == 0 ? 0 : where(count, share), count == n ? 1 : where(count + 1, 1 - share)};
+  }
+  return std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) * fraction / a;
+}
+
+double beta_quantile(double a, double b, double probability) {
+  double low = 0, high = 1;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = (low + high) / 2;
+    (beta_probability(a, b, middle) < probability ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace
+
+std::pair<double, double> binomial_bounds(double count, double n, double confidence) {
+  const double outside = (1 - confidence) / 2;
+  return {count <= 0 ? 0 : beta_quantile(count, n - count + 1, outside),
+          count >= n ? 1 : beta_quantile(count + 1, n - count, 1 - outside)};
 }
 
 }  // namespace tactile::evaluation

@@ -25,8 +25,10 @@ Statistic mean_over_objects(std::function<std::optional<double>(std::span<const 
 double poisson_upper_bound(std::uint64_t count, double confidence = 0.95);
 
 /// The exact two-sided interval of the probability of what occurred in `count` of `n` independent trials; [0.25, 44.5] % for 1 of
-/// 10, at 95 %. Source: C. J. Clopper and E. S. Pearson, The use of confidence or fiducial limits, Biometrika 26 (1934).
-/// @param n  > 0
-std::pair<double, double> binomial_bounds(std::size_t count, std::size_t n, double confidence = 0.95);
+/// 10, at 95 %. Both may be any numbers: the bounds are quantiles of beta distributions. Source: C. J. Clopper and E. S. Pearson,
+/// The use of confidence or fiducial limits, Biometrika 26 (1934).
+/// @param count  in [0, n]
+/// @param n      > 0
+std::pair<double, double> binomial_bounds(double count, double n, double confidence = 0.95);
 
 }  // namespace tactile::evaluation

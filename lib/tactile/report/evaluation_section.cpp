@@ -224,7 +224,8 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
     page.html.heading("False alarms");
     HtmlTable table{
         .caption =
-            "False alarms over every tick of the runs. Outside labels: all episodes that begin outside labelled intervals, also "
+            "False alarms over every tick of the runs. " + scores.runs_counted() +
+            " Outside labels: all episodes that begin outside labelled intervals, also "
             "after intervals, in releases and in unlabelled motion. Without unlabelled motion: the same without true motion that "
             "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms; a "
             "detector that stays on one class has few of them, and is in alarm all the time. "

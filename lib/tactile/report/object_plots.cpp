@@ -180,7 +180,7 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
 }
 
 pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
-  constexpr int left = 40, right = 40, key = 84, key_width = 220, top = 106, bottom = 156;
+  constexpr int left = 40, right = 40, key = 84, top = 106, bottom = 156;
   pictures::PlotScript script(title, page_width, bottom + 62);
   script.note("Shares of the variance of the mean accuracy. To narrow the interval most, add more of the largest.");
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
@@ -188,14 +188,18 @@ pictures::Plot variance_plot(const std::string& title, const results::VarianceSh
               {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});
   double from = 0;
   std::vector<pictures::PlotSeries> series;
-  const std::array<std::pair<const char*, double>, 3> parts{
-      {{"trainings", shares.training}, {"objects", shares.object}, {"runs", shares.run}}};
-  const std::array<std::string_view, 3> colours{pictures::figure_colours::of(Touch::press),
-                                                pictures::figure_colours::of(Touch::slip), pictures::figure_colours::others};
+  const std::array<std::pair<const char*, double>, 4> parts{{{"trainings", shares.training},
+                                                             {"objects", shares.object},
+                                                             {"trainings on single objects", shares.both},
+                                                             {"runs", shares.run}}};
+  const std::array<std::string_view, 4> colours{pictures::figure_colours::of(Touch::press),
+                                                pictures::figure_colours::of(Touch::slip), pictures::figure_colours::faint_ink,
+                                                pictures::figure_colours::others};
+  constexpr std::array<int, 4> key_places{0, 160, 300, 580};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const double share = percent(parts[i].second);
     // In a key, since a small part has no room for its words.
-    const double x = left + static_cast<double>(i) * key_width;
+    const double x = left + static_cast<double>(key_places[i]);
     script.line(x, key, x + 22, key, colours[i], 12);
     script.text(fmt::format("{} {:.0f} %", parts[i].first, share), x + 32, key, "left font ',12'");
     if (share <= 0) continue;

@@ -56,7 +56,6 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
     Dot dot = dot_of(setting);
     dot.x = setting.reported.figures.episodes_per_min.value;
     dot.y = results::scaled(setting.reported.figures.delay_median_us, 1e-3);
-    if (dot.y.has_interval() && !results::is_bounded(dot.y)) dot.y.low = dot.y.high = std::nullopt;
     dot.on_front = setting.on_delay_front;
     if (std::isfinite(setting.reported.figures.missed.value))
       dot.text += fmt::format(" ({:.1f} % missed or early)", 100 * setting.reported.figures.missed.value);

@@ -125,6 +125,8 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
   for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
   json.update(detector_json(evaluation.network));
+  json["false_alarms"]["runs"] = evaluation.test_runs().size();
+  json["false_alarms"]["of_runs"] = evaluation.of_runs;
   for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
   json["baselines"] = nlohmann::json::object();
   for (const BaselineScore& baseline : evaluation.baselines) {
@@ -173,6 +175,7 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .network = detector_in(json),
                 .label_uncertainty = json["label_uncertainty"].get<LabelUncertainty>(),
                 .with_flagged = json["with_flagged"].if_there<WithFlagged>(),
+                .of_runs = json["false_alarms"]["of_runs"] ? json["false_alarms"]["of_runs"].count() : 0,
                 .gate_off = std::nullopt,
                 .trivial = {},
                 .over_time = json["over_time"].get<OverTime>(),
@@ -193,6 +196,13 @@ std::vector<std::string> Evaluation::test_runs() const {
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
+}
+
+std::string Evaluation::runs_counted() const {
+  if (of_runs == 0) return {};
+  const std::size_t runs = test_runs().size();
+  return fmt::format("Counted on {} of {} runs{}.", runs, of_runs,
+                     runs < of_runs ? ": the others have no press or no slip without a flag" : "");
 }
 
 std::optional<bool> Evaluation::above_baselines() const {

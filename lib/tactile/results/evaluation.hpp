@@ -94,6 +94,7 @@ struct Evaluation {
   DetectorScore network;                         ///< against the labels
   LabelUncertainty label_uncertainty;            ///< of accuracy and delays against the labels
   std::optional<WithFlagged> with_flagged;       ///< where a run or an interval is flagged
+  std::size_t of_runs = 0;                       ///< runs of these objects that no training learned from; 0: not known
   std::optional<GateOff> gate_off;               ///< where the gate is on
   std::map<std::string, DetectorScore> trivial;  ///< "always_press", "always_slip", "random": unconfirmed, same labels
   OverTime over_time;
@@ -101,6 +102,9 @@ struct Evaluation {
   std::optional<TruthScore> truth;
 
   std::vector<std::string> test_runs() const;  ///< of all trainings, each once, by name
+
+  /// "Counted on 80 of 100 runs: the others have no press or no slip without a flag." Empty if `of_runs` is not known.
+  std::string runs_counted() const;
 
   /// Whether the network's accuracy interval lies above that of every baseline; nothing where one of them is not known.
   std::optional<bool> above_baselines() const;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tactile::results {
@@ -42,6 +43,7 @@ FalseAlarms& FalseAlarms::operator+=(const FalseAlarms& other) {
   wrong_class += other.wrong_class;
   wrong_class_time += other.wrong_class_time;
   labelled_time += other.labelled_time;
+  tick = std::max(tick, other.tick);
   return *this;
 }
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "tactile/results/figure_text.hpp"
-
 namespace tactile::results {
 
 Figure scaled(Figure figure, double factor) {
@@ -25,14 +23,16 @@ std::string text_of(const Figure& figure, std::string_view unit, std::string_vie
   const auto number = [&](double value) { return fmt::format(fmt::runtime(of_number), value); };
   std::string value = fmt::format("{}{}", number(figure.value), unit);
   if (!figure.has_interval()) return value;
-  if (!is_bounded(figure)) return value + " [not bounded]";
   return fmt::format("{} [{}, {}]", value, number(*figure.low), number(*figure.high));
 }
 
 std::string note_on_intervals(std::initializer_list<Figure> figures) {
   const bool lacks_one = std::any_of(figures.begin(), figures.end(),
                                      [](const Figure& figure) { return std::isfinite(figure.value) && !figure.has_interval(); });
-  return lacks_one ? "A value without brackets has no 95 % interval: that needs three objects, or three runs of one object." : "";
+  return lacks_one ? "A value without brackets has no 95 % interval: that needs three objects or three runs of one object, and "
+                     "one training or "
+                     "three."
+                   : "";
 }
 
 nlohmann::json number_or_null(double number) { return std::isfinite(number) ? nlohmann::json(number) : nlohmann::json(); }

@@ -16,9 +16,9 @@ namespace tactile::results {
 /// A value and its 95 % interval.
 struct Figure {
   double value = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was there to measure; null in JSON
-  std::optional<double> low{}, high{};                      ///< nothing where fewer than three runs or objects could be drawn
-  std::size_t n = 0;                                        ///< what was drawn from: runs of one object, or objects
-  std::size_t trainings = 1;  ///< that were drawn from, too; with one, its effect is not in the interval
+  std::optional<double> low{}, high{};  ///< nothing with fewer than three runs or objects, or with two trainings
+  std::size_t n = 0;                    ///< what was drawn from: runs of one object, or objects
+  std::size_t trainings = 1;            ///< that were drawn from, too; with one, its effect is not in the interval
 
   bool has_interval() const { return low && high; }
 };

@@ -12,7 +12,6 @@ std::string value_text(const Figure& figure, double scale, int decimals) {
 
 std::string interval_text(const Figure& figure, double scale, int decimals) {
   if (!std::isfinite(figure.value) || (!figure.low && !figure.high)) return "";
-  if (!is_bounded(figure)) return "[not bounded]";
   const auto bound = [&](const std::optional<double>& value) {
     return value ? fmt::format("{:.{}f}", scale * *value, decimals) : "?";
   };
@@ -22,12 +21,6 @@ std::string interval_text(const Figure& figure, double scale, int decimals) {
 std::string figure_text(const Figure& figure, double scale, int decimals) {
   const std::string value = value_text(figure, scale, decimals), interval = interval_text(figure, scale, decimals);
   return interval.empty() ? value : value + " " + interval;
-}
-
-bool is_bounded(const Figure& figure) {
-  if (!figure.has_interval() || !(figure.value > 0)) return true;
-  const double low = *figure.low, high = *figure.high;
-  return !(low < 1e-3 * figure.value && high > 1e3 * figure.value);
 }
 
 }  // namespace tactile::results

@@ -11,14 +11,10 @@ namespace tactile::results {
 /// "94.6"; "-" without a value.
 std::string value_text(const Figure& figure, double scale, int decimals);
 
-/// "[91.3, 96.7]"; an unknown bound is "?". Empty without an interval. "[not bounded]" unless `is_bounded`.
+/// "[91.3, 96.7]"; an unknown bound is "?". Empty without an interval.
 std::string interval_text(const Figure& figure, double scale, int decimals);
 
 /// "94.6 [91.3, 96.7]", or only the value.
 std::string figure_text(const Figure& figure, double scale, int decimals);
-
-/// False if the bounds are below a thousandth and above a thousand times a positive value: such an interval is of very few and
-/// different runs, and its bounds say nothing.
-bool is_bounded(const Figure& figure);
 
 }  // namespace tactile::results

@@ -270,7 +270,8 @@ void from_json(const JsonView& json, Study& study) {
            .histories = json["histories"].list_of<StudyHistory>(),
            .choice = json["choice"].get<StudyChoice>(),
            .paper_way = json["paper_way"].get<ChosenHistory>(),
-           .variance = json["variance"].if_there<VarianceShares>(),
+           // Older studies have three parts: trainings on single objects are in that of objects.
+           .variance = json["variance"]["training_on_object"] ? json["variance"].if_there<VarianceShares>() : std::nullopt,
            .training_spread = json["training_spread"].get<TrainingSpread>(),
            .evaluations = json["evaluations"].list_of<StudyEvaluation>(),
            .full_runs = json["full_runs"].list_of<ReportedRun>(),

@@ -91,6 +91,13 @@ struct EventCameraOptions {
   std::size_t run_index = 0;  ///< among the camera's runs: determines the hot pixels
 };
 
+/// How far the edge between black and white moves until a pixel on it crosses the threshold: the threshold over the mean gradient
+/// of ln I across the edge. With the defaults 0.25 / (2.23 / 3 px) = 0.34 px.
+inline double crossing_px(const EventCameraOptions& o) {
+  const double contrast = std::log((o.dark + o.veil + o.white) / (o.dark + o.veil + o.black));
+  return o.threshold * 2 * o.blur_px / std::abs(contrast);
+}
+
 template <class Fields>
 void list_fields(Fields& fields, EventCameraOptions& o) {
   fields("preset", o.preset);

@@ -83,7 +83,8 @@ DrawnRun draw_run(const SimulationPhysics& physics, std::string_view object, std
   drawn.camera.light_drift = drawn.plan.light_drift;
   drawn.camera.noise_factor = drawn.plan.noise_factor;
   drawn.camera.run_index = runs_before(physics, drawn.object.name, drawn.run);
-  drawn.motion = move_skin(drawn.plan, view_of(drawn.camera), microseconds{std::llround(drawn.camera.readout_us)}, for_motion);
+  drawn.motion = move_skin(drawn.plan, view_of(drawn.camera), microseconds{std::llround(drawn.camera.readout_us)}, for_motion,
+                           crossing_px(drawn.camera));
   return drawn;
 }
 

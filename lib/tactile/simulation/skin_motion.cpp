@@ -68,9 +68,9 @@ class MotionList {
     }
   }
 
-  /// @param moves  whether a marker moves visibly between two times
-  template <class Moves>
-  std::vector<MarkerMotion> finished(const Moves& moves) {
+  /// @param last_visible  of a start and an end: when the motion between them is last visible; the start if it is not
+  template <class LastVisible>
+  std::vector<MarkerMotion> finished(const LastVisible& last_visible) {
     std::stable_sort(motions_.begin(), motions_.end(), starts_before);
     std::vector<MarkerMotion> all, others;
     for (const MarkerMotion& motion : motions_) {
@@ -84,8 +84,8 @@ class MotionList {
     std::erase_if(all, [](const MarkerMotion& motion) { return motion.end <= motion.start; });
     const std::vector<MarkerMotion> labelled = all;
     const auto keep = [&](MarkerMotion piece, microseconds end) {
-      piece.end = end;
-      if (end > piece.start && moves(piece.start, end)) all.push_back(piece);
+      piece.end = end > piece.start ? last_visible(piece.start, end) : piece.start;
+      if (piece.end > piece.start) all.push_back(piece);
     };
     for (MarkerMotion motion : others) {
       for (const MarkerMotion& label : labelled) {
@@ -143,25 +143,28 @@ void add_vibrations(MotionList& list, const RunPlan& plan, double tail_start_s, 
   }
 }
 
-/// Whether a marker moves visibly between two times.
-bool moves_between(std::span<const SkinPose> poses, const SkinView& view, microseconds step, microseconds start,
-                   microseconds end) {
-  const double least_px = view.px_per_mm * least_motion_mm;
+/// When a marker has last moved by `least_px` since it had done so before, between two times; the start if none has.
+microseconds last_visible(std::span<const SkinPose> poses, const SkinView& view, microseconds step, double least_px,
+                          microseconds start, microseconds end) {
   const auto first = static_cast<std::size_t>(start / step);
   const auto last = std::min(static_cast<std::size_t>((end + step - 1us) / step), poses.size() - 1);
+  SkinPose seen = poses[first];
+  microseconds at = start;
   for (std::size_t k = first + 1; k <= last; ++k) {
     for (std::size_t m = 0; m < marker_count; ++m) {
-      const MarkerPose &a = poses[first][m], &b = poses[k][m];
-      const double size_px = std::abs(b.scale - a.scale) * marker_width_mm * view.px_per_mm;
-      if (std::max(std::hypot(b.x - a.x, b.y - a.y), size_px) > least_px) return true;
+      const MarkerPose& now = poses[k][m];
+      const double size_px = std::abs(now.scale - seen[m].scale) * marker_width_mm * view.px_per_mm;
+      if (std::max(std::hypot(now.x - seen[m].x, now.y - seen[m].y), size_px) <= least_px) continue;
+      seen[m] = now;
+      at = std::min(end, step * static_cast<std::int64_t>(k));
     }
   }
-  return false;
+  return at;
 }
 
 }  // namespace
 
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random) {
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random, double least_px) {
   assert(step > 0us && "steps follow each other in time");
   const double dt_s = 1e-6 * static_cast<double>(step.count());
   const auto steps = static_cast<std::size_t>(std::floor(plan.end_s / dt_s + 1e-6)) + 1;
@@ -181,8 +184,8 @@ SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds ste
     list.add(Touch::slip, dragged.is_firm() ? "firm shear" : "slip", !dragged.is_firm(), dragged.start_s(), tail_start_s);
   }
   add_vibrations(list, plan, tail_start_s, dragged.ringing_end_s());
-  motion.motions =
-      list.finished([&](microseconds start, microseconds end) { return moves_between(motion.poses, view, step, start, end); });
+  motion.motions = list.finished(
+      [&](microseconds start, microseconds end) { return last_visible(motion.poses, view, step, least_px, start, end); });
   for (MarkerMotion& moved : motion.motions) {
     if (moved.what == "slip" && dragged.gross_s() < infinite) moved.gross = whole_us(dragged.gross_s());
   }

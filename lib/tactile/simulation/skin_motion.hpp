@@ -50,8 +50,9 @@ struct SkinMotion {
 ///
 /// After contact, a press ends at the start of the first 20 ms with tip speed below 1 % of its peak. After its gross part, a slip
 /// ends at the start of the first 150 ms with the speed of the object against the tip below 1 % of its peak. Later motion is
-/// unlabelled. Motions that move no marker by a hundredth of a pixel are omitted.
-/// @param step  > 0
-SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random);
+/// unlabelled. An unlabelled motion lasts until a marker has last moved by another `least_px`; it is omitted if none does.
+/// @param step      > 0
+/// @param least_px  what causes events: the `crossing_px` of the camera
+SkinMotion move_skin(const RunPlan& plan, const SkinView& view, microseconds step, Random& random, double least_px = 0.34);
 
 }  // namespace tactile::simulation

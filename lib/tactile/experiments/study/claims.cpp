@@ -81,7 +81,8 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
     for (const evaluation::CrossedCell& cell : object.second) trainings.insert(cell.training);
   }
   // Each object has all or nothing of it, over all trainings.
-  const auto [low, high] = evaluation::binomial_bounds(*claim.kept, *claim.of, options.confidence);
+  const auto [low, high] =
+      evaluation::binomial_bounds(static_cast<double>(*claim.kept), static_cast<double>(*claim.of), options.confidence);
   claim.measured = {.value = 100 * static_cast<double>(*claim.kept) / static_cast<double>(*claim.of),
                     .low = 100 * low,
                     .high = 100 * high,

@@ -158,8 +158,9 @@ results::Claim best_history_40(const Histories& histories, const results::Bootst
     return best[chosen] - next;
   };
   const auto most = static_cast<double>(histories.objects().size());
-  claim.measured = evaluation::figure_over_objects(evaluation::without_names(histories.objects()), lead, options,
-                                                   {.lowest = -most, .highest = most, .step = 2 * most});
+  const evaluation::CrossedResults objects = evaluation::without_names(histories.objects());
+  const auto runs = static_cast<double>(evaluation::run_count(objects));
+  claim.measured = evaluation::figure_over_objects(objects, lead, options, {.lowest = -most, .highest = most, .step = 2 * runs});
   claim.kept = counts[chosen];
   claim.of = histories.objects().size();
   std::string others;

@@ -109,22 +109,24 @@ void widen_by_few_alarms_in(Runs runs, CountsOf counts_of, results::Figure& per_
 
 /// The values that figures of these runs may have, in steps of one sample, one interval, one alarm, and the shortest delay.
 struct Ranges {
-  evaluation::Range accuracy{.lowest = 0, .highest = 1}, missed = accuracy, delay{.lowest = 0}, per_min = delay;
+  evaluation::Range accuracy{.lowest = 0, .highest = 1}, missed = accuracy, per_min{};
+  evaluation::Range delay{.lowest = 0, .highest = static_cast<double>(evaluation::DelayOptions{}.window.count())};  ///< [us]
 };
 
 Ranges ranges_of(Runs runs) {
   Ranges ranges;
-  double samples = 0, intervals = 0, minutes = 0, shortest = std::numeric_limits<double>::infinity();
+  double samples = 0, intervals = 0, shortest = std::numeric_limits<double>::infinity();
+  results::FalseAlarms outside;
   for (const TradedRun& run : runs) {
     samples += static_cast<double>(run.confusion.samples());
     intervals += static_cast<double>(run.delays.size());
-    minutes += results::in_minutes(outside_labels(run.alarms).none_time);
+    outside += run.alarms;
     for (const TradedDelay& delay : run.delays) shortest = delay.us > 0 ? std::min(shortest, delay.us) : shortest;
   }
   const auto per_run = [&](double units) { return units > 0 ? static_cast<double>(runs.size()) / units : 0; };
   ranges.accuracy.step = per_run(samples);
   ranges.missed.step = per_run(intervals);
-  ranges.per_min.step = per_run(minutes);
+  ranges.per_min = evaluation::range_of_rates(runs.size(), outside.outside_labels_time, outside.tick);
   if (std::isfinite(shortest)) ranges.delay.step = shortest;
   return ranges;
 }
