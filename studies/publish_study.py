@@ -59,6 +59,7 @@ def reduced_study(study, evaluation):
 def reduced_trade(trade):
     kept = {key: trade[key] for key in ("title", "simulated", "software", "machine", "busy", "usual_is", "recommendation")}
     kept["recommendation"] = {key: trade["recommendation"][key] for key in ("wish", "id", "met", "sentence")}
+    kept["interrupted"] = trade.get("interrupted")  # not in older trades
     kept["minutes"] = sum(step["seconds"] for step in trade["steps"]) / 60
     kept["settings"] = len(trade["points"])
     kept["options"] = {key: trade["settings"][key] for key in ("trainings", "seed", "budget_minutes")}
@@ -183,6 +184,13 @@ def front_part(trade):
                   "on the fronts of accuracy, delay [%]"), rows)
 
 
+def load_sentence(trade):
+    if trade.get("interrupted") is None:
+        return ""
+    text = f"Other programs interrupted {100 * trade['interrupted']:.2g} % of the timed ticks."
+    return text + (f" The p99 of {trade['busy']} settings, of whose ticks they interrupted more than 1 %, is not their own: compare their p50.\n" if trade["busy"] else "\n")
+
+
 def variance_sentence(study):
     shares = study["variance"]
     if not shares or "training_on_object" not in shares:  # older studies count the last among the objects
@@ -250,7 +258,7 @@ def page(folder):
         "which a setting is on a front; the fastest one is always on the first. The trade may train each setting "
         f"{trade['options']['trainings']} times. The intervals of settings with one training are over objects and runs only.\n",
         front_part(trade),
-        f"Other programs disturbed the times: the p99 of {trade['busy']} settings is uncertain by more than a factor of four. Compare their p50.\n" if trade["busy"] else "",
+        load_sentence(trade),
         picture("trade-accuracy", "Accuracy against time per tick"),
         picture("trade-delay", "Delay against false alarms"),
         picture("trade-budgets", "The best of each kind of model within a time per tick"),

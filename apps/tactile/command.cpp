@@ -48,6 +48,7 @@ void fill_in_from(const std::string& file, CLI::App& command) {
       names.push_back(name);
   }
   for (const auto& [key, value] : json.items()) {
+    if (key == "comment") continue;
     if (std::find(names.begin(), names.end(), key) == names.end()) {
       const std::string nearest = nearest_name(key, names);
       throw Error(fmt::format("{}: '{}' is not an option of '{}'; {}", file, key, command.get_name(),

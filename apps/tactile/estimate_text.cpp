@@ -53,9 +53,8 @@ std::string table_of(const experiments::Estimate& estimate, bool on_cluster) {
                     is_done ? "-" : size_text(part.bytes)});
   }
   std::string text = text_table({"part", "steps", "exist", "processor time", "writes"}, rows);
-  text += wrapped(fmt::format("In all: {} of processor time, {} on {}, and {}.", hours_text(estimate.processor_seconds()),
-                              hours_text(estimate.seconds_on(estimate.cores, estimate.cores)), counted(estimate.cores, "core"),
-                              size_text(estimate.bytes()))) +
+  text += wrapped(fmt::format("In all: {} of processor time, {}, and {}.", hours_text(estimate.processor_seconds()),
+                              duration_text(estimate), size_text(estimate.bytes()))) +
           "\n";
   if (on_cluster) {
     text += wrapped(fmt::format("With trainings and judgements on 16 cores of a cluster: {}; on 256 cores: {}.",
@@ -70,6 +69,11 @@ std::string table_of(const experiments::Estimate& estimate, bool on_cluster) {
 }
 
 }  // namespace
+
+std::string duration_text(const experiments::Estimate& estimate) {
+  return fmt::format("{} on {}", hours_text(estimate.seconds_on(estimate.cores, estimate.cores)),
+                     counted(estimate.cores, "core"));
+}
 
 void print_estimate(const experiments::Estimate& estimate, const fs::path& out, bool on_cluster, const CommonArguments& common) {
   print_result(common, json_of(estimate), table_of(estimate, on_cluster));

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "command.hpp"
 #include "tactile/results/figure_text.hpp"
 
 namespace tactile::cli {
@@ -14,6 +13,8 @@ void log_step(const std::string& description, bool kept) {
     spdlog::info("{}", description);
   }
 }
+
+void log_how_to_resume() { spdlog::warn("interrupted: the same command keeps all steps that are done, and resumes"); }
 
 std::string figure_text(const nlohmann::json& figure, double factor, int decimals) {
   return results::figure_text(results::JsonView(figure, "figure").get<results::Figure>(), factor, decimals);

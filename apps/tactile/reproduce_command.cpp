@@ -251,8 +251,9 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
     return print_estimate(estimate, options.out, options.slurm.has_value(), common);
   }
   const auto new_progress = [&] { return progress_line(common); };
-  const study::StudySummary summary =
-      study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  const study::StudySummary summary = resumable([&] {
+    return study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  });
   write_settings(common, fs::path(args.out) / "settings.json");
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();

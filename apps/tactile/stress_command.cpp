@@ -292,8 +292,10 @@ void run(const StressArguments& args, const CommonArguments& common) {
                                     "--model",     model.string(), "--threads", "1"};
   };
   if (args.dry_run) return print_estimate(stress::estimate_stress(options), options.out, options.slurm.has_value(), common);
-  const stress::StressSummary summary = stress::run_stress(
-      options, [&] { return progress_line(common); }, log_step);
+  const stress::StressSummary summary = resumable([&] {
+    return stress::run_stress(
+        options, [&] { return progress_line(common); }, log_step);
+  });
   write_settings(common, options.out / "settings.json", decided);
   nlohmann::json result = summary.stress;
   result["file"] = summary.file.string();

@@ -212,7 +212,7 @@ void warn_of_another_dataset(const TradeArguments& args) {
   }
 }
 
-/// Warns if runs or objects are not those requested.
+/// Warns if runs or objects are not those requested, or give no interval to confirm a setting with.
 void warn_of_runs(const trade::TradeOptions& options, bool strict) {
   const windows::Dataset dataset(options.data / "dataset.h5");
   const windows::SplitOptions split{.kind = windows::SplitKind::single_run, .train_run = options.train_run};
@@ -220,6 +220,16 @@ void warn_of_runs(const trade::TradeOptions& options, bool strict) {
   for (const std::string& remark :
        experiments::remarks_on(dataset, experiments::divide_runs(dataset, options.train_run, options.choice_runs)))
     spdlog::warn("{}", remark);
+  if (!options.constraints.any()) return;
+  if (const std::string why = trade::why_unconfirmable(trade::completed(options, dataset), dataset); !why.empty())
+    spdlog::warn("{}", why);
+}
+
+/// Before the first step of a new trade: how long all of them take.
+void log_duration(const trade::TradeOptions& options, const CommonArguments& common) {
+  if (common.quiet || options.budget_minutes || options.slurm || fs::exists(options.out / "steps")) return;
+  spdlog::info("this takes about {} at most; --dry-run lists the parts, and --budget-minutes sets a limit",
+               duration_text(trade::estimate_trade(options)));
 }
 
 void trade(const TradeArguments& args, const CommonArguments& common) {
@@ -233,12 +243,15 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   const std::optional<windows::DatasetSummary> made = make_missing_dataset(args.data, args.strict, common);
   if (!made) warn_of_another_dataset(args);
   warn_of_runs(options, args.strict);
-  const trade::TradeSummary summary = trade::run_trade(
-      options, [&] { return progress_line(common); }, log_step);
+  log_duration(options, common);
+  const trade::TradeSummary summary = resumable([&] {
+    return trade::run_trade(
+        options, [&] { return progress_line(common); }, log_step);
+  });
   if (summary.trade.busy > 0) {
     spdlog::warn(
-        "times of {} of {} settings are uncertain by more than a factor of four: the machine was busy; remove {} and run this "
-        "again on an idle machine",
+        "the p99 of {} of {} settings is not their own: other programs interrupted more than 1 % of their ticks; remove {} and "
+        "run this again on an idle machine",
         summary.trade.busy, summary.trade.points.size(), (fs::path(args.out) / "times").string());
   }
   write_settings(common, fs::path(args.out) / "settings.json");
@@ -250,16 +263,21 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   result["applied"] = nullptr;
   std::string text = args.verbose ? full_trade_text(summary) : short_trade_text(summary);
   const auto print_all = [&] { print_result(common, result, text); };
+  const results::TradeRecommendation& recommendation = summary.trade.recommendation;
   try {
     if (!args.no_figures) {
       result["figures"] = draw_figures(args.out);
       text += fmt::format("Figures: {}\n", (fs::path(args.out) / "figures").string());
     }
     if (!args.apply.empty()) {
-      if (!summary.detect_options) throw Error("no setting to apply: " + summary.trade.recommendation.sentence);
-      write_json(args.apply, *summary.detect_options);
+      if (!summary.detect_options) throw Error("no setting to apply: " + recommendation.sentence);
+      nlohmann::json config = *summary.detect_options;
+      config["comment"] = (recommendation.met ? "" : "Not confirmed. ") + recommendation.sentence;
+      write_json(args.apply, config);
       result["applied"] = args.apply;
-      text += wrapped(fmt::format("{}: for 'tactile detect --config {}'", args.apply, shell_word(args.apply))) + "\n";
+      text += wrapped(fmt::format("{}{}: for 'tactile detect --config {}'", args.apply,
+                                  recommendation.met ? "" : " (a setting that is not confirmed)", shell_word(args.apply))) +
+              "\n";
     }
   } catch (const Error&) {
     // The measurements are complete: print them before the error.
@@ -268,6 +286,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   }
   print_all();
   if (made) end_with(made->errors);
+  if (!args.apply.empty() && !recommendation.met) throw CheckFailed{};
 }
 
 }  // namespace
@@ -301,7 +320,9 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
       .check(in_range(0.0, 1.0))
       .type_name("SHARE");
-  command.add_option("--apply", args->apply, "Write the recommended setting as a config file for 'detect'")
+  command
+      .add_option("--apply", args->apply,
+                  "Write the chosen setting as a config file for 'detect', also one that is not confirmed")
       .type_name("FILE.json");
   command.add_flag("--full", args->full,
                    "Try every combination, not only single changes and promising combinations; takes many hours");

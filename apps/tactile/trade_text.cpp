@@ -124,6 +124,7 @@ std::string short_trade_text(const trade::TradeSummary& summary) {
   const results::Trade& trade = summary.trade;
   std::string text = wrapped(trade.title) + "\n\n" + ends_of_fronts(trade) + "\n" +
                      wrapped(first_sentence(trade.recommendation.sentence)) + "\n";
+  text += fmt::format("Other programs interrupted {:.2g} % of the timed ticks.\n", 100 * trade.interrupted);
   if (!trade.unfinished.empty()) text += wrapped(first_sentence(trade.unfinished)) + "\n";
   return text + fmt::format("{} settings; {} steps done, {} kept; --verbose prints all. Written to {}\n", trade.points.size(),
                             summary.done, summary.kept, summary.file.string());

@@ -34,6 +34,7 @@ Trade whole_trade() {
                        {.train = {"fan/02"}, .choice = {"fan/03"}, .reported = {"fan/01"}}},
               .usual = "th40",
               .usual_is = "on the front",
+              .interrupted = 0.125,
               .busy = 2,
               .left_out = {{30ms, 20ms, "no whole number"}},
               .not_measured = {{"int8", "the budget was used up"}},
@@ -45,6 +46,7 @@ Trade whole_trade() {
   MeasuredAgain again{.by = "eval", .model = "a", .trainings = 2, .runs = {"fan/03"}};
   again.result.figures.accuracy = {.value = 0.9, .low = 0.8, .high = 0.95, .n = 9, .trainings = 2};
   again.result.alarms = 4;
+  again.result.figures.interrupted = 0.25;
   trade.recommendation = {.wish = {{"at_most_us", 200}},
                           .id = "th40",
                           .setting = trade.points.back().values,
@@ -67,6 +69,8 @@ TEST(Trade, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.left_out.at(0).tick, 20ms);
   ASSERT_TRUE(read.recommendation.again);
   EXPECT_EQ(read.recommendation.again->result.figures.accuracy.high, 0.95);
+  EXPECT_EQ(read.recommendation.again->result.figures.interrupted, 0.25);
+  EXPECT_EQ(read.interrupted, 0.125);
   // The runs of the first training are there twice: earlier versions had one training.
   EXPECT_EQ(json.at("runs").at("choice"), json.at("runs").at("trainings").at(0).at("choice"));
 }

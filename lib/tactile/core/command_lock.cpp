@@ -13,7 +13,7 @@
 namespace tactile {
 
 CommandLock::CommandLock(const std::filesystem::path& folder, const std::string& command, const std::string& file)
-    : path_(folder / file) {
+    : path_(folder / file), made_folder_(!std::filesystem::exists(folder)) {
   make_folders(folder);
   // The command before may remove the file until it is locked: then the next one is created.
   for (;;) {
@@ -36,7 +36,8 @@ CommandLock::CommandLock(const std::filesystem::path& folder, const std::string&
 
 CommandLock::~CommandLock() {
   if (file_ < 0) return;
-  ::unlink(path_.c_str());  // before the lock ends: a later command must not lose its own file
+  ::unlink(path_.c_str());                                 // before the lock ends: a later command must not lose its own file
+  if (made_folder_) ::rmdir(path_.parent_path().c_str());  // only if it is empty
   ::close(file_);
   remove_empty_made_folders(path_.parent_path());
 }

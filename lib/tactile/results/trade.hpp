@@ -87,7 +87,8 @@ struct Trade {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does
   std::vector<TradeRuns> runs{};        ///< of each training
   std::string usual{};                  ///< id of the usual setting
   std::string usual_is{};               ///< whether there is evidence for another one, in sentences
-  std::uint64_t busy = 0;               ///< settings whose times other load on the machine made uncertain
+  double interrupted = 0;               ///< share of all timed ticks in which another program had the processor
+  std::uint64_t busy = 0;               ///< settings whose `us_p99` is the machine's, not their own
   std::vector<TradedSetting> points{};  ///< the usual one first
   std::vector<UntriedPair> left_out{};
   std::vector<NotMeasured> not_measured{};

@@ -19,7 +19,12 @@ void to_json(nlohmann::json& json, const TradeResult& result) {
           {"episodes", result.episodes},
           {"false_alarms_per_min", result.false_alarms_per_min},
           {"false_alarms", result.alarms},
-          {"us", {{"p50", figures.us_p50}, {"p99", figures.us_p99}, {"p999", figures.us_p999}, {"ticks", result.ticks}}}};
+          {"us",
+           {{"p50", figures.us_p50},
+            {"p99", figures.us_p99},
+            {"p999", figures.us_p999},
+            {"ticks", result.ticks},
+            {"interrupted", figures.interrupted}}}};
 }
 
 void from_json(const JsonView& json, TradeResult& result) {
@@ -33,7 +38,8 @@ void from_json(const JsonView& json, TradeResult& result) {
                         .median_is_bound = delay["median_is_bound"].truth(),
                         .p90_is_bound = delay["p90_is_bound"].truth(),
                         .missed = delay["missed"].get<Figure>(),
-                        .episodes_per_min = json["episodes_per_min"].get<Figure>()},
+                        .episodes_per_min = json["episodes_per_min"].get<Figure>(),
+                        .interrupted = us["interrupted"].number_if_there().value_or(0)},
             .delay_mean_us = delay["mean"].get<Figure>(),
             .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>(),
             .intervals = delay["intervals"].count(),

@@ -20,7 +20,11 @@ struct TradeFigures {
   bool median_is_bound = false, p90_is_bound = false;  ///< one not detected lies at or below it: the true value may be higher
   Figure missed;                                       ///< share of presses and slips missed or early, in [0, 1]
   Figure episodes_per_min;                             ///< that begin outside labels
+  double interrupted = 0;                              ///< share of the timed ticks in which another program had the processor
   double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next; not in JSON
+
+  /// Whether `us_p99` is not the setting's own: more ticks were interrupted than the one of 100 that it leaves out.
+  bool is_disturbed() const { return interrupted > 0.01; }
 };
 
 /// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a tick

@@ -22,6 +22,13 @@ results::TradeFigures figures(double accuracy, double us, double episodes = 1, d
           .episodes_per_min = figure(episodes, 0.2)};
 }
 
+/// The same on a busy machine.
+results::TradeFigures disturbed(results::TradeFigures figures) {
+  figures.us_p50 = figure(150, 5);
+  figures.interrupted = 0.14;
+  return figures;
+}
+
 TEST(Choose, TakesTheMostAccurateThatIsFastEnoughInItsInterval) {
   const std::vector<results::TradeFigures> settings{figures(0.99, 400), figures(0.95, 150), figures(0.97, 195),
                                                     figures(0.94, 100)};
@@ -120,7 +127,8 @@ TEST(Recommend, NamesTheSettingAndWhatItHas) {
       "For at most 200 us a tick and an accuracy of at least 95 % use t_h 20 ms. Measured again, by each training on runs that "
       "it "
       "neither learned from nor was chosen on, it has an accuracy of 97.00 % [96.00, 98.00]. A tick takes 75 us [70, 80] in "
-      "half of the ticks, 150 us [140, 160] in 99 of 100 and 300 us [280, 320] in 999 of 1000. The delay is 5.00 ms [4.50, "
+      "half of the ticks, 150 us [140, 160] in 99 of 100 and 300 us [280, 320] in 999 of 1000; other programs "
+      "interrupted 0 % of them. The delay is 5.00 ms [4.50, "
       "5.50] in half of the presses and slips and at least 50.00 ms [45.00, 55.00] in 90 % of them; 10.0 % [8.0, 12.0] are "
       "missed or early. There are 1.00 [0.80, 1.20] false alarms per minute outside labels, with those in releases and in "
       "motion without labels. In 'tactile detect' over loopback it took 80 us in half of 9000 ticks, 190 us in 99 of 100 and 400 "
@@ -145,20 +153,50 @@ TEST(Recommend, DoesNotConfirmWhatIsTooSlowInDetect) {
   EXPECT_TRUE(recommend({.at_least_accuracy = 0.9}, "t_h 20 ms", again, slow, false).met);
 }
 
-TEST(Recommend, ReportsThatNoSettingDoesWhereMeasuringAgainDoesNotConfirmIt) {
+TEST(Recommend, ReportsWhatTheMeasurementDoesNotConfirm) {
   const Recommendation answer = recommend({.at_least_accuracy = 0.95}, "t_h 20 ms", figures(0.955, 150), {}, true);
   EXPECT_FALSE(answer.met);
-  EXPECT_TRUE(answer.sentence.starts_with(
-      "The setting chosen for an accuracy of at least 95 %, t_h 20 ms, is not confirmed. Measured again, "))
+  EXPECT_TRUE(
+      answer.sentence.starts_with("The setting chosen for an accuracy of at least 95 %, t_h 20 ms, is not confirmed: its values "
+                                  "meet the constraints, but not its "
+                                  "whole 95 % intervals. Measured again, "))
       << answer.sentence;
   EXPECT_TRUE(answer.sentence.ends_with("On simulated runs, which say nothing about real ones.")) << answer.sentence;
+  const auto is_why = [](const TradeConstraints& constraints, const results::TradeFigures& again, const char* why) {
+    const std::string sentence = recommend(constraints, "t_h 20 ms", again, {}, false).sentence;
+    EXPECT_NE(sentence.find(std::string(", t_h 20 ms, is not confirmed: ") + why), std::string::npos) << sentence;
+  };
+  is_why({.at_least_accuracy = 0.95}, figures(0.94, 150), "measured again, its values do not meet the constraints.");
+  results::TradeFigures without_interval = figures(0.99, 150);
+  without_interval.accuracy.low.reset();
+  is_why({.at_least_accuracy = 0.95}, without_interval, "there is no 95 % interval to confirm it with.");
+  is_why({.at_most_us = 200}, disturbed(figures(0.99, 8000)), "the machine was too busy to time it.");
+  is_why({.at_most_us = 200, .at_least_accuracy = 0.999}, disturbed(figures(0.99, 210)),
+         "measured again, its values do not meet the constraints.");
 }
 
-TEST(Recommend, ReportsThatNoSettingDoesWhereNonePromisedIt) {
-  const Recommendation answer = recommend({.at_most_false_alarms_per_min = 0.5}, std::nullopt, {}, {}, false);
-  EXPECT_FALSE(answer.met);
-  EXPECT_EQ(answer.sentence, "No measured setting gives at most 0.5 false alarms per minute, not even on the runs to choose on.");
-  EXPECT_TRUE(recommend({}, std::nullopt, {}, {}, false).sentence.starts_with("No constraint given"));
+TEST(WhyNone, ReportsThatNoSettingMeetsTheConstraints) {
+  const std::vector<results::TradeFigures> compared{figures(0.9, 150), figures(0.9, 250)};
+  EXPECT_EQ(why_none({.at_most_false_alarms_per_min = 0.5}, compared, 0, false),
+            "No measured setting gives at most 0.5 false alarms per minute, not even on the runs to choose on.");
+  EXPECT_EQ(why_none({.at_most_us = 100}, compared, 3, false),
+            "No measured setting gives at most 100 us a tick, not even on the runs to choose on. 3 settings with fewer trainings "
+            "were not compared: their intervals are too narrow.");
+  EXPECT_TRUE(why_none({}, compared, 0, false).starts_with("No constraint given"));
+}
+
+TEST(WhyNone, ReportsThatTheMachineWasTooBusyToTell) {
+  // Half of the ticks take 160 us: without other programs 99 of 100 may fit 200 us, but never 100 us.
+  results::TradeFigures busy = disturbed(figures(0.9, 8335));
+  busy.us_p50 = figure(160, 5);
+  const std::vector<results::TradeFigures> compared{figures(0.9, 250), busy};
+  EXPECT_TRUE(why_none({.at_most_us = 200}, compared, 0, false)
+                  .starts_with("The machine was too busy to find a setting that gives at most 200 us a tick: other programs "
+                               "interrupted up to 14 % of the ticks of a setting."));
+  EXPECT_TRUE(why_none({.at_most_us = 100}, compared, 0, false).starts_with("No measured setting gives at most 100 us a tick"));
+  busy.interrupted = 0.009;
+  EXPECT_TRUE(why_none({.at_most_us = 200}, std::vector{busy}, 0, false).starts_with("No measured setting"))
+      << "99 of 100 ticks were not interrupted";
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 #include "tactile/experiments/trade/tick_times.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -33,7 +36,8 @@ TEST(TickTime, HasNoNetworkWhereTheGateCloses) {
 
 TEST(WriteTimes, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
-  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 0.5F, 7, 8.5F}, {4, 5, 6, 1, 0, 2}}, {}}, {{}, {{0.125F, 0, 1, 0, 12}}}};
+  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 0.5F, 7, 8.5F, 2}, {4, 5, 6, 1, 0, 2}}, {}},
+                                      {{}, {{0.125F, 0, 1, 0, 12}}}};
   write_times(folder / "times.ticks", ways);
   const auto read = read_times(folder / "times.ticks");
   ASSERT_EQ(read.size(), 2U);
@@ -42,6 +46,7 @@ TEST(WriteTimes, ReadsBackTheSame) {
   EXPECT_EQ(read[0][0][0].rendering, 2.25F);
   EXPECT_EQ(read[0][0][0].comparing, 0.5F);
   EXPECT_EQ(read[0][0][0].ratio, 8.5F);
+  EXPECT_EQ(read[0][0][0].interruptions, 2U);
   EXPECT_EQ(read[0][0][1].events, 0U);
   EXPECT_TRUE(read[0][1].empty());
   EXPECT_EQ(read[1][1][0].counting, 0.125F);
@@ -90,6 +95,36 @@ TEST(TimeTicks, KeepsEveryStallOfEveryTurn) {
   const std::vector<std::uint32_t> once{1};
   EXPECT_LT(quantiles.of(once, 0.5).value_or(0), 5000);
   EXPECT_GE(quantiles.of(once, 0.99).value_or(0), 5000) << "4.8 % of the ticks";
+}
+
+TEST(TimeTicks, CountTheTicksThatOtherProgramsInterrupt) {
+  const test::TemporaryFolder folder;
+  test::make_run(folder.path(), {.length_us = 600'000});
+  // On one core with another thread that is never idle, ticks of 2 ms are interrupted, as the system divides the core.
+  cpu_set_t all, one;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
+  std::atomic<bool> ends = false;
+  std::thread other([&] {
+    while (!ends) {
+    }
+  });
+  const auto open = timed_as([](std::span<const std::uint8_t>) {
+    const auto begin = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - begin < 2ms) {
+    }
+    return model::Logits{};
+  });
+  const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
+  const auto times = time_ticks(std::vector<TimedSetting>(1), recordings, {.ticks = 200, .pieces = 2, .turns = 1}, {}, open);
+  ends = true;
+  other.join();
+  ::sched_setaffinity(0, sizeof all, &all);
+  const auto interrupted = std::count_if(times.at(0).at(0).begin(), times.at(0).at(0).end(),
+                                         [](const TickTime& tick) { return tick.interruptions > 0; });
+  EXPECT_GE(interrupted, 20) << "of 200";
 }
 
 TEST(TimeTicks, TakesMoreTurnsWhereARecordingHasFewTicks) {

@@ -210,11 +210,53 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
   EXPECT_EQ(read_json(folder / "best.json").at("filter"), true);
   EXPECT_EQ(read_json(folder / "best.json").at("alarm-cost"), 0.02);
   EXPECT_EQ(trial.at("alarm_cost"), 0.02);
+  // The folder may be moved as a whole.
+  EXPECT_EQ(read_json(folder / "best.json").at("model"), "trade/models/" + recommendation.at("model").get<std::string>());
+  EXPECT_EQ(read_json(folder / "best.json").at("comment"), recommendation.at("sentence"));
   EXPECT_EQ(traded(folder.path(), "", long_ticks).at("steps_done"), 0);
   const auto detected =
       test::run_tactile("detect --config best.json --from file:data/plastic-container/03 --speed 0 --json", folder.path());
   EXPECT_EQ(detected.exit_code, 0) << detected.err;
   EXPECT_EQ(nlohmann::json::parse(detected.out, nullptr, false).at("alarm_cost"), 0.02);
+}
+
+TEST(TradeCommand, MarksASettingThatIsNotConfirmedAndConfirmsOneOverRuns) {
+  const test::TemporaryFolder folder;
+  for (const char* command :
+       {"simulate --preset tiny --runs 4 --objects sprayer", "label --no-pictures", "windows --history-ms 400"}) {
+    const auto result = test::run_tactile(command, folder.path());
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  const std::string one_setting =
+      "trade --kind lenet --th 400 --tick-us 200000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment "
+      "none --engine fast --precision fp32 --pass sparse --confirm 1/1 --filter off --gate off --epochs 1 --timed-ticks 100 "
+      "--threads 2 --at-most-missed 1 --no-trial --no-growth --no-figures --apply best.json ";
+  const auto one_training = test::run_tactile(one_setting + "--trainings 1", folder.path());
+  EXPECT_EQ(one_training.exit_code, 2) << one_training.err;
+  EXPECT_NE(one_training.err.find("no setting can be confirmed: 1 object and 2 reported runs of one give no 95 % interval"),
+            std::string::npos)
+      << one_training.err;
+  EXPECT_NE(one_training.err.find("this takes about "), std::string::npos) << one_training.err;
+  EXPECT_NE(one_training.out.find("best.json (a setting that is not confirmed)"), std::string::npos) << one_training.out;
+  EXPECT_NE(one_training.out.find(" % of the timed ticks.\n"), std::string::npos) << one_training.out;
+  EXPECT_TRUE(read_json(folder / "best.json")
+                  .at("comment")
+                  .get<std::string>()
+                  .starts_with("Not confirmed. The setting chosen for at most 100 % of presses and slips missed or early, "));
+  const std::string detect = "detect --config best.json --from file:data/sprayer/03 --speed 0";
+  EXPECT_EQ(test::run_tactile(detect, folder.path()).exit_code, 0);
+
+  // Three trainings report on all four runs.
+  const auto three = test::run_tactile(one_setting + "--trainings 3 --json", folder.path());
+  EXPECT_EQ(three.exit_code, 0) << three.err;
+  EXPECT_EQ(three.err.find("no setting can be confirmed"), std::string::npos) << three.err;
+  const nlohmann::json trade = nlohmann::json::parse(three.out, nullptr, false);
+  EXPECT_EQ(trade.at("recommendation").at("met"), true) << trade.at("recommendation").at("sentence");
+  EXPECT_EQ(trade.at("recommendation").at("again").at("accuracy").at("n"), 4);
+  const double interrupted = trade.at("points")[0].at("reported").at("us").at("interrupted");
+  EXPECT_TRUE(interrupted >= 0 && interrupted <= 1) << interrupted;
+  EXPECT_EQ(trade.at("interrupted"), interrupted) << "of the only setting";
+  EXPECT_TRUE(read_json(folder / "best.json").at("comment").get<std::string>().starts_with("For at most 100 % of presses"));
 }
 
 TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
@@ -286,7 +328,7 @@ TEST(TradeCommand, NeedsRunsToChooseOn) {
   const auto result = test::run_tactile(small + "--choice-runs 02,03", folder.path());
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("--choice-runs"), std::string::npos) << result.err;
-  EXPECT_FALSE(fs::exists(folder / "trade/trade.json"));
+  EXPECT_FALSE(fs::exists(folder / "trade")) << "nothing was written";
   const auto unconstrained = test::run_tactile("trade --apply best.json", folder.path());
   EXPECT_EQ(unconstrained.exit_code, 1);
   EXPECT_NE(unconstrained.err.find("--at-most-us"), std::string::npos) << unconstrained.err;

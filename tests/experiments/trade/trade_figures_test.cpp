@@ -125,6 +125,38 @@ TEST(ResultOf, DrawsTrainings) {
   EXPECT_GE(*accuracy.high, 0.9);
 }
 
+TEST(ResultOf, TakesIntervalsOverRunsOfFewerThanThreeObjects) {
+  // Four runs of each of two objects, each judged by one training.
+  std::vector<TradedRun> runs;
+  std::vector<TimedRun> times;
+  for (const char* object : {"a", "b"}) {
+    for (std::size_t run = 0; run < 4; ++run) {
+      runs.push_back(outcome(object, 80 + run, 20 - run, {1000}, run));
+      times.push_back(timed(object, {10.0F + static_cast<float>(run)}));
+      runs.back().run = times.back().run = std::to_string(run);
+    }
+  }
+  const results::TradeFigures figures = result_of(runs, times).figures;
+  EXPECT_DOUBLE_EQ(figures.accuracy.value, 0.815);
+  ASSERT_TRUE(figures.accuracy.has_interval());
+  EXPECT_LT(*figures.accuracy.low, 0.81);
+  EXPECT_GT(*figures.accuracy.high, 0.82);
+  EXPECT_EQ(figures.accuracy.n, 8U) << "runs";
+  EXPECT_TRUE(figures.us_p99.has_interval());
+  // Two runs of one are too few.
+  runs.resize(6), times.resize(6);
+  EXPECT_FALSE(result_of(runs, times).figures.accuracy.has_interval());
+}
+
+TEST(ResultOf, HasTheShareOfInterruptedTicks) {
+  std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40})};
+  EXPECT_EQ(result_of({}, times).figures.interrupted, 0);
+  times[0].interrupted = 1;
+  EXPECT_DOUBLE_EQ(result_of({}, times).figures.interrupted, 0.25);
+  const std::vector<TickTime> ticks{{.counting = 1}, {.counting = 1, .interruptions = 2}};
+  EXPECT_EQ(timed_run({}, ticks, {}).interrupted, 1U);
+}
+
 TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
   const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000})};
   std::vector<TimedRun> times{timed("a", {1, 1, 1, 150})};

@@ -16,7 +16,6 @@
 namespace tactile::trade {
 namespace {
 
-constexpr std::size_t fewest_objects = 3;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 using Weights = std::vector<std::uint32_t>;

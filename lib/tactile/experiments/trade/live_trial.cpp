@@ -107,7 +107,7 @@ std::vector<std::string> words_of(const nlohmann::json& options) {
 }  // namespace
 
 nlohmann::json detect_options(const TradeSetting& setting, const fs::path& model) {
-  nlohmann::json options = {{"model", fs::weakly_canonical(fs::absolute(model)).string()},
+  nlohmann::json options = {{"model", model.string()},
                             {"tick-us", setting.rendering.tick.count()},
                             {"engine", name_of(setting.engine)},
                             {"precision", name_of(setting.precision)},

@@ -29,7 +29,7 @@ nlohmann::json run_live_trial(const TradeSetting& setting, const LiveTrialOption
 /// @param detected  what `detect --json` printed   @throws Error  if figures are missing
 LiveTrial live_trial_in(const nlohmann::json& detected);
 
-/// The options of `detect` for a setting, except for the source.
+/// The options of `detect` for a setting, except for the source. The model's path stays as it is.
 nlohmann::json detect_options(const TradeSetting& setting, const std::filesystem::path& model);
 
 }  // namespace tactile::trade

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
+#include <set>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -43,6 +45,21 @@ TradeOptions completed(TradeOptions options, const windows::Dataset& dataset) {
   }
   options.threads = threads_or_all(options.threads);
   return options;
+}
+
+std::string why_unconfirmable(const TradeOptions& options, const windows::Dataset& dataset) {
+  std::map<std::string, std::set<std::uint32_t>> reported;
+  for (unsigned training = 0; training < options.trainings; ++training) {
+    const auto runs = experiments::rotated_division(dataset, options.train_run, options.choice_runs, training);
+    for (const std::uint32_t run : runs.reported) reported[dataset.runs()[run].object].insert(run);
+  }
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const auto& object : reported) fewest = std::min(fewest, object.second.size());
+  if (reported.size() >= fewest_objects || reported.empty() || fewest >= fewest_runs) return {};
+  return fmt::format(
+      "no setting can be confirmed: {} object{} and {} reported run{} of one give no 95 % interval; expected {} objects, or {} "
+      "reported runs of each: more runs, or more --trainings",
+      reported.size(), reported.size() == 1 ? "" : "s", fewest, fewest == 1 ? "" : "s", fewest_objects, fewest_runs);
 }
 
 TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset) {
@@ -135,6 +152,12 @@ std::vector<std::uint32_t> TradePlan::tested() const {
   std::vector<std::uint32_t> indexes;
   for (const auto& one : judged) indexes.push_back(one.first);
   return indexes;
+}
+
+std::size_t TradePlan::objects() const {
+  std::set<std::string> names;
+  for (const auto& one : judged) names.insert(one.second.object);
+  return names.size();
 }
 
 TimedSetting timed_setting_of(const TradePoint& point) {

@@ -91,8 +91,14 @@ struct TradePlan {
   std::map<std::uint32_t, JudgedRun> judged = {};  ///< every run that a training is tested on, by its index in the dataset
 
   std::vector<std::uint32_t> tested() const;  ///< all of them
+  std::size_t objects() const;                ///< that they are of
   std::filesystem::path recording(std::uint32_t run) const { return dataset.run_folder(run) / "events.aedat4"; }
 };
+
+/// Why no setting can be confirmed, in a sentence: there are fewer than three objects, and fewer than three reported runs of one.
+/// Empty if one can.
+/// @param options  as `completed` returns them
+std::string why_unconfirmable(const TradeOptions& options, const windows::Dataset& dataset);
 
 /// First stage: divides the runs and reads the truth of those to test on.
 /// @param options  as `completed` returns them

@@ -23,18 +23,27 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::optional<TradeChoice> choose_point(const TradeConstraints& constraints, std::span<const TradePoint> points) {
-  if (!constraints.any()) return std::nullopt;
-  std::size_t most = 0;
-  for (const TradePoint& point : points) most = std::max(most, point.networks.size());
-  std::vector<results::TradeFigures> candidates;
-  for (const TradePoint& point : points) {
-    candidates.push_back(point.choice.figures);
-    // `detect` has no dense pass: it is measured for comparison only. Fewer trainings have narrower intervals than they should.
-    if (!point.setting.sparse || point.networks.size() < most) candidates.back().accuracy = {};
+/// The points that a setting is chosen of: those with all trainings, because fewer have narrower intervals than they should.
+/// `detect` has no dense pass: it is measured for comparison only.
+struct Candidates {
+  explicit Candidates(std::span<const TradePoint> points) {
+    std::size_t most = 0;
+    for (const TradePoint& point : points) most = std::max(most, point.networks.size());
+    for (const TradePoint& point : points) {
+      if (!point.setting.sparse) continue;
+      if (point.networks.size() < most) {
+        ++not_compared;
+        continue;
+      }
+      compared.push_back(&point);
+      figures.push_back(point.choice.figures);
+    }
   }
-  return choose(constraints, candidates);
-}
+
+  std::vector<const TradePoint*> compared;
+  std::vector<results::TradeFigures> figures;  ///< of each of them, on the runs to choose on
+  std::size_t not_compared = 0;
+};
 
 /// History, tick and factor, and all other differences from the defaults.
 std::string whole_text(const TradeSetting& setting) {
@@ -101,8 +110,8 @@ results::MeasuredAgain measure_again(const TradePlan& plan, const TradePoint& po
                                .model = point.networks.front().name(),
                                .trainings = point.networks.size(),
                                .runs = names_of(plan.dataset, reported_runs(plan, point))};
-  // `eval` judges only at the network's own ticks, where samples lie.
-  if (setting.rendering.tick == point.networks.front().settings.rendering.tick) {
+  // `eval` judges only at the network's own ticks, where samples lie, and its intervals are over objects.
+  if (plan.objects() >= fewest_objects && setting.rendering.tick == point.networks.front().settings.rendering.tick) {
     const results::Evaluation evaluation = evaluation::evaluate(
         plan.dataset, models,
         {.confirmation = setting.confirmation, .alarm_cost = setting.alarm_cost, .gate = setting.gate, .threads = threads},
@@ -188,16 +197,15 @@ Recommendation confirm(const Stage& stage, const TradePoint& point, const TradeP
   result.setting = values_of(point.setting);
   result.id = id_of(point.setting);
   result.model = point.networks.front().name();
-  const std::optional<results::MeasuredAgain> again = run_again(stage, point, usual);
+  result.again = run_again(stage, point, usual);
+  const std::optional<results::MeasuredAgain>& again = result.again;
   const bool has_trial = plan.options.trial > std::chrono::milliseconds{0};
   const std::optional<json> trial = again ? run_trial(stage, point) : std::nullopt;
   if (!again || (has_trial && !trial)) {
-    return {.setting = text,
-            .met = false,
+    return {.met = false,
             .sentence = fmt::format("The setting chosen for {}, {}, is not confirmed: {}.", text_of(plan.options.constraints),
-                                    text, budget_words(plan, "it was measured again"))};
+                                    text, budget_words(plan, again ? "its trial in 'detect' ended" : "it was measured again"))};
   }
-  result.again = again;
   if (trial) result.trial = *trial;
   results::TradeFigures figures = again->result.figures;
   figures.tick_us = point.choice.figures.tick_us;
@@ -214,12 +222,13 @@ Recommendation confirm(const Stage& stage, const TradePoint& point, const TradeP
 results::TradeRecommendation recommend_setting(const Stage& stage, std::span<const TradePoint> points) {
   const TradeConstraints& constraints = stage.plan.options.constraints;
   results::TradeRecommendation result{.wish = constraints};
+  const Candidates candidates(points);
   Recommendation recommendation;
-  if (const auto choice = choose_point(constraints, points)) {
+  if (const auto choice = constraints.any() ? choose(constraints, candidates.figures) : std::nullopt) {
     result.chosen_in_interval = choice->in_interval;
-    recommendation = confirm(stage, points[choice->index], points.front(), result);
+    recommendation = confirm(stage, *candidates.compared[choice->index], points.front(), result);
   } else {
-    recommendation = recommend(constraints, std::nullopt, {}, std::nullopt, stage.plan.dataset.simulated());
+    recommendation.sentence = why_none(constraints, candidates.figures, candidates.not_compared, stage.plan.dataset.simulated());
   }
   result.met = recommendation.met;
   result.sentence = recommendation.sentence;

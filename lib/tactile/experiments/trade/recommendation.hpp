@@ -63,15 +63,20 @@ struct LiveTrial {
 
 /// The answer to constraints.
 struct Recommendation {
-  std::optional<std::string> setting;  ///< in words; nothing if no setting meets the constraints on the runs to choose on
-  bool met = false;                    ///< measured again, its intervals meet the constraints, and the trial meets the time
+  bool met = false;  ///< measured again, its intervals meet the constraints, and the trial meets the time
   std::string sentence;
 };
 
-/// @param setting  the chosen one, in words; nothing if there is none
+/// @param setting  the chosen one, in words
 /// @param again    its figures on the reported runs
 /// @param trial    in `detect`, if there was one
-Recommendation recommend(const TradeConstraints& constraints, const std::optional<std::string>& setting,
-                         const results::TradeFigures& again, const std::optional<LiveTrial>& trial, bool simulated);
+Recommendation recommend(const TradeConstraints& constraints, const std::string& setting, const results::TradeFigures& again,
+                         const std::optional<LiveTrial>& trial, bool simulated);
+
+/// Why no setting was chosen: none meets the constraints, the machine was too busy to tell, or there is no constraint.
+/// @param compared      on the runs to choose on
+/// @param not_compared  number of settings with fewer trainings
+std::string why_none(const TradeConstraints& constraints, std::span<const results::TradeFigures> compared,
+                     std::size_t not_compared, bool simulated);
 
 }  // namespace tactile::trade

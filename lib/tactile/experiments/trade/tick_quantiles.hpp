@@ -14,6 +14,7 @@ namespace tactile::trade {
 struct TimedRun : results::JudgedRun {
   std::vector<float> tick_us{};       ///< duration of each tick of each turn
   std::vector<float> open_tick_us{};  ///< of these, the ones whose gate was open
+  std::uint64_t interrupted = 0;      ///< of these, the ones in which another program had the processor
 };
 
 /// Quantiles of the durations of all ticks of drawn runs. Runs are sorted once, so that a draw costs no sorting.

@@ -1,6 +1,7 @@
 #include "tactile/experiments/trade/tick_times.hpp"
 
 #include <fmt/core.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <bit>
@@ -113,6 +114,13 @@ Piece piece_of(const TickRange& all, unsigned piece, std::uint64_t wanted, const
   return {all.at(begin), begin, ticks, wanted};
 }
 
+/// How often the system has taken the processor from this thread while it had work to do.
+std::uint64_t interruptions() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return static_cast<std::uint64_t>(usage.ru_nivcsw);
+}
+
 /// One turn of one setting over a piece.
 /// @param backgrounds  at the ticks of the whole recording
 void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded,
@@ -124,6 +132,7 @@ void take_turn(const TimedSetting& setting, const TimedModel& open, const Record
     const CameraTime t = after(piece.first, options.tick * i);
     const std::span<const events::Event> events = recorded.between(given, t);
     given = t;
+    const std::uint64_t interrupted_before = interruptions();
     const auto begin = Clock::now();
     model->add(events);
     model->move_to(t);
@@ -135,7 +144,8 @@ void take_turn(const TimedSetting& setting, const TimedModel& open, const Record
     if (i < 0) continue;
     const Background& background = backgrounds[static_cast<std::size_t>(piece.index + i)];
     times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), background.comparing,
-                     static_cast<std::uint32_t>(model->events()), background.ratio});
+                     static_cast<std::uint32_t>(model->events()), background.ratio,
+                     static_cast<std::uint32_t>(interruptions() - interrupted_before)});
   }
 }
 
@@ -179,7 +189,7 @@ class PieceTimes {
   std::vector<Piece> pieces_;
 };
 
-constexpr std::size_t bytes_of_tick = 24;
+constexpr std::size_t bytes_of_tick = 28;
 
 }  // namespace
 
@@ -253,7 +263,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
       for (const auto& count : runs) {
         const auto ticks = count.get<std::uint64_t>();
         if (!count.is_number_unsigned() || ticks > (text.size() - at) / bytes_of_tick)
-          throw Error(file.string() + ": ends before the last tick; expected 24 bytes for each tick");
+          throw Error(file.string() + ": ends before the last tick; expected 28 bytes for each tick");
         times.back().emplace_back(ticks);
         if (ticks > 0) std::memcpy(times.back().back().data(), text.data() + at, ticks * bytes_of_tick);
         at += ticks * bytes_of_tick;
@@ -262,7 +272,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
   } catch (const nlohmann::json::exception& e) {
     throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), "a value " + plain_words(e.what())));
   }
-  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 24 bytes for each tick");
+  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 28 bytes for each tick");
   return times;
 }
 

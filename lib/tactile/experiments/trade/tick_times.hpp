@@ -29,6 +29,7 @@ struct TickTime {
   float comparing = 0;                                   ///< of the `BackgroundRatio`, which a gate may need
   std::uint32_t events = 0;                              ///< in [t_c - t_h, t_c)
   float ratio = std::numeric_limits<float>::infinity();  ///< of `BackgroundRatio`, with all earlier events of the recording
+  std::uint32_t interruptions = 0;                       ///< how often another program took the processor from this thread
 
   bool is_open(const std::optional<model::GateRule>& gate) const { return !gate || !gate->closes(events, ratio); }
 
@@ -77,8 +78,8 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {},
                                     const OpenTimedModel& open = open_timed_model);
 
-/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 24 bytes for each tick (four float32,
-/// one uint32 and one float32 as in `TickTime`, little-endian).
+/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 28 bytes for each tick (four float32,
+/// one uint32, one float32 and one uint32 as in `TickTime`, little-endian).
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 

@@ -92,7 +92,7 @@ TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProg
   write_trade(trade, options.out);
   TradeSummary summary{.trade = trade, .file = options.out / "trade.json", .done = runner.done_now(), .kept = runner.kept()};
   for (const TradePoint& point : measured.points) {
-    if (recommendation.met && id_of(point.setting) == recommendation.id)
+    if (id_of(point.setting) == recommendation.id)
       summary.detect_options = detect_options(point.setting, point.networks.front().bundle.folder);
   }
   return summary;

@@ -15,7 +15,7 @@ namespace tactile::trade {
 struct TradeSummary {
   results::Trade trade;
   std::filesystem::path file;                      ///< trade.json
-  std::optional<nlohmann::json> detect_options{};  ///< of `tactile detect --config`, for a recommended setting
+  std::optional<nlohmann::json> detect_options{};  ///< of `tactile detect --config`, for the chosen setting, confirmed or not
   std::size_t done = 0, kept = 0;                  ///< number of steps done now, and found done
 };
 

@@ -81,6 +81,13 @@ OfRuns missed_in(Runs runs) {
   };
 }
 
+/// Over objects; over trainings and the runs of these objects where they are too few to be drawn from.
+results::Figure figure_over(const evaluation::CrossedResults& all, const OfRuns& statistic,
+                            const results::BootstrapOptions& options, const evaluation::Range& range) {
+  return all.size() < fewest_objects ? evaluation::figure_of_these_objects(all, statistic, options, range)
+                                     : evaluation::figure_over_objects(all, statistic, options, range);
+}
+
 using CountsOf = results::FalseAlarms (*)(const results::FalseAlarms&);
 
 results::FalseAlarms none_time_only(const results::FalseAlarms& counts) { return counts; }
@@ -176,6 +183,7 @@ TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::o
   for (const TickTime& time : times) {
     timed.tick_us.push_back(static_cast<float>(time.total(gate)));
     if (time.is_open(gate)) timed.open_tick_us.push_back(timed.tick_us.back());
+    timed.interrupted += time.interruptions > 0 ? 1 : 0;
   }
   return timed;
 }
@@ -214,11 +222,9 @@ results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const
   const Times times(timed);
   const Ranges ranges = ranges_of(runs);
   const auto figure = [&](const OfRuns& statistic, const evaluation::Range& range) {
-    return evaluation::figure_over_objects(all, statistic, options, range);
+    return figure_over(all, statistic, options, range);
   };
-  const auto of_times = [&](double q) {
-    return evaluation::figure_over_objects(times.runs, times.us(q), options, {.lowest = 0});
-  };
+  const auto of_times = [&](double q) { return figure_over(times.runs, times.us(q), options, {.lowest = 0}); };
   results::TradeResult result;
   results::TradeFigures& figures = result.figures;
   figures.accuracy = figure(accuracy_in(runs), ranges.accuracy);
@@ -238,7 +244,9 @@ results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const
   result.false_alarms_per_min = figure(per_min_in(runs, none_time_only), ranges.per_min);
   widen_by_few_alarms_in(runs, none_time_only, result.false_alarms_per_min, options.confidence);
   add_counts(runs, result);
-  for (const TimedRun& run : timed) result.ticks += run.tick_us.size();
+  double interrupted = 0;
+  for (const TimedRun& run : timed) result.ticks += run.tick_us.size(), interrupted += static_cast<double>(run.interrupted);
+  if (result.ticks > 0) figures.interrupted = interrupted / static_cast<double>(result.ticks);
   return result;
 }
 
@@ -251,7 +259,7 @@ results::TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcom
     throw Error("difference of settings: the two are not of the same runs; expected the same runs in the same order");
   const auto over = [&](const evaluation::CrossedResults& all, const OfRuns& of_a, const OfRuns& of_b,
                         const evaluation::Range& range) {
-    return evaluation::figure_over_objects(
+    return figure_over(
         all,
         [&](const evaluation::RunsByObject& chosen) -> std::optional<double> {
           const auto first = of_a(chosen), second = of_b(chosen);

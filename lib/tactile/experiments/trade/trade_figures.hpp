@@ -19,6 +19,9 @@
 
 namespace tactile::trade {
 
+/// To draw from them. With fewer objects, intervals are over trainings and runs, and hold for these objects only.
+inline constexpr std::size_t fewest_objects = 3, fewest_runs = 3;
+
 /// The truth of a run, which detectors are judged by.
 struct JudgedRun {
   std::string run, object;

@@ -25,16 +25,17 @@ using nlohmann::json;
 /// Which trainings judge which runs, in words.
 std::string judged_by(const TradePlan& plan) {
   const std::size_t trainings = plan.trainings.size();
+  const std::string of_runs =
+      plan.objects() < fewest_objects ? " Intervals are over trainings and runs, and hold for these objects only." : "";
   if (trainings == 1) {
     const experiments::RunDivision& runs = plan.trainings.front().runs;
-    return fmt::format("One training learns from {} runs. Settings are chosen on {} others and reported on {} others.",
-                       runs.train.size(), runs.choice.size(), runs.reported.size());
+    return fmt::format("One training learns from {} runs. Settings are chosen on {} others and reported on {} others.{}",
+                       runs.train.size(), runs.choice.size(), runs.reported.size(), of_runs);
   }
   return fmt::format(
       "Up to {} trainings of each setting, each with another seed and other runs to learn from, to choose on and to report on. "
-      "No "
-      "network is judged on a run that it learned from or was chosen on; another network may have been.",
-      trainings);
+      "No network is judged on a run that it learned from or was chosen on; another network may have been.{}",
+      trainings, of_runs);
 }
 
 results::TradedSetting traded(const TradePoint& point, const TradeSetting& usual) {
@@ -53,13 +54,19 @@ results::TradedSetting traded(const TradePoint& point, const TradeSetting& usual
   return traded;
 }
 
-/// The number of settings whose 99 % quantile of the time per tick is uncertain by more than a factor of four. The slowest
-/// heatmap of a run takes about twice as long as usual; all else is other load on the machine.
 std::uint64_t on_a_busy_machine(std::span<const TradePoint> points) {
-  return static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](const TradePoint& point) {
-    const auto is_uncertain = [](const results::Figure& us) { return us.has_interval() && *us.high > 4 * *us.low; };
-    return is_uncertain(point.choice.figures.us_p99) || is_uncertain(point.reported.figures.us_p99);
-  }));
+  return static_cast<std::uint64_t>(
+      std::count_if(points.begin(), points.end(), [](const TradePoint& point) { return point.reported.figures.is_disturbed(); }));
+}
+
+/// The share of all timed ticks in which another program had the processor.
+double interrupted_share(std::span<const TradePoint> points) {
+  double interrupted = 0, ticks = 0;
+  for (const TradePoint& point : points) {
+    ticks += static_cast<double>(point.reported.ticks);
+    interrupted += static_cast<double>(point.reported.ticks) * point.reported.figures.interrupted;
+  }
+  return ticks > 0 ? interrupted / ticks : 0;
 }
 
 json json_of(const TradeLevels& tried) {
@@ -107,9 +114,10 @@ results::Trade results_of(const TradePlan& plan, TradeFindings findings) {
       .times_are =
           fmt::format("Time per tick is the computing time of counting events, rendering and network, on one thread of one "
                       "process. All of at least {} ticks of each setting count, over all tested runs. The settings take turns, "
-                      "so that other load on the machine affects all of them equally. 'tactile detect' reports its own waiting "
+                      "so that other load on the machine affects all of them equally. Other programs interrupted {:.2g} % of "
+                      "these ticks. 'tactile detect' reports its own waiting "
                       "times.",
-                      options.timing.ticks),
+                      options.timing.ticks, 100 * interrupted_share(findings.points)),
       .judged_by = judged_by(plan),
       .settings = settings_json(options),
       .software = experiments::software_json(),
@@ -120,6 +128,7 @@ results::Trade results_of(const TradePlan& plan, TradeFindings findings) {
                   .samples = dataset.samples().size()},
       .usual = id_of(options.usual),
       .usual_is = judgement_of_usual(findings.points, options.usual),
+      .interrupted = interrupted_share(findings.points),
       .busy = on_a_busy_machine(findings.points),
       .not_measured = not_measured_in(options, findings),
       .unfinished = std::move(findings.unfinished),
