@@ -43,7 +43,7 @@ struct DetectArguments {
   capture::CameraSourceOptions source;
   double reconnect_s = 10, duration_s = 0;
   std::string engine = "fast", precision = "fp32";
-  DecisionArguments decision;
+  DecisionArguments decision{.thresholds = text_of(model::TwoThresholds{})};
   GateArguments gate;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
@@ -200,6 +200,7 @@ void add_model_options(Command& command, DetectArguments& args) {
           "else tcp://127.0.0.1:7777")
       .type_name("SOURCE");
   add_decision_options(command, args.decision);
+  add_thresholds_option(command, args.decision);
   add_gate_options(command, args.gate);
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);

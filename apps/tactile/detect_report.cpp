@@ -258,6 +258,7 @@ nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectMode
       {"rendering", detector.rendering},
       {"confirm", text_of(detector.decision.confirmation)},
       {"alarm_cost", detector.decision.filter ? nlohmann::json(detector.decision.filter->alarm_cost) : nlohmann::json()},
+      {"thresholds", detector.decision.thresholds ? nlohmann::json(text_of(*detector.decision.thresholds)) : nlohmann::json()},
       {"gate", detector.gate ? nlohmann::json{{"limit_events", detector.gate->ratio ? 0 : detector.gate->events},
                                               {"limit_ratio",
                                                detector.gate->ratio ? nlohmann::json(*detector.gate->ratio) : nlohmann::json()},

@@ -43,8 +43,9 @@ namespace fs = std::filesystem;
 evaluation::EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common) {
   evaluation::EvaluationOptions options;
   if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
-  options.confirmation = confirmation_in(args.decision.confirm);
+  options.confirmation = confirmation_of(args.decision);
   options.alarm_cost = alarm_cost_of(args.decision);
+  options.thresholds = thresholds_of(args.decision);
   options.gate = args.gate.on;
   options.gate_miss = args.gate.miss;
   options.threads = common.threads;
@@ -70,6 +71,11 @@ fs::path result_file(const fs::path& usual, const EvalArguments& args, const eva
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
   if (options.alarm_cost) name += fmt::format("-filter-{:g}", *options.alarm_cost);
+  if (options.thresholds) {
+    std::string text = text_of(*options.thresholds);
+    std::replace(text.begin(), text.end(), ':', '-');
+    name += "-thresholds-" + text;
+  }
   if (options.gate) name += options.gate_miss == model::gate_share ? "-gate" : fmt::format("-gate-miss-{:g}", options.gate_miss);
   if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
   return usual.parent_path() / (name + ".json");
@@ -297,6 +303,7 @@ void add_eval_command(CLI::App& app) {
                   "Count alarms that begin within this time after an interval separately [ms]; default: the dataset's guard")
       .check(in_range(0.0, 1e6));
   add_decision_options(command, args->decision);
+  add_thresholds_option(command, args->decision);
   add_gate_options(command, args->gate);
   add_engine_option(command, args->engine);
   const Option run =

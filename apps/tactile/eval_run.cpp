@@ -92,7 +92,9 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   picture.truth = prediction.truth.true_ones;
   picture.unlabelled = prediction.truth.unlabelled;
   std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms, in_ms(classifier.rendering().tick));
-  if (decision.filter) {
+  if (decision.thresholds) {
+    settings += "; decided by the thresholds " + text_of(*decision.thresholds);
+  } else if (decision.filter) {
     settings += fmt::format("; filtered with an alarm cost of {:g}", decision.filter->alarm_cost);
   } else if (decision.confirmation.of > 1) {
     settings +=
@@ -250,13 +252,15 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   if (shown.rows.empty()) return end_with(errors);
   const fs::path folder = stem_of(args, bundle, runs.front().folder).parent_path();
   write_settings(common, folder / "settings.json", {{"model", bundle.folder.string()}});
-  print_result(
-      common,
-      {{"model", bundle.folder.string()}, {"confirm", args.decision.confirm}, {"engine", args.engine}, {"runs", shown.json}},
-      fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
-          text_table({"run", "ticks", "alarms outside labels", "of wrong class", ""}, shown.rows) +
-          (shown.intervals.empty() ? "" : "\n" + text_table({"run", "label", "onset [s]", "delay"}, shown.intervals)) +
-          "\nWritten to " + folder.string() + ": a CSV, JSON, PNG and SVG each\n");
+  print_result(common,
+               {{"model", bundle.folder.string()},
+                {"confirm", text_of(options.decision.confirmation)},
+                {"engine", args.engine},
+                {"runs", shown.json}},
+               fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
+                   text_table({"run", "ticks", "alarms outside labels", "of wrong class", ""}, shown.rows) +
+                   (shown.intervals.empty() ? "" : "\n" + text_table({"run", "label", "onset [s]", "delay"}, shown.intervals)) +
+                   "\nWritten to " + folder.string() + ": a CSV, JSON, PNG and SVG each\n");
   end_with(errors);
 }
 

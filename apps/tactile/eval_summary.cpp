@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval_tables.hpp"
+#include "tactile/model/inference/two_thresholds.hpp"
 #include "tactile/results/figure_text.hpp"
 #include "text_table.hpp"
 
@@ -61,10 +62,12 @@ std::vector<std::pair<std::string, std::string>> detector_lines(const results::E
 /// Empty unless decisions over several ticks may help.
 std::string advice_on_alarms(const results::Evaluation& evaluation) {
   constexpr double many_per_min = 10;
-  const bool decides_over_ticks = evaluation.confirm != "1/1" || evaluation.alarm_cost.has_value();
+  const bool decides_over_ticks =
+      evaluation.confirm != "1/1" || evaluation.alarm_cost.has_value() || !evaluation.thresholds.empty();
   const double per_min = evaluation.network.false_alarms.outside_labels_per_min.value;
   if (decides_over_ticks || !(per_min >= many_per_min)) return {};
-  return "For fewer false alarms with a longer delay, try --filter or --confirm 3/5.\n";
+  return "For fewer false alarms with a longer delay, try the default of 'detect': --thresholds " +
+         text_of(model::TwoThresholds{}) + ".\n";
 }
 
 }  // namespace
@@ -73,6 +76,7 @@ std::string heading_of(const results::Evaluation& evaluation) {
   std::string heading = results::title_of(evaluation);
   if (evaluation.confirm != "1/1") heading += ", confirmed in " + evaluation.confirm + " ticks";
   if (evaluation.alarm_cost) heading += fmt::format(", filtered with an alarm cost of {:g}", *evaluation.alarm_cost);
+  if (!evaluation.thresholds.empty()) heading += ", decided by the thresholds " + evaluation.thresholds;
   if (evaluation.gate_off) heading += ", gated";
   return heading;
 }

@@ -52,6 +52,18 @@ std::filesystem::path dataset_file(const std::string& data) {
 
 Check is_confirmation() { return readable_by(confirmation_in); }
 
+namespace {
+
+/// "off", or a text that `read` reads.
+template <class Read>
+Check is_off_or(const Read& read) {
+  return readable_by([read](const std::string& text) {
+    if (text != "off") read(text);
+  });
+}
+
+}  // namespace
+
 std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
   if (std::filesystem::exists(file)) return std::nullopt;
@@ -160,7 +172,7 @@ void add_network_size(Command command, double& width, int& last_pool) {
 void add_decision_options(Command command, DecisionArguments& args) {
   command
       .add_option("--confirm", args.confirm, "Report a class only if it was predicted in at least K of the last N ticks; K > N/2")
-      .check(is_confirmation())
+      .check(is_off_or(confirmation_in))
       .type_name("K/N")
       .show_default();
   const Option filter = command.add_flag(
@@ -175,6 +187,17 @@ void add_decision_options(Command command, DecisionArguments& args) {
       .show_default();
 }
 
+void add_thresholds_option(Command command, DecisionArguments& args) {
+  command
+      .add_option(
+          "--thresholds", args.thresholds,
+          "Report a class from log-odds ON until they are below OFF for HOLD ms, as ON:OFF:HOLD; instead of --confirm and "
+          "--filter")
+      .check(is_off_or(model::two_thresholds_in))
+      .type_name("ON:OFF:HOLD")
+      .show_default();
+}
+
 void add_gate_options(Command command, GateArguments& args) {
   const Option gate =
       command.add_flag("--gate", args.on, "Report none without running the network while the events are likely to be background");
@@ -184,16 +207,28 @@ void add_gate_options(Command command, GateArguments& args) {
       .show_default();
 }
 
+Confirmation confirmation_of(const DecisionArguments& args) {
+  return args.confirm == "off" ? Confirmation{} : confirmation_in(args.confirm);
+}
+
 std::optional<double> alarm_cost_of(const DecisionArguments& args) {
   if (!args.filter) return std::nullopt;
-  if (confirmation_in(args.confirm) != Confirmation{})
+  if (confirmation_of(args) != Confirmation{})
     throw Error(fmt::format("--confirm {}: --filter replaces it; expected one of the two", args.confirm));
   return args.alarm_cost;
 }
 
+std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args) {
+  if (args.thresholds == "off") return std::nullopt;
+  if (!args.filter && args.confirm == "off") return model::two_thresholds_in(args.thresholds);
+  if (args.thresholds == args.usual_thresholds) return std::nullopt;
+  throw Error(fmt::format("--thresholds {}: cannot be combined with {}; expected one of the two", args.thresholds,
+                          args.filter ? "--filter" : "--confirm " + args.confirm));
+}
+
 model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,
                             const model::ModelDescription& model) {
-  model::Decision decision{.confirmation = confirmation_in(args.confirm)};
+  model::Decision decision{.confirmation = confirmation_of(args), .thresholds = thresholds_of(args)};
   if (const std::optional<double> alarm_cost = alarm_cost_of(args))
     decision.filter = model::filter_of(bundle, model, *alarm_cost);
   return decision;

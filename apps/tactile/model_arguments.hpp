@@ -32,11 +32,12 @@ std::vector<std::string> warn_of_splits(const windows::Dataset& dataset, std::sp
 /// k/n of `--confirm`.
 Check is_confirmation();
 
-/// How predictions become verdicts.
+/// How predictions become verdicts. "off" leaves a confirmation or thresholds out.
 struct DecisionArguments {
-  std::string confirm = "1/1";
+  std::string confirm = "off", thresholds = "off";
   bool filter = false;
   double alarm_cost = model::default_alarm_cost;
+  std::string usual_thresholds = thresholds;  ///< the command's default
 };
 
 /// The gate, which skips the network while the skin is quiet.
@@ -51,8 +52,17 @@ void add_gate_options(Command command, GateArguments& args);
 /// `--confirm`, `--filter` and `--alarm-cost`.
 void add_decision_options(Command command, DecisionArguments& args);
 
+/// `--thresholds`.
+void add_thresholds_option(Command command, DecisionArguments& args);
+
+Confirmation confirmation_of(const DecisionArguments& args);
+
 /// The alarm cost of the filter; nothing without a filter. @throws Error  if a confirmation is given too
 std::optional<double> alarm_cost_of(const DecisionArguments& args);
+
+/// The thresholds; nothing if they are off, or if they are the command's default and a confirmation or a filter is given.
+/// @throws Error  if others than the default are given with a confirmation or a filter
+std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args);
 
 /// @throws Error  also if the model has no transitions for the filter
 model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,

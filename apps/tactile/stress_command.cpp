@@ -110,7 +110,7 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   options.series = series_of(args);
   for (const std::string& file : args.quiet) options.quiet.emplace_back(file);
   options.runs = args.runs;
-  options.judging.confirmation = confirmation_in(args.decision.confirm);
+  options.judging.confirmation = confirmation_of(args.decision);
   options.judging.alarm_cost = alarm_cost_of(args.decision);
   options.judging.gate = args.gate;
   options.judging.threads = common.threads;

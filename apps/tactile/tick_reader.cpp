@@ -30,6 +30,7 @@ TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std
 
 detect::TickOutput TickReader::output() {
   return {.episode = [this](const detect::ReportedTick& tick) { begin_episode(tick); },
+          .episode_end = [this](const detect::VerdictEpisode& episode) { end_episode(episode); },
           .ticks = [this](std::span<const detect::ReportedTick> ticks) { read(ticks); },
           .end = [this] { end(); },
           .interrupted = interrupted};
@@ -68,9 +69,16 @@ void TickReader::begin_episode(const detect::ReportedTick& tick) {
   if (!options_.prints) return;
   line_.clear();
   const Touch touch = tick.verdict.verdict;
-  const microseconds shown = between(zero_of_times(options_.camera_time, tick.first_event), tick.verdict.t);
-  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), in_s(shown),
+  zero_ = zero_of_times(options_.camera_time, tick.first_event);
+  print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), in_s(between(zero_, tick.verdict.t)),
                     static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
+}
+
+void TickReader::end_episode(const detect::VerdictEpisode& episode) {
+  if (!options_.prints) return;
+  line_.clear();
+  print(fmt::format("{:<5} until {:.6f} s, {:.3f} s long\n", name_of(episode.touch), in_s(between(zero_, episode.last)),
+                    in_s(between(episode.first, episode.last))));
 }
 
 void TickReader::draw() {

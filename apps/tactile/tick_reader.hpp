@@ -17,7 +17,7 @@ struct TickReaderOptions {
   std::string csv;           ///< write every tick to this file; empty: none
   bool keeps = false;        ///< keep the ticks for a plot
   bool camera_time = false;  ///< print camera times instead of seconds since the first event
-  bool prints = true;        ///< print a line to stdout when press or slip begins
+  bool prints = true;        ///< print a line to stdout when press or slip begins, and when it ends
 };
 
 /// Shows, writes and keeps the ticks of a detection.
@@ -36,6 +36,7 @@ class TickReader {
   void read(std::span<const detect::ReportedTick> ticks);
   void write(const detect::ReportedTick& tick);
   void begin_episode(const detect::ReportedTick& tick);
+  void end_episode(const detect::VerdictEpisode& episode);
   void end();
   void draw();
 
@@ -44,6 +45,7 @@ class TickReader {
   std::ofstream file_;
   std::vector<detect::ReportedTick> kept_;
   std::optional<detect::ReportedTick> newest_;
+  CameraTime zero_{};  ///< of the times of the present episode
   std::uint64_t skipped_ = 0, not_kept_ = 0;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now(), drawn_{};
 };

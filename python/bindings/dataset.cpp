@@ -99,7 +99,7 @@ void bind_dataset(nb::module_& module) {
   module.attr("default_held_out") = windows::default_held_out();
   module.def("labels_text", &labels_text, nb::arg("path"));
   nb::class_<Dataset>(module, "DatasetFile")
-      .def(nb::init<const std::string&>(), nb::arg("path"), nb::call_guard<nb::gil_scoped_release>())
+      .def(nb::init<const std::string&>(), nb::arg("path"), nb::call_guard<OtherThreadsRun>())
       .def_prop_ro("runs", &runs_of)
       .def_prop_ro("simulated", [](const Dataset& file) { return file.dataset.simulated(); })
       .def_prop_ro("manifest_hash", [](const Dataset& file) { return file.dataset.manifest_hash(); })

@@ -36,7 +36,7 @@ NumpyArray<float> classify(const Classifier& classifier, const GivenArray<std::u
   const std::span<const std::uint8_t> values(heatmaps.data(), heatmaps.size());
   std::vector<Logits> logits;
   {
-    const nb::gil_scoped_release other_threads_run;
+    const OtherThreadsRun other_threads_run;
     logits = classifier.classify(values);
   }
   return array_of_logits(logits);
@@ -46,7 +46,7 @@ NumpyArray<float> probabilities(const Classifier& classifier, const GivenArray<f
   if (logits.shape(1) != touch_count) throw Error("logits: rows of " + std::to_string(logits.shape(1)) + "; expected rows of 3");
   std::vector<float> values;
   {
-    const nb::gil_scoped_release other_threads_run;
+    const OtherThreadsRun other_threads_run;
     values.reserve(logits.size());
     for (std::size_t row = 0; row < logits.shape(0); ++row) {
       const float* const first = logits.data() + row * touch_count;
@@ -136,7 +136,7 @@ void bind_engine(nb::module_& module) {
       .def(
           "__init__",
           [](Classifier* self, const std::string& bundle, const std::string& precision, unsigned threads) {
-            const nb::gil_scoped_release other_threads_run;
+            const OtherThreadsRun other_threads_run;
             new (self) Classifier(bundle, threads, {.precision = model::precision_named(precision)});
           },
           nb::arg("bundle"), nb::arg("precision"), nb::arg("threads"))

@@ -1,6 +1,7 @@
 #include <nanobind/stl/string_view.h>
 
 #include "arrays.hpp"
+#include "other_threads_run.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/version.hpp"
 
@@ -14,4 +15,5 @@ NB_MODULE(_tactile, module) {
   python::bind_heatmaps(module);
   python::bind_engine(module);
   python::bind_dataset(module);
+  nanobind::module_::import_("atexit").attr("register")(nanobind::cpp_function([] { python::RunningLoops::all().end_all(); }));
 }

@@ -143,7 +143,7 @@ nb::dict problems_of(Recording& recording) {
 void bind_recording(nb::module_& module) {
   nb::class_<Recording>(module, "Recording")
       .def(nb::init<const std::string&, const std::string&>(), nb::arg("path"), nb::arg("stream"),
-           nb::call_guard<nb::gil_scoped_release>())
+           nb::call_guard<OtherThreadsRun>())
       .def_prop_ro("size", &size_of)
       .def_prop_ro("source", [](const Recording& recording) { return recording.stream.source; })
       .def_prop_ro("problems", &problems_of)

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nanobind/nanobind.h>
-
 #include <mutex>
+
+#include "other_threads_run.hpp"
 
 namespace tactile::python {
 
@@ -11,7 +11,7 @@ namespace tactile::python {
 struct WorkingAlone {
   explicit WorkingAlone(std::mutex& mutex) : lock(mutex) {}
 
-  nanobind::gil_scoped_release other_threads_run;
+  OtherThreadsRun other_threads_run;
   std::scoped_lock<std::mutex> lock;
 };
 

@@ -22,7 +22,7 @@ results::Evaluation evaluation_with(double alarms_per_min) {
 
 TEST(EvalSummary, AdvisesToDecideOverTicksWhereThereAreManyFalseAlarms) {
   const auto advises = [](const results::Evaluation& evaluation) {
-    return has(summary_of(evaluation), "try --filter or --confirm 3/5");
+    return has(summary_of(evaluation), "try the default of 'detect': --thresholds ");
   };
   EXPECT_TRUE(advises(evaluation_with(10)));
   EXPECT_FALSE(advises(evaluation_with(9.9)));

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "evaluation/trained_model.hpp"
 #include "robot/fake_controller.hpp"
@@ -19,6 +20,7 @@
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/recording_writer.hpp"
 #include "tactile/heatmaps/run_heatmaps.hpp"
+#include "tactile/model/inference/two_thresholds.hpp"
 #include "transport/scripted_server.hpp"
 
 namespace tactile::detect {
@@ -33,11 +35,19 @@ using test::trained;
 
 using Row = test::TickRow;
 
+/// The same decision in `eval`, whose default is each tick alone.
+std::string eval_options(const std::string& detect_options) {
+  for (const char* decision : {"--confirm", "--filter", "--thresholds"}) {
+    if (detect_options.find(decision) != std::string::npos) return detect_options;
+  }
+  return detect_options + " --thresholds " + text_of(model::TwoThresholds{});
+}
+
 TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   const fs::path folder = trained().folder.path();
-  for (const std::string options : {"", " --confirm 3/4", " --gate", " --gate --gate-miss 0.5 --confirm 2/3", " --filter",
-                                    " --gate --filter --alarm-cost 0.1"}) {
-    const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + options, folder);
+  for (const std::string options : {"", " --confirm 1/1", " --confirm 3/4", " --gate", " --gate --gate-miss 0.5 --confirm 2/3",
+                                    " --filter", " --gate --filter --alarm-cost 0.1", " --thresholds 0:-1:8"}) {
+    const auto eval = run_tactile("eval --quiet --model small --run fan/02 --out offline" + eval_options(options), folder);
     ASSERT_EQ(eval.exit_code, 0) << eval.err;
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
     ASSERT_GT(offline.size(), 100U);
@@ -70,6 +80,37 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   }
 }
 
+TEST(DetectCommand, IsCalmByDefault) {
+  const auto episodes = [](const std::string& options) {
+    const auto result =
+        run_tactile("detect --json --quiet --model small --from file:data/fan/02 --speed 0" + options, trained().folder.path());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out, nullptr, false);
+    return json.at("episodes").at("press").get<int>() + json.at("episodes").at("slip").get<int>();
+  };
+  EXPECT_GE(episodes(""), 2) << "the run has a press and a slip";
+  EXPECT_LE(3 * episodes(""), episodes(" --confirm 1/1"));
+  EXPECT_EQ(episodes(" --thresholds off"), episodes(" --confirm 1/1"));
+}
+
+TEST(DetectCommand, PrintsWhereEachEpisodeEnds) {
+  const auto result = run_tactile("detect --quiet --model small --from file:data/fan/02 --speed 0", trained().folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream lines(result.out);
+  std::string line, begun;
+  int ended = 0;
+  while (std::getline(lines, line) && !line.empty()) {
+    const bool begins = line.find(" at ") != std::string::npos;
+    EXPECT_NE(begins, line.find(" until ") != std::string::npos) << line;
+    EXPECT_EQ(begins, begun.empty()) << line;
+    if (!begins) EXPECT_EQ(line.substr(0, 5), begun.substr(0, 5));
+    ended += begins ? 0 : 1;
+    begun = begins ? line : "";
+  }
+  EXPECT_GE(ended, 2);
+  EXPECT_TRUE(begun.empty()) << begun;
+}
+
 /// Models of kinds that read no heatmaps.
 class DetectOtherKinds : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds, testing::Values("trees --rounds 20", "temporal --epochs 40"));
@@ -80,7 +121,7 @@ TEST_P(DetectOtherKinds, AgreesWithEvalAtEveryTick) {
   const auto train = run_tactile("train --quiet --name other --kind " + GetParam(), folder);
   ASSERT_EQ(train.exit_code, 0) << train.err;
   for (const std::string options : {"", " --gate --filter --alarm-cost 0.1"}) {
-    const auto eval = run_tactile("eval --quiet --model other --run fan/02 --out offline" + options, folder);
+    const auto eval = run_tactile("eval --quiet --model other --run fan/02 --out offline" + eval_options(options), folder);
     ASSERT_EQ(eval.exit_code, 0) << eval.err;
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
     ASSERT_GT(offline.size(), 100U);
@@ -107,7 +148,7 @@ TEST_P(DetectOtherKinds, AgreesWithEvalAtEveryTick) {
 
 TEST(DetectCommand, AgreesWithEvalOnAStreamWithoutLateEvents) {
   const fs::path folder = trained().folder.path();
-  ASSERT_EQ(run_tactile("eval --quiet --model small --run fan/02 --out offline", folder).exit_code, 0);
+  ASSERT_EQ(run_tactile("eval --quiet --model small --run fan/02 --out offline" + eval_options(""), folder).exit_code, 0);
   std::map<std::string, Row> offline;
   for (const Row& row : rows_of(folder / "offline/fan-02.csv")) offline[row.at("t_us")] = row;
   RunningCommand server("serve data/fan/02 --port 0", folder);
@@ -235,6 +276,8 @@ TEST(DetectCommand, ReportsWhatIsWrong) {
   expect_error("--from file:data/fan/02 --robot 127.0.0.1 --bit 70 --slip-bit 70", "is given twice");
   expect_error("--from file:data/fan/02 --udp nowhere", "expected HOST:PORT");
   expect_error("--from file:data/fan/02 --confirm 1/2", "more than half");
+  expect_error("--from file:data/fan/02 --thresholds 1:2:20", "OFF <= ON");
+  expect_error("--from file:data/fan/02 --thresholds 2:1:10 --confirm 2/3", "cannot be combined with --confirm 2/3");
   expect_error("--from file:nothing", "nothing");
   expect_error("--from sim:fan", "expected the heatmaps of 32 x 24 cells that models/small was trained on");
   expect_error("--from file:data/fan/02 --speed 0 --ticks no/such/place.csv", "cannot be written");

@@ -63,10 +63,15 @@ TEST_F(DetectionSessionOfAFile, ReportsEveryTickOnceAndCountsEpisodes) {
   heatmaps::for_every_tick(
       events, sensor, {.history = 10ms, .tick = 2ms},
       [&](CameraTime t, std::span<const std::uint8_t>, std::uint64_t count) { offline.emplace_back(t, count); });
-  std::vector<CameraTime> begins;
+  std::vector<CameraTime> begins, ends;
   bool has_ended = false;
   TickOutput output;
   output.episode = [&](const ReportedTick& tick) { begins.push_back(tick.verdict.t); };
+  output.episode_end = [&](const VerdictEpisode& episode) {
+    ASSERT_EQ(begins.size(), ends.size() + 1) << "each end comes before the next begin";
+    EXPECT_EQ(episode.first, begins.back());
+    ends.push_back(episode.last);
+  };
   output.ticks = [&](std::span<const ReportedTick> ticks) {
     for (const ReportedTick& tick : ticks) live.emplace_back(tick.verdict.t, tick.verdict.events);
   };
@@ -75,6 +80,9 @@ TEST_F(DetectionSessionOfAFile, ReportsEveryTickOnceAndCountsEpisodes) {
   EXPECT_EQ(live, offline);
   EXPECT_TRUE(has_ended);
   EXPECT_EQ(begins, (std::vector{camera_time(10'000), camera_time(102'000)}));
+  ASSERT_EQ(ends.size(), 2U) << "also of the one that lasts until the end";
+  EXPECT_EQ(ends[0], camera_time(58'000));
+  EXPECT_EQ(ends[1], live.back().first);
   EXPECT_EQ(summary.verdicts.episodes[static_cast<std::size_t>(Touch::slip)], 2U);
   EXPECT_EQ(summary.verdicts.first_episodes.at(0).last, camera_time(58'000)) << "the last history with an event";
   EXPECT_EQ(summary.deadlines.counts().reported, offline.size());

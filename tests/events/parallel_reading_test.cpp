@@ -1,9 +1,11 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "events/made_recording.hpp"
 #include "events/recording_contents.hpp"
+#include "support/error_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -17,7 +19,7 @@ namespace fs = std::filesystem;
 /// Two cameras and an inertial sensor, a few hundred packets of each.
 class ParallelReading : public testing::Test {
  protected:
-  fs::path write(Compression compression, bool closed = true) {
+  fs::path write(Compression compression, bool closed = true, std::int64_t begin_us = 0) {
     const fs::path file = folder / (std::string(name_of(compression)) + (closed ? ".aedat4" : "-open.aedat4"));
     Stream second = event_stream_declaration({320, 240}, "DVXplorer_B");
     second.id = 1;
@@ -25,7 +27,7 @@ class ParallelReading : public testing::Test {
         file,
         {event_stream_declaration({640, 480}, "DVXplorer_A"), second, test::stream_of(2, StreamType::imu, "IMUS", "DVXplorer_A")},
         {.compression = compression, .packet_events = 500});
-    for (std::int64_t t = 0; t < 1'000'000; t += 10'000) {
+    for (std::int64_t t = begin_us; t < begin_us + 1'000'000; t += 10'000) {
       writer.write_events(0, test::steady_events(2'000, t, 5, {640, 480}));
       writer.write_events(1, test::steady_events(700, t, 14, {320, 240}));
       ImuSample sample;
@@ -111,6 +113,22 @@ TEST_F(ParallelReading, ReportsAFileThatBecomesShorterMeanwhile) {
       }
       fs::remove(file);
     }
+  }
+}
+
+TEST_F(ParallelReading, ReportsAFileThatIsReplacedMeanwhile) {
+  for (const auto compression : {Compression::none, Compression::lz4}) {
+    const fs::path later = folder / "later.aedat4";
+    fs::rename(write(compression, true, 3'600'000'000), later);
+    const fs::path file = write(compression);
+    RecordingReader recording(file);
+    for_all_events(recording, 0, [](std::span<const Event>) {});
+    fs::copy_file(later, file, fs::copy_options::overwrite_existing);
+    EXPECT_EQ(
+        test::error_of([&] { for_all_events(recording, 0, [](std::span<const Event>) {}); }),
+        fmt::format("{}: was written to while it was read: the packet at byte {} is no longer the one listed; expected it to "
+                    "stay as it is",
+                    file.string(), recording.packets()[0].payload_offset));
   }
 }
 

@@ -1,4 +1,5 @@
 import csv
+import shutil
 import signal
 from concurrent.futures import ThreadPoolExecutor
 
@@ -136,3 +137,12 @@ def test_a_signal_ends_long_work(lab, engine, work):
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
     assert len(engine.predict(recording).t_us) > 1000  # the recording can still be read
+
+
+def test_reports_a_recording_that_is_replaced_while_it_is_open(lab, tmp_path):
+    file = tmp_path / "events.aedat4"
+    shutil.copyfile(lab.recording, file)
+    recording = tactile.Recording(file)
+    shutil.copyfile(lab.folder / "data/usb-hub/01/events.aedat4", file)
+    with pytest.raises(tactile.Error, match=f"{file}: (was written to|became shorter) while it was read"):
+        tactile.Engine(lab.bundle).predict(recording)

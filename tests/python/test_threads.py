@@ -1,5 +1,6 @@
 """Python's other threads run while the module works."""
 
+import subprocess
 import sys
 import threading
 import time
@@ -74,3 +75,23 @@ def test_may_share_a_renderer(lab):
     for worker in workers:
         worker.join()
     assert len(found) == 400 and all(np.array_equal(one, expected) for one in found)
+
+
+def run_python(code, *arguments):
+    return subprocess.run([sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def test_end_quietly_with_python(lab):
+    code = """
+import sys, threading, time, tactile
+recording, engine = tactile.Recording(sys.argv[1]), tactile.Engine(sys.argv[2])
+def loop():
+    while True:
+        engine.predict(recording)
+for _ in range(2):
+    threading.Thread(target=loop, daemon=True).start()
+time.sleep(float(sys.argv[3]))
+"""
+    for seconds in (0.05, 0.3, 0.5):
+        done = run_python(code, lab.recording, lab.bundle, seconds)
+        assert done.returncode == 0 and "Fatal" not in done.stderr, done.stderr

@@ -188,7 +188,9 @@ EventFeedOptions DetectionSession::State::feed_options() {
 void DetectionSession::State::pass_ticks_to(const TickOutput& output) {
   ticks.take(read);
   for (const ReportedTick& tick : read) {
-    if (summary.verdicts.add(tick)) output.episode(tick);
+    const EpisodeChange change = summary.verdicts.add(tick);
+    if (change.ended) output.episode_end(*change.ended);
+    if (change.begins) output.episode(tick);
   }
   output.ticks(read);
 }
@@ -287,7 +289,11 @@ DetectionSummary DetectionSession::run(const TickOutput& output) {
   feed.stop();
   working.join();
   try {
-    if (!output_failure) state.pass_ticks_to(output), output.end();
+    if (!output_failure) {
+      state.pass_ticks_to(output);
+      if (const auto last = summary.verdicts.end()) output.episode_end(*last);
+      output.end();
+    }
   } catch (...) {
     output_failure = std::current_exception();
   }

@@ -44,6 +44,7 @@ struct DetectionOptions {
 /// What the caller does with the ticks while a session runs, on the thread that called `run`. An exception ends the session.
 struct TickOutput {
   std::function<void(const ReportedTick&)> episode = [](const auto&) {};          ///< the first tick of a press or slip
+  std::function<void(const VerdictEpisode&)> episode_end = [](const auto&) {};    ///< once it is over, or at the end
   std::function<void(std::span<const ReportedTick>)> ticks = [](const auto&) {};  ///< the ticks since the last call, maybe none
   std::function<void()> end = [] {};                                              ///< after the last tick
   std::function<bool()> interrupted = [] { return false; };                       ///< whether to stop

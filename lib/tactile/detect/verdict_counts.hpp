@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "tactile/core/touch.hpp"
@@ -17,6 +18,12 @@ struct VerdictEpisode {
   CameraTime first{}, last{};
 };
 
+/// What a tick changes: the episode that ended before it, and whether one begins with it.
+struct EpisodeChange {
+  std::optional<VerdictEpisode> ended;
+  bool begins = false;
+};
+
 /// Counts ticks and episodes by verdict.
 struct VerdictCounts {
   static constexpr std::size_t most_episodes = 10'000;  ///< that are listed; further ones are only counted
@@ -25,29 +32,34 @@ struct VerdictCounts {
   std::vector<VerdictEpisode> first_episodes;
   std::optional<CameraTime> first_tick, last_tick;
 
-  /// Ticks in order of time. @return  whether an episode begins with this one
-  bool add(const ReportedTick& tick) {
+  /// Ticks in order of time.
+  EpisodeChange add(const ReportedTick& tick) {
     const CameraTime t = tick.verdict.t;
     const Touch touch = tick.verdict.verdict;
     ++ticks[static_cast<std::size_t>(touch)];
     if (!first_tick) first_tick = t;
     last_tick = t;
-    const bool continues = last_ == touch && beginning_ == tick.beginning;
-    last_ = touch;
+    EpisodeChange change;
+    if (present_ && (present_->touch != touch || beginning_ != tick.beginning)) change.ended = end();
     beginning_ = tick.beginning;
-    if (touch == Touch::none) return false;
-    if (continues) {
-      if (is_listed_) first_episodes.back().last = t;
-      return false;
+    if (touch == Touch::none) return change;
+    change.begins = !present_;
+    if (change.begins) {
+      ++episodes[static_cast<std::size_t>(touch)];
+      is_listed_ = first_episodes.size() < most_episodes;
+      present_ = VerdictEpisode{touch, t, t};
+      if (is_listed_) first_episodes.push_back(*present_);
     }
-    ++episodes[static_cast<std::size_t>(touch)];
-    is_listed_ = first_episodes.size() < most_episodes;
-    if (is_listed_) first_episodes.push_back({touch, t, t});
-    return true;
+    present_->last = t;
+    if (is_listed_) first_episodes.back().last = t;
+    return change;
   }
 
+  /// No tick follows. @return  the present episode, if any
+  std::optional<VerdictEpisode> end() { return std::exchange(present_, std::nullopt); }
+
  private:
-  Touch last_ = Touch::none;
+  std::optional<VerdictEpisode> present_;
   std::uint32_t beginning_ = 0;
   bool is_listed_ = false;  ///< the present episode
 };

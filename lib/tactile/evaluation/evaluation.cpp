@@ -113,6 +113,7 @@ results::Evaluation description_of(const windows::Dataset& dataset, std::span<co
   evaluation.tick = first.rendering().tick;
   evaluation.confirm = text_of(options.confirmation);
   evaluation.alarm_cost = options.alarm_cost;
+  if (options.thresholds) evaluation.thresholds = text_of(*options.thresholds);
   evaluation.bootstrap = options.bootstrap;
   evaluation.engine = name_of(first.engine());
   return evaluation;

@@ -10,6 +10,7 @@
 #include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/model/inference/classifier.hpp"
+#include "tactile/model/inference/two_thresholds.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -21,8 +22,9 @@ struct EvaluationOptions {
       std::nullopt;  ///< how long after an interval alarms are counted separately; >= 0; default: the dataset's guard
   Confirmation confirmation{};
   std::optional<double> alarm_cost = std::nullopt;  ///< of the decision filter, which then replaces the confirmation; > 0
-  bool gate = false;                                ///< the verdict is none where the model's gate is closed
-  double gate_miss = model::gate_share;             ///< the share of intervals that it may miss, in [0, 1)
+  std::optional<model::TwoThresholds> thresholds = std::nullopt;  ///< which then replace both
+  bool gate = false;                                              ///< the verdict is none where the model's gate is closed
+  double gate_miss = model::gate_share;                           ///< the share of intervals that it may miss, in [0, 1)
   DelayOptions delay{};
   results::OverTimeOptions over_time{};
   results::BootstrapOptions bootstrap{};

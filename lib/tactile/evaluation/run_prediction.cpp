@@ -62,10 +62,12 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                       {"first_event_us", nullptr},
                       {"confirm", text_of(prediction.decision.confirmation)},
                       {"alarm_cost", nullptr},
+                      {"thresholds", nullptr},
                       {"intervals", nlohmann::json::array()},
                       {"false_alarms", nullptr}};
   if (prediction.first_event) json["first_event_us"] = us_of(*prediction.first_event);
   if (prediction.decision.filter) json["alarm_cost"] = prediction.decision.filter->alarm_cost;
+  if (prediction.decision.thresholds) json["thresholds"] = text_of(*prediction.decision.thresholds);
   std::size_t next = 0;  // detections are of the labels in use, in their order
   for (const windows::SampledInterval& label : prediction.truth.labels) {
     if (label.used && next < prediction.detections.size()) {

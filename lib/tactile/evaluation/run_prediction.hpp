@@ -22,7 +22,7 @@ struct RunPrediction {
   bool simulated = false;
   std::optional<CameraTime> first_event;  ///< the origin of times for people
   results::FullRun full;
-  std::vector<Touch> verdicts;  ///< confirmed or filtered, one for each tick
+  std::vector<Touch> verdicts;  ///< after the decision, one for each tick
   RunTruth truth;
   std::vector<results::Detection> detections;  ///< of the labelled intervals that are not in doubt
   results::FalseAlarms false_alarms;           ///< where the run has labels
@@ -44,8 +44,8 @@ struct PredictionOptions {
 RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
-/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "intervals":
-/// [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
+/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "thresholds",
+/// "intervals": [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
 /// Intervals whose labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
 nlohmann::json outcome_json(const RunPrediction& prediction);
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <numeric>
 
@@ -88,7 +89,9 @@ void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& 
   result.by_threshold.reserve(default_thresholds().size());
   for (const double threshold : default_thresholds()) {
     model::Decision decision = scoring.decision;
-    if (decision.filter) decision.filter->alarm_cost = threshold / (1 - threshold);  // the odds of a touch
+    const double odds = threshold / (1 - threshold);  // of a touch
+    if (decision.filter) decision.filter->alarm_cost = odds;
+    if (decision.thresholds) decision.thresholds = model::moved_to(*decision.thresholds, std::log(odds));
     result.by_threshold.push_back(score(model::decided(
         decision, run.full.ticks.tick, verdicts_above(run.full.probabilities, threshold), run.full.probabilities)));
   }
@@ -175,7 +178,7 @@ std::optional<model::GateRule> gate_of(const model::Classifier& classifier, cons
 }
 
 model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options) {
-  model::Decision decision{.confirmation = options.confirmation};
+  model::Decision decision{.confirmation = options.confirmation, .thresholds = options.thresholds};
   if (options.alarm_cost) decision.filter = model::filter_of({classifier.bundle()}, classifier.model(), *options.alarm_cost);
   return decision;
 }

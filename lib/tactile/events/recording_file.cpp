@@ -54,6 +54,13 @@ RecordingFile::RecordingFile(const fs::path& path)
   }
   if (!S_ISREG(status.st_mode)) throw Error(name_ + ": is no regular file; expected an AEDAT4 recording");
   size_ = static_cast<std::uint64_t>(status.st_size);
+  written_ = status.st_mtim;
+}
+
+bool RecordingFile::has_changed() const {
+  struct stat status {};
+  return ::fstat(file_.number(), &status) != 0 || static_cast<std::uint64_t>(status.st_size) < size_ ||
+         status.st_mtim.tv_sec != written_.tv_sec || status.st_mtim.tv_nsec != written_.tv_nsec;
 }
 
 void RecordingFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {

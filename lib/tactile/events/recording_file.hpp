@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -23,6 +25,7 @@ class RecordingFile {
 
   const std::string& name() const { return name_; }  ///< for errors
   std::uint64_t size() const { return size_; }
+  bool has_changed() const;  ///< since it was opened: it was written to, or cut
   int descriptor() const { return file_.number(); }
   FileParts& parts() const { return parts_; }  ///< for several threads
   /// Fills `bytes` from `offset` on. @throws Error if they cannot be read, or the file has become shorter
@@ -32,6 +35,7 @@ class RecordingFile {
   std::string name_;
   FileDescriptor file_;
   std::uint64_t size_ = 0;
+  timespec written_{};  ///< when it was last written to, as it was opened
   mutable FileParts parts_;
 };
 

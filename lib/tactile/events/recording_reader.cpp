@@ -107,6 +107,7 @@ struct RecordingReader::State {
   template <class Element>
   void note_elements(std::size_t i, std::span<const Element> elements);
 
+  void check_unchanged(std::size_t i, bool is_whole, std::span<const Event> events) const;
   std::optional<DecodedEvents> events_ahead(std::size_t i);
   std::span<Event> events(std::size_t i);
   std::vector<ImuSample> imu(std::size_t i);
@@ -294,16 +295,36 @@ std::optional<DecodedEvents> RecordingReader::State::events_ahead(std::size_t i)
   return ahead && in_a_row > habit ? ahead->take(records[i]) : std::nullopt;
 }
 
+/// A packet of a recording that is overwritten while it is read may have any time, and so any number of ticks.
+/// @throws Error  if a packet is not as it was listed, and the file was written to
+void RecordingReader::State::check_unchanged(std::size_t i, bool is_whole, std::span<const Event> events) const {
+  const PacketRecord& record = records[i];
+  const auto lies_within = [&](const Event& event) { return record.first <= event.t && event.t <= record.last; };
+  const bool is_listed = is_whole && (events.empty() || (lies_within(events.front()) && lies_within(events.back())));
+  if (scanning || is_listed || !file.has_changed()) return;
+  throw Error(fmt::format(
+      "{}: was written to while it was read: the packet at byte {} is no longer the one listed; expected it to stay as it is",
+      file.name(), record.payload_offset));
+}
+
 std::span<Event> RecordingReader::State::events(std::size_t i) {
-  if (pieces) return pieces->events(records[i]);
+  if (pieces) {
+    const std::span<Event> events = pieces->events(records[i]);
+    check_unchanged(i, true, events);
+    return events;
+  }
   std::optional<DecodedEvents> decoded = events_ahead(i);
   if (!decoded) decoded = decoder.decode(records[i], sensor_of(records[i]), content);
-  if (!is_whole(i, decoded->contents)) return {};
+  if (!is_whole(i, decoded->contents)) {
+    check_unchanged(i, false, {});
+    return {};
+  }
   if (decoded->dropped > 0) {
     notes[i].corrected = true;
     if (!notes[i].counted) problems.out_of_range_events += decoded->dropped;
   }
   correct_times(i, decoded->events, decoded->ascending);
+  check_unchanged(i, true, decoded->events);
   notes[i].counted = true;
   return decoded->events;
 }

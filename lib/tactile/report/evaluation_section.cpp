@@ -365,11 +365,13 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool
                     fmt::format("Detection: {}{}{}{}", model, has_history ? fmt::format(" ({:g} ms)", evaluation.history_ms) : "",
                                 where.empty() ? "" : ", ", where));
   if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
-  page.html.paragraph(fmt::format(
-      "{}, a tick every {:g} ms, {}. Runs: {}.",
-      has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model, in_ms(scores.tick),
-      scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost) : "confirmation " + scores.confirm,
-      evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+  page.html.paragraph(fmt::format("{}, a tick every {:g} ms, {}. Runs: {}.",
+                                  has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model,
+                                  in_ms(scores.tick),
+                                  !scores.thresholds.empty() ? "thresholds " + scores.thresholds
+                                  : scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost)
+                                                      : "confirmation " + scores.confirm,
+                                  evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
   if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {
     page.html.heading("Accuracy");
     page.html.table(table);

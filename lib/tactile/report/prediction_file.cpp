@@ -95,6 +95,7 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
     settings += fmt::format("; confirmed {}", confirm);
   if (const auto alarm_cost = outcome["alarm_cost"].number_if_there())
     settings += fmt::format("; filtered with an alarm cost of {:g}", *alarm_cost);
+  if (outcome["thresholds"]) settings += "; decided by the thresholds " + outcome["thresholds"].text();
   picture.remarks.push_back(settings + ".");
   if (const results::JsonView alarms = outcome["false_alarms"]; alarms && alarms["outside_labels"])
     picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>()));

@@ -77,6 +77,7 @@ struct Evaluation {
   bool simulated = false;
   microseconds guard{0}, sampling_guard{0}, tick{0};
   std::optional<double> alarm_cost{};  ///< of the decision filter; without one, verdicts are confirmed
+  std::string thresholds{};            ///< "1.4:-2.6:20": of a decision by two thresholds; empty: none
   std::string confirm = "1/1";         ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
   BootstrapOptions bootstrap;
   std::string engine;                        ///< "fast" or "libtorch"

@@ -59,6 +59,7 @@ json model_json(const model::ModelBundle& bundle) {
       {"name", bundle.name()}, {"error", nullptr}, {"parameters", nullptr}, {"eval", nullptr}, {"history", json::array()}};
   try {
     const model::ModelDescription description = model::read_description(bundle);
+    model::read_bundle_weights(bundle, description);
     entry["settings"] = settings_json(description.settings);
     entry["trained"] = {
         {"when", description.trained_at}, {"dataset", description.dataset}, {"manifest_hash", description.manifest_hash},

@@ -90,6 +90,14 @@ TEST(Classifier, RefusesAFolderWithoutAModel) {
   EXPECT_NE(error_of({folder / "nothing"}).find("tactile train"), std::string::npos);
 }
 
+/// Replaces a bundle's weights, and their hash.
+void write_weights_of(const ModelBundle& bundle, const Weights& weights) {
+  write_weights(bundle.weights(), weights);
+  nlohmann::json json = read_json(bundle.description());
+  json["weights_sha256"] = sha256_of_file(bundle.weights());
+  write_json(bundle.description(), json);
+}
+
 TEST(Classifier, RefusesWeightsThatTheHashDoesNotName) {
   const test::TemporaryFolder folder;
   const ModelBundle bundle = small_bundle(folder);
@@ -106,11 +114,48 @@ TEST(Classifier, RefusesWeightsThatAreNotFinite) {
   const ModelBundle bundle = small_bundle(folder);
   Weights weights = LeNet({32, 24}, 3).weights();
   weights[4].values[7] = std::numeric_limits<float>::quiet_NaN();
-  write_weights(bundle.weights(), weights);
-  nlohmann::json json = read_json(bundle.description());
-  json["weights_sha256"] = sha256_of_file(bundle.weights());
-  write_json(bundle.description(), json);
+  write_weights_of(bundle, weights);
   EXPECT_EQ(error_of(bundle), bundle.weights().string() + ": fc1.weight[0,7] is nan; expected finite weights");
+}
+
+TEST(Classifier, RefusesWeightsBeyondTheLargest) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  Weights weights = LeNet({32, 24}, 3).weights();
+  weights[4].values[7] = -largest_weight;
+  write_weights_of(bundle, weights);
+  EXPECT_EQ(error_of(bundle).find("expected finite"), std::string::npos) << error_of(bundle);
+  weights[4].values[7] = -1e20F;
+  write_weights_of(bundle, weights);
+  EXPECT_EQ(error_of(bundle),
+            bundle.weights().string() + ": fc1.weight[0,7] is -1e+20; expected finite weights of at most 1e+09");
+}
+
+TEST(Classifier, TakesNoLongerWithDenormalWeights) {
+  const test::TemporaryFolder folder;
+  const ModelBundle bundle = small_bundle(folder);
+  const auto noise = test::noise_heatmaps(64, {32, 24}, 1);
+  const auto seconds_of = [&](EngineKind engine) {
+    const Classifier classifier = open_classifier(bundle.folder, 1, engine);
+    classifier.classify(noise);
+    double least = 1e9;
+    for (int turn = 0; turn < 5; ++turn) {
+      const auto begun = std::chrono::steady_clock::now();
+      classifier.classify(noise);
+      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+    }
+    return least;
+  };
+  for (const EngineKind engine : {EngineKind::fast, EngineKind::libtorch}) {
+    write_weights_of(bundle, LeNet({32, 24}, 3).weights());
+    const double usual = seconds_of(engine);
+    Weights tiny = LeNet({32, 24}, 3).weights();
+    for (Parameter& parameter : tiny) {
+      for (float& value : parameter.values) value *= 1e-38F;
+    }
+    write_weights_of(bundle, tiny);
+    EXPECT_LT(seconds_of(engine), 4 * usual) << name_of(engine);
+  }
 }
 
 TEST(Classifier, GivesNoVerdictOfWeightsWhoseSumsLeaveFloat32) {
@@ -118,12 +163,9 @@ TEST(Classifier, GivesNoVerdictOfWeightsWhoseSumsLeaveFloat32) {
   const ModelBundle bundle = small_bundle(folder);
   Weights weights = LeNet({32, 24}, 3).weights();
   for (Parameter& parameter : weights) {
-    for (float& value : parameter.values) value *= 1e30F;
+    for (float& value : parameter.values) value *= 1e9F;
   }
-  write_weights(bundle.weights(), weights);
-  nlohmann::json json = read_json(bundle.description());
-  json["weights_sha256"] = sha256_of_file(bundle.weights());
-  write_json(bundle.description(), json);
+  write_weights_of(bundle, weights);
   EXPECT_NE(error_of(bundle).find("so large that sums may exceed float32"), std::string::npos) << error_of(bundle);
   const Classifier libtorch = open_classifier(bundle.folder, 1, EngineKind::libtorch);
   const auto noise = test::noise_heatmaps(3, {32, 24}, 1);

@@ -264,7 +264,9 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
   if (sha256_of_file(bundle.weights()) != description.weights_sha256) {
     throw Error(bundle.weights().string() + ": its hash differs from model.json; expected the bundle as it was written");
   }
-  return read_weights(bundle.weights(), parameters);
+  Weights weights = read_weights(bundle.weights(), parameters);
+  check_finite(weights, bundle.weights().string(), largest_weight);
+  return weights;
 }
 
 GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss) {

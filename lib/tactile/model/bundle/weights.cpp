@@ -1,5 +1,7 @@
 #include "tactile/model/bundle/weights.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -127,16 +129,16 @@ void check_shapes(const Weights& weights, const std::vector<ParameterShape>& sha
   }
 }
 
-void check_finite(const Weights& weights, const std::string& where) {
+void check_finite(const Weights& weights, const std::string& where, float largest) {
   for (const Parameter& parameter : weights) {
-    const auto bad =
-        std::find_if(parameter.values.begin(), parameter.values.end(), [](float value) { return !std::isfinite(value); });
+    const auto bad = std::find_if(parameter.values.begin(), parameter.values.end(),
+                                  [=](float value) { return !(std::abs(value) <= largest); });
     if (bad == parameter.values.end()) continue;
     std::vector<std::int64_t> place(parameter.shape.sizes.size());
     std::int64_t left = bad - parameter.values.begin();
     for (std::size_t i = place.size(); i-- > 0; left /= parameter.shape.sizes[i]) place[i] = left % parameter.shape.sizes[i];
-    throw Error(where + ": " + parameter.shape.name + sizes_in_words(place) + " is " + std::to_string(*bad) +
-                "; expected finite weights");
+    throw Error(fmt::format("{}: {}{} is {:g}; expected finite weights{}", where, parameter.shape.name, sizes_in_words(place),
+                            *bad, largest < std::numeric_limits<float>::max() ? fmt::format(" of at most {:g}", largest) : ""));
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ struct Parameter {
 
 using Weights = std::vector<Parameter>;
 
+/// The largest magnitude of a value in a bundle. Weights of trained networks are below 100, a temporal convolution's scales below
+/// 1e6, and the limits in trees are counts of events.
+inline constexpr float largest_weight = 1e9F;
+
 /// Writes the weights as a safetensors file: the header's length as 8 bytes, little-endian; a JSON header with each parameter's
 /// "dtype" (F32), "shape" and "data_offsets", and the `metadata` if any; then the values as float32, little-endian. The file
 /// appears only when it is complete. Source: https://github.com/huggingface/safetensors, "Format".
@@ -35,7 +40,8 @@ std::map<std::string, std::string> read_metadata(const std::filesystem::path& fi
 /// @throws Error, "<problem>; expected fc1.weight [120,9744]"  if the weights have other shapes
 void check_shapes(const Weights& weights, const std::vector<ParameterShape>& shapes, const std::string& problem);
 
-/// @throws Error  with `where`, the parameter and the index, if a value is NaN or infinite: "w: fc1.weight[3,7] is nan; ..."
-void check_finite(const Weights& weights, const std::string& where);
+/// @throws Error  with `where`, the parameter and the index, if a value is NaN, infinite or beyond +-`largest`:
+///                "w: fc1.weight[3,7] is nan; ..."
+void check_finite(const Weights& weights, const std::string& where, float largest = std::numeric_limits<float>::max());
 
 }  // namespace tactile::model

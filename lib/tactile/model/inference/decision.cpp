@@ -107,28 +107,36 @@ FilterSettings filter_of(const ModelBundle& bundle, const ModelDescription& desc
 
 std::vector<Touch> decided(const Decision& decision, microseconds tick, std::span<const Touch> predicted,
                            std::span<const Probabilities> probabilities) {
-  if (!decision.filter) return confirmed(predicted, decision.confirmation);
-  DecisionFilter filter(*decision.filter, tick);
+  RunningDecision running(decision, tick);
   std::vector<Touch> verdicts;
-  for (const Probabilities& at_tick : probabilities) verdicts.push_back(filter.next(at_tick));
+  verdicts.reserve(predicted.size());
+  for (std::size_t k = 0; k < predicted.size(); ++k)
+    verdicts.push_back(running.next(predicted[k], probabilities.empty() ? Probabilities{} : probabilities[k]));
   return verdicts;
 }
 
 RunningDecision::RunningDecision(const Decision& decision, microseconds tick)
     : longest_(decision.confirmation.of), confirmation_(decision.confirmation) {
-  if (decision.filter) filter_.emplace(*decision.filter, tick);
+  if (decision.thresholds) {
+    thresholds_.emplace(*decision.thresholds, tick);
+  } else if (decision.filter) {
+    filter_.emplace(*decision.filter, tick);
+  }
 }
 
 Touch RunningDecision::next(Touch predicted, const Probabilities& probabilities) {
+  if (thresholds_) return thresholds_->next(probabilities);
   return filter_ ? filter_->next(probabilities) : confirmation_.next(predicted);
 }
 
 void RunningDecision::skip(std::uint64_t ticks) {
+  if (thresholds_) return thresholds_->skip(ticks);
   if (filter_) return filter_->skip(ticks);
   for (std::uint64_t i = std::min<std::uint64_t>(ticks, longest_); i > 0; --i) confirmation_.next(Touch::none);
 }
 
 void RunningDecision::restart() {
+  if (thresholds_) thresholds_->restart();
   if (filter_) filter_->restart();
   confirmation_.restart();
 }

@@ -10,6 +10,7 @@
 #include "tactile/core/time.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/inference/logits.hpp"
+#include "tactile/model/inference/two_thresholds.hpp"
 
 namespace tactile::model {
 
@@ -53,10 +54,11 @@ class DecisionFilter {
   Touch reported_ = Touch::none;
 };
 
-/// How predictions become verdicts: confirmed, or filtered.
+/// How predictions become verdicts: confirmed, or filtered, or by two thresholds.
 struct Decision {
   Confirmation confirmation{};
-  std::optional<FilterSettings> filter{};  ///< instead of the confirmation
+  std::optional<FilterSettings> filter{};     ///< instead of the confirmation
+  std::optional<TwoThresholds> thresholds{};  ///< instead of both
 };
 
 /// The settings of a model's filter. @throws Error  if the bundle has no transitions
@@ -64,7 +66,7 @@ FilterSettings filter_of(const ModelBundle& bundle, const ModelDescription& desc
 
 /// The verdicts of successive ticks.
 /// @param predicted      the likeliest class of each tick
-/// @param probabilities  of each tick; needed only with a filter
+/// @param probabilities  of each tick; needed only with a filter or thresholds
 std::vector<Touch> decided(const Decision& decision, microseconds tick, std::span<const Touch> predicted,
                            std::span<const Probabilities> probabilities);
 
@@ -81,6 +83,7 @@ class RunningDecision {
   unsigned longest_;  ///< ticks that a confirmation depends on
   RunningConfirmation confirmation_;
   std::optional<DecisionFilter> filter_;
+  std::optional<ThresholdDecision> thresholds_;
 };
 
 }  // namespace tactile::model

@@ -7,6 +7,7 @@
 
 #include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/model/inference/flushed_denormals.hpp"
 #include "tactile/model/inference/lenet_kernel.hpp"
 
 namespace tactile::model {
@@ -201,6 +202,7 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
   check_shapes(weights, plan->layers.parameters(), "weights: not of this network");
   check_finite(weights, "weights");
   check_range(weights);
+  const FlushedDenormals flushed;
   set_sizes(*plan);
   set_convolutions(*plan, weights);
   set_hidden(*plan, weights[4]);
@@ -247,6 +249,7 @@ Logits LeNetEngine::classify(std::span<const std::uint8_t> heatmap) {
                 std::to_string(size.height) + " cells");
   }
   Logits logits{};
+  const FlushedDenormals flushed;
   state_->run(*state_->plan, state_->memory, heatmap.data(), state_->skip_empty, logits.data(), nullptr);
   return logits;
 }

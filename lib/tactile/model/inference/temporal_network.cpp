@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
+#include "tactile/model/inference/flushed_denormals.hpp"
 
 namespace tactile::model {
 namespace {
@@ -84,6 +85,7 @@ Logits TemporalNetwork::logits(std::span<const float> features) const {
   if (features.size() != features::step_values)
     throw Error(fmt::format("{} features of steps; expected {}", features.size(), features::step_values));
   constexpr std::size_t most_values = std::max(features::step_values, features::steps_of_history / 2 * most_channels);
+  const FlushedDenormals flushed;
   std::array<float, most_values> one{}, other{};
   std::span<float> from = one, to = other;
   standardise(features, mean_, scale_, from);

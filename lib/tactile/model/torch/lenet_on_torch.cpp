@@ -7,6 +7,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/model/inference/flushed_denormals.hpp"
 #include "tactile/model/torch/fused_layers.hpp"
 #include "tactile/model/torch/lenet_module.hpp"
 #include "tactile/model/torch/torch_part.hpp"
@@ -113,6 +114,7 @@ class LeNetWithModule : public LeNetOnTorch {
     set_threads(threads, 1);
     parallel_for((count + chunk - 1) / chunk, threads, [&](std::size_t i) {
       const torch::NoGradGuard no_gradients;  // of each thread
+      const FlushedDenormals flushed;
       const std::size_t first = i * chunk, n = std::min(chunk, count - first);
       const torch::Tensor rows = module_->forward(input_of(heatmaps.subspan(first * cells, n * cells), size)).contiguous();
       for (std::size_t k = 0; k < n; ++k) logits[first + k] = logits_at(rows.data_ptr<float>() + k * touch_count);
