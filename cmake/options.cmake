@@ -55,11 +55,29 @@ function(check_arrows name)
   endforeach()
 endfunction()
 
+# Leaves the sources that TACTILE_REACHED has too, and those that the build makes; or the first one, since a library needs one.
+function(keep_reached list)
+  set(kept "")
+  foreach(source IN LISTS ${list})
+    cmake_path(ABSOLUTE_PATH source OUTPUT_VARIABLE path)
+    if(path IN_LIST TACTILE_REACHED OR NOT EXISTS ${path} OR path MATCHES "^${PROJECT_BINARY_DIR}/")
+      list(APPEND kept ${source})
+    endif()
+  endforeach()
+  if(NOT kept)
+    list(GET ${list} 0 kept)
+  endif()
+  set(${list} ${kept} PARENT_SCOPE)
+endfunction()
+
 # add_stage(NAME [QUICKLY] SOURCES a.cpp … HEADERS a.hpp … LINKS tactile::core … PRIVATE_LINKS …) adds the library of a stage.
 # QUICKLY compiles it with TACTILE_COMPILE_QUICKLY.
 function(add_stage name)
   cmake_parse_arguments(STAGE "QUICKLY" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   check_arrows(${name} ${STAGE_LINKS} ${STAGE_PRIVATE_LINKS})
+  if(TACTILE_PYTHON)
+    keep_reached(STAGE_SOURCES)
+  endif()
   add_library(tactile_${name} STATIC)
   add_library(tactile::${name} ALIAS tactile_${name})
   target_sources(tactile_${name}

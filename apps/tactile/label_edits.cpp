@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "label_pictures.hpp"
+#include "run_places.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/numbers.hpp"
@@ -24,7 +26,8 @@ namespace fs = std::filesystem;
 /// The part of an edit after the run.
 struct EditOfRun {
   TypedEdit typed;
-  std::string rest;  ///< "press-1.start=1.2345"; empty if the whole run is meant
+  std::string rest;         ///< "press-1.start=1.2345"; empty if the whole run is meant
+  bool of_pattern = false;  ///< the runs of a pattern that have nothing to edit are left out
 };
 
 struct RunEdits {
@@ -61,16 +64,47 @@ std::pair<RunFolder, std::string> run_and_rest(const TypedEdit& typed, const std
          fmt::format("names no run; expected a run's folder, or a name such as fan/01 of a run in {}", fmt::join(places, ", ")));
 }
 
+/// Whether it names its runs by a pattern. A run of this very name comes first.
+bool is_pattern(const TypedEdit& typed, const std::vector<std::string>& places) {
+  const std::string name = typed.text.substr(0, typed.text.find(':'));
+  return name.find_first_of("*?") != std::string::npos && !run_named(name, places);
+}
+
+/// The runs below the places whose names, or folders, match the pattern before the first colon, and the text after it.
+std::pair<std::vector<RunFolder>, std::string> runs_and_rest(const TypedEdit& typed, const std::vector<std::string>& places) {
+  if (typed.option != "--confirm" && typed.option != "--lift")
+    refuse(typed, "names more than one run; expected one run: only --confirm and --lift take a pattern");
+  const std::size_t end = typed.text.find(':');
+  const std::string pattern = typed.text.substr(0, end);
+  std::vector<RunFolder> runs = runs_in(places, LeftOutFolders::say_nothing).runs;
+  std::erase_if(runs, [&](const RunFolder& run) {
+    return !is_there(run.labels()) ||
+           (::fnmatch(pattern.c_str(), run.name().c_str(), 0) != 0 && ::fnmatch(pattern.c_str(), run.folder.c_str(), 0) != 0);
+  });
+  if (runs.empty())
+    refuse(typed,
+           fmt::format("matches no run with labels; expected a pattern of runs in {}, such as 'fan/*'", fmt::join(places, ", ")));
+  return {std::move(runs), end == std::string::npos ? "" : typed.text.substr(end + 1)};
+}
+
 std::vector<RunEdits> edits_by_run(const std::vector<TypedEdit>& edits, const std::vector<std::string>& places) {
   std::vector<RunEdits> runs;
-  for (const TypedEdit& typed : edits) {
-    auto [run, rest] = run_and_rest(typed, places);
+  const auto add = [&](RunFolder run, EditOfRun edit) {
     const auto found = std::find_if(runs.begin(), runs.end(), [&folder = run.folder](const RunEdits& other) {
       std::error_code unknown;
       return fs::equivalent(other.run.folder, folder, unknown);
     });
     RunEdits& edits_of_run = found == runs.end() ? runs.emplace_back(RunEdits{.run = std::move(run), .edits = {}}) : *found;
-    edits_of_run.edits.push_back({typed, std::move(rest)});
+    edits_of_run.edits.push_back(std::move(edit));
+  };
+  for (const TypedEdit& typed : edits) {
+    if (is_pattern(typed, places)) {
+      auto [matching, rest] = runs_and_rest(typed, places);
+      for (RunFolder& run : matching) add(std::move(run), {.typed = typed, .rest = rest, .of_pattern = true});
+    } else {
+      auto [run, rest] = run_and_rest(typed, places);
+      add(std::move(run), {.typed = typed, .rest = std::move(rest)});
+    }
   }
   return runs;
 }
@@ -131,6 +165,27 @@ labels::LabelEdit lift_in(const TypedEdit& typed, const std::string& rest, const
                                                fmt::join(standing, ", ")));
 }
 
+/// Of a run that a pattern names: whatever it means that is still open.
+std::vector<labels::LabelEdit> open_edits(const EditOfRun& edit, const labels::Labels& labels) {
+  const auto is_open = [](const auto& part) { return !part.confirmed; };
+  std::vector<labels::LabelEdit> edits;
+  if (edit.typed.option == "--lift") {
+    for (std::size_t i = 0; i < labels.flags.size(); ++i) {
+      const labels::LabelFlag& flag = labels.flags[i];
+      const bool is_meant = !edit.rest.empty() && (flag.key == edit.rest || flag.reason.find(edit.rest) != std::string::npos);
+      if (is_open(flag) && is_meant) edits.emplace_back(labels::LiftFlag{i});
+    }
+  } else if (edit.rest.empty()) {
+    if (std::any_of(labels.flags.begin(), labels.flags.end(), is_open) ||
+        std::any_of(labels.intervals.begin(), labels.intervals.end(), is_open))
+      edits.emplace_back(labels::ConfirmRun{});
+  } else {
+    for (const labels::LabelledInterval& interval : labels.intervals)
+      if (is_open(interval) && interval.id == edit.rest) edits.emplace_back(labels::ConfirmInterval{edit.rest});
+  }
+  return edits;
+}
+
 labels::LabelEdit edit_in(const EditOfRun& edit, const labels::Labels& labels, const labels::RecordingSpan& recording) {
   const std::string& option = edit.typed.option;
   if (option == "--confirm")
@@ -142,14 +197,19 @@ labels::LabelEdit edit_in(const EditOfRun& edit, const labels::Labels& labels, c
   return labels::RejectInterval{edit.rest};
 }
 
+/// @param made  how many edits
 labels::Labels with_all(labels::Labels labels, const RunEdits& run, const labels::RecordingSpan& recording,
-                        const labels::EditNote& note) {
+                        const labels::EditNote& note, std::size_t& made) {
+  made = 0;
   for (const EditOfRun& edit : run.edits) {
-    const labels::LabelEdit one = edit_in(edit, labels, recording);
-    try {
-      labels = labels::edited(labels, one, recording, note);
-    } catch (const Error& e) {
-      refuse(edit.typed, e.what());
+    for (const labels::LabelEdit& one :
+         edit.of_pattern ? open_edits(edit, labels) : std::vector{edit_in(edit, labels, recording)}) {
+      try {
+        labels = labels::edited(labels, one, recording, note);
+      } catch (const Error& e) {
+        refuse(edit.typed, e.what());
+      }
+      ++made;
     }
   }
   return labels;
@@ -234,13 +294,15 @@ void add_label_edit_options(Command command, LabelEditArguments& arguments) {
     const auto keep = [&arguments, option](const std::string& text) { arguments.edits.push_back({option, text}); };
     command.add_ordered_option(option, keep, meaning).type_name(value);
   };
-  add_edit("--confirm", "RUN[:INTERVAL]", "Confirm a run or one interval: a person has looked at it, and it is right");
+  add_edit("--confirm", "RUN[:INTERVAL]",
+           "Confirm a run or one interval: a person has looked at it, and it is right. 'fan/*' confirms all runs of fan");
   add_edit("--set", "EDIT",
            "Move a start or an end, in seconds from the run's first event, or change a class: fan/01:press-1.start=1.2345, "
            "fan/01:press-1.class=slip");
   add_edit("--add", "EDIT", "Add a press or slip: fan/01:press=1.2..1.9");
   add_edit("--reject", "EDIT", "Remove an interval, which is not found again: fan/01:press-1");
-  add_edit("--lift", "EDIT", "Remove this flag: the label is right. Needs --why. Example: fan/01:no robot log");
+  add_edit("--lift", "EDIT",
+           "Remove this flag: the label is right. Needs --why. Examples: fan/01:no robot log, 'fan/*:no robot log'");
   command.add_option("--undo", arguments.undo, "Undo the last N edits of a run").type_name("N").value_is_optional("1");
   command.add_option("--redo", arguments.redo, "Redo the last N undone edits of a run").type_name("N").value_is_optional("1");
   command.add_flag("--history", arguments.history, "Print all edits");
@@ -268,24 +330,33 @@ void check_edits(const LabelEditArguments& arguments, const std::vector<std::str
 
 void edit_labels(const CommonArguments& common, const LabelEditArguments& arguments, const std::vector<std::string>& places,
                  bool draw_pictures) {
-  const std::vector<RunEdits> runs = edits_by_run(arguments.edits, places);
+  std::vector<RunEdits> runs;
   const labels::EditNote note = arguments.note();
   std::vector<RunAndLabels> edited;
+  std::vector<std::size_t> made;
   // All are tried before the first is saved.
-  for (const RunEdits& run : runs) {
+  for (RunEdits& run : edits_by_run(arguments.edits, places)) {
+    std::size_t count = 0;
     labels::Labels now = labels::read_versioned_labels(run.run).labels;
-    edited.push_back({run.run, with_all(std::move(now), run, labels::span_of_events(run.run), note)});
+    now = with_all(std::move(now), run, labels::span_of_events(run.run), note, count);
+    if (count == 0) continue;
+    edited.push_back({run.run, std::move(now)});
+    made.push_back(count);
+    runs.push_back(std::move(run));
   }
+  if (runs.empty())
+    refuse(arguments.edits.front(),
+           "there is nothing to edit in the runs that match; expected such an interval or flag, not confirmed yet");
   for (std::size_t i = 0; i < runs.size() && !arguments.dry_run; ++i) {
     const auto change = [&](labels::Labels now, const labels::RecordingSpan& recording) {
-      return with_all(std::move(now), runs[i], recording, note);
+      return with_all(std::move(now), runs[i], recording, note, made[i]);
     };
     edited[i].labels = std::get<labels::VersionedLabels>(labels::save_change(runs[i].run, std::nullopt, change)).labels;
   }
   Printed printed;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::vector<labels::HistoryEntry>& entries = edited[i].labels.history.entries;
-    for (std::size_t k = entries.size() - runs[i].edits.size(); k < entries.size(); ++k)
+    for (std::size_t k = entries.size() - made[i]; k < entries.size(); ++k)
       printed.add(runs[i].run, entries[k], arguments.dry_run ? "would be: " : "");
   }
   if (draw_pictures && !arguments.dry_run) draw_label_pictures(edited, common.threads);

@@ -125,7 +125,7 @@ void add_review_command(CLI::App& app) {
   command.add_option("--who", args->who, "Name of the person who edits; default: the user's name on this system")
       .type_name("NAME");
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
-  command.add_option("--studies", args->studies, "Folder to search for results of reproduce, trade and stress")
+  command.add_option("--studies", args->studies, "Folder to search for results of reproduce, trade, stress and eval")
       .type_name("DIR")
       .show_default();
   command.add_option("--pieces", args->pieces, "Folder of runs for recordings that are cut on the page")

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/start_beside.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/pictures/event_film.hpp"
 #include "tactile/pictures/picture_folder.hpp"
@@ -130,18 +132,23 @@ void draw_pictures(ViewedRecording& recording, const ViewRequest& request, const
 }
 
 void write_mp4(ViewedRecording& recording, const ViewRequest& request, const FilmPlan& plan, const pictures::EventFilm& film,
-               const ProgressCallback& progress) {
+               unsigned threads, const ProgressCallback& progress) {
   WholeFile whole(request.out, IfThere::replace);
   video::VideoWriter writer(whole.path(), {.width = film.size().width,
                                            .height = film.size().height,
                                            .quality = quality,
                                            .frames_per_fragment = 50,
-                                           .fast = false,
+                                           .fast = true,
                                            .fragment_span = microseconds{0}});
+  // One picture is encoded while the next one is drawn: both take about as long.
+  std::future<void> encoding;
   draw_pictures(recording, request, plan, film, progress,
                 [&](std::uint64_t index, const pictures::Moment&, const cv::Mat& picture) {
-                  writer.write(picture, VideoTime{microseconds{std::llround(1e6 * static_cast<double>(index) / request.fps)}});
+                  const VideoTime t{microseconds{std::llround(1e6 * static_cast<double>(index) / request.fps)}};
+                  if (encoding.valid()) encoding.get();
+                  encoding = start_beside(threads, [&writer, picture, t] { writer.write(picture, t); });
                 });
+  if (encoding.valid()) encoding.get();
   writer.close();
   stop_if_interrupted();
   whole.commit();
@@ -198,7 +205,7 @@ void view_as_film(ViewedRecording& recording, const ViewRequest& request, FilmFo
   plan.brightness = brightness_of(recording, request.options, plan.times, progress);
   const pictures::EventFilm film = film_of(recording, request, plan);
   if (form == FilmForm::mp4)
-    write_mp4(recording, request, plan, film, progress);
+    write_mp4(recording, request, plan, film, common.threads, progress);
   else
     write_folder(recording, request, plan, film, progress);
   print_film(recording, request, plan, film, common);

@@ -135,6 +135,39 @@ TEST_F(LabelEdits, AFlagIsLiftedByItsWordsWithAReason) {
   }
 }
 
+TEST_F(LabelEdits, APatternEditsAllRunsThatItMatches) {
+  const auto all_confirmed = [&](const std::string& run) {
+    const json now = labels(run);
+    return std::all_of(now.at("intervals").begin(), now.at("intervals").end(),
+                       [](const json& one) { return one.at("confirmed").get<bool>(); });
+  };
+  EXPECT_EQ(done("--confirm 'f*/*' --no-pictures"), "fan/01: run confirmed\n");
+  EXPECT_FALSE(all_confirmed("usb-hub/01"));
+  EXPECT_EQ(done("--confirm '*/01:press-1' --no-pictures"), "usb-hub/01: press-1 confirmed\n") << "fan/01 is confirmed already";
+  EXPECT_EQ(done("--confirm 'data/*' --dry-run"), "usb-hub/01: would be: run confirmed\n");
+  EXPECT_EQ(done("--confirm '*/*' --no-pictures"), "usb-hub/01: run confirmed\n");
+  EXPECT_TRUE(all_confirmed("fan/01") && all_confirmed("usb-hub/01"));
+  expect_refused("--confirm '*/*'", "there is nothing to edit in the runs that match");
+  expect_refused("--confirm 'mug/*'", "matches no run with labels; expected a pattern of runs in data, such as 'fan/*'");
+  expect_refused("--reject 'fan/*:press-1'",
+                 "names more than one run; expected one run: only --confirm and --lift take a pattern");
+}
+
+TEST_F(LabelEdits, AFlagOfOneKindIsLiftedInAllRuns) {
+  std::filesystem::remove(folder / "data/fan/01/robot.csv");
+  std::filesystem::remove(folder / "data/usb-hub/01/robot.csv");
+  ASSERT_EQ(label("--no-pictures").exit_code, 0);
+  done("--lift '*/*:no robot log' --why 'the arm stood still' --no-pictures");
+  for (const char* run : {"fan/01", "usb-hub/01"}) {
+    const json now = labels(run);
+    ASSERT_FALSE(now.at("flags").empty());
+    for (const json& flag : now.at("flags")) {
+      const bool is_lifted = flag.at("reason").get<std::string>().find("no robot log") != std::string::npos;
+      EXPECT_EQ(flag.at("confirmed").get<bool>(), is_lifted) << flag;
+    }
+  }
+}
+
 TEST_F(LabelEdits, AreListedUndoneAndRedone) {
   EXPECT_EQ(done("--history"), "no edits\n");
   done("--no-pictures --set fan/01:press-1.start=0.7 --reject fan/01:slip-1 --confirm fan/01 --who ada --why look");

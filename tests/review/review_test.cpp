@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -10,6 +12,7 @@
 #include "review/reviewing.hpp"
 #include "support/comes_true.hpp"
 #include "support/events_in_file.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/heatmaps/store_heatmaps.hpp"
 #include "tactile/windows/write_dataset.hpp"
@@ -61,7 +64,7 @@ TEST_F(ReviewingARun, IsReadOnceItIsAskedFor) {
   EXPECT_EQ(read.at("film"), nullptr);
   std::vector<std::string> names;
   for (const json& signal : read.at("signals")) names.push_back(signal.at("name"));
-  EXPECT_EQ(names, (std::vector<std::string>{"event_rate", "robot_speed", "robot_height"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"event_rate", "touched_rate", "robot_speed", "robot_height"}));
 }
 
 TEST_F(ReviewingARun, TheRateOfAWindowIsItsExactCount) {
@@ -84,6 +87,61 @@ TEST_F(ReviewingARun, TheRateOfAWindowIsItsExactCount) {
           << from << ", bucket " << i;
     }
   }
+}
+
+TEST_F(ReviewingARun, AtTheZoomOfAnOnsetTheRateOfTheTouchedPlacesRises) {
+  review_runs();
+  read_run("/api/runs/fan/01");
+  const std::int64_t onset = json_of(request("/api/runs/fan/01/labels")).at("intervals").at(0).at("start_us").get<std::int64_t>();
+  const auto window = [&] {
+    return json_of(request("/api/runs/fan/01/signals", {{"from_us", std::to_string(onset - 30'000)},
+                                                        {"to_us", std::to_string(onset + 30'000)},
+                                                        {"points", "1000"},
+                                                        {"smooth_us", "600"},
+                                                        {"names", "event_rate,touched_rate"}}));
+  };
+  ASSERT_TRUE(test::comes_true([&] { return window().at("pending").empty(); }));
+  const json series = window().at("series");
+  EXPECT_EQ(series.at("event_rate").at("over_us"), 600);
+  // The mean rate of 20 ms before and after the onset, and the largest value before it.
+  const auto rates = [&](const std::string& name) {
+    const json& rate = series.at(name);
+    double before = 0, after = 0, most_before = 0;
+    int n_before = 0, n_after = 0;
+    for (std::size_t i = 0; i < rate.at("t_us").size(); ++i) {
+      const auto t = rate.at("t_us").at(i).get<std::int64_t>() - onset;
+      const auto value = rate.at("mean").at(i).get<double>();
+      if (t < -5'000) {
+        before += value;
+        most_before = std::max(most_before, value);
+        ++n_before;
+      } else if (t > 5'000 && t < 25'000) {
+        after += value;
+        ++n_after;
+      }
+    }
+    return std::array{before / n_before, after / n_after, most_before};
+  };
+  const auto whole = rates("event_rate"), touched = rates("touched_rate");
+  const auto clearness = [](const auto& rate) { return (rate[1] - rate[0]) / std::sqrt(rate[0]); };
+  EXPECT_GT(clearness(touched), clearness(whole)) << "a rise over its noise, without the rest of the picture";
+  EXPECT_GT(touched[1], touched[2]) << "noise before the onset does not reach the rate after it";
+}
+
+TEST_F(Reviewing, ARunWithoutLabelsIsLabelledOnRequest) {
+  const RunFolder run = test::write_made_run(data.path(), test::press_and_slip, test::lift_after_press);
+  review_runs();
+  EXPECT_EQ(ask(request("/api/runs/fan/01/labels")).status, 404);
+  const auto signals = [&] { return read_run("/api/runs/fan/01").at("signals").size(); };
+  EXPECT_EQ(signals(), 1U) << "the event rate alone: robot and film have no clock";
+  EXPECT_EQ(ask(request("/api/runs/fan/01/label")).status, 405);
+  const PageResponse labelled = post("/api/runs/fan/01/label", {});
+  ASSERT_EQ(labelled.status, 200) << labelled.body;
+  EXPECT_EQ(json::parse(labelled.body).at("intervals").size(), 2U);
+  const json by_page = read_json(run.labels());
+  EXPECT_EQ(labels::label_runs({run}).at(0).unchanged, true) << "'tactile label' makes the same";
+  EXPECT_EQ(read_json(run.labels()), by_page);
+  EXPECT_EQ(signals(), 4U);
 }
 
 TEST_F(ReviewingARun, TheLiftOfTheRobotLiesWhereItsClockPutsIt) {

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/results/claim.hpp"
+#include "tactile/results/evaluation.hpp"
 #include "tactile/results/stress.hpp"
 
 namespace tactile::review {
@@ -43,7 +46,7 @@ TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
            {{"name", "data"}, {"finished_at", "2026-01-01T00:00:00Z"}}}},
          {"claims", {claim}},
          {"histories", {{{"th_ms", 40}, {"accuracy", {{"reported", {{"mean", figure}, {"objects", json::object()}}}}}}}}});
-  const json list = studies_json(folder.path());
+  const json list = studies_json(folder.path(), folder / "models");
   ASSERT_EQ(list.size(), 1U);
   const json& study = list.at(0);
   EXPECT_EQ(study.at("error"), nullptr) << study;
@@ -67,7 +70,7 @@ TEST_F(StudyList, ATradeHasItsSettings) {
          {"title", "Speed"},
          {"points", {{{"text", "as usual"}, {"reported", {{"accuracy", {{"value", 0.5}}}, {"us", {{"p99", figure(120)}}}}}}}},
          {"recommendation", {{"sentence", "Take t_h 20 ms."}}}});
-  const json trade = studies_json(folder.path()).at(0);
+  const json trade = studies_json(folder.path(), folder / "models").at(0);
   EXPECT_EQ(trade.at("error"), nullptr) << trade;
   EXPECT_EQ(trade.at("figures").at(0).at("value"), 50.0);
   EXPECT_EQ(trade.at("figures").at(0).at("low"), nullptr);
@@ -86,7 +89,7 @@ TEST_F(StudyList, AStressHasTheSeveritiesThatModelsHoldUpTo) {
   curve.holds = results::HoldsUpTo{.severity = {.value = 100}, .is_beyond = true};
   stress.models = {{.name = "net", .trainings = {"net"}, .curves = {curve}}};
   write("worse", "stress", stress);
-  const json read = studies_json(folder.path()).at(0);
+  const json read = studies_json(folder.path(), folder / "models").at(0);
   EXPECT_EQ(read.at("error"), nullptr) << read;
   EXPECT_EQ(read.at("figures").at(0).at("label"), "net, noise: holds up to");
   EXPECT_EQ(read.at("figures").at(0).at("unit"), "kev/s");
@@ -95,8 +98,30 @@ TEST_F(StudyList, AStressHasTheSeveritiesThatModelsHoldUpTo) {
 
 TEST_F(StudyList, AFolderThatIsAStudyItselfIsListed) {
   write(".", "trade", {{"format", "tactile-trade-1"}, {"title", "Speed"}, {"points", json::array()}});
-  EXPECT_EQ(studies_json(folder.path()).at(0).at("name"), folder.path().filename().string());
-  EXPECT_TRUE(studies_json(folder / "none").empty());
+  EXPECT_EQ(studies_json(folder.path(), folder / "models").at(0).at("name"), folder.path().filename().string());
+  EXPECT_TRUE(studies_json(folder / "none", folder / "models").empty());
+}
+
+TEST_F(StudyList, TheEvaluationOfAModelIsListed) {
+  results::Evaluation evaluation;
+  evaluation.models.push_back({.name = "a", .settings = json::object(), .weights_sha256 = "", .test_runs = {"fan/02"}});
+  evaluation.accuracy.mean = {.value = 0.875, .low = 0.75, .high = 1, .n = 5};
+  evaluation.network.slip.all.median_of_all_ms.ms = {.value = 6, .low = 4, .high = 8, .n = 5};
+  write("models/a", "model", json::object());
+  write("models/a", "eval", evaluation);
+  write("elsewhere", "eval", evaluation);
+  const json list = studies_json(folder.path(), folder / "models");
+  ASSERT_EQ(list.size(), 2U) << list;
+  EXPECT_EQ(list.at(0).at("name"), "elsewhere");
+  const json& entry = list.at(1);
+  EXPECT_EQ(entry.at("error"), nullptr) << entry;
+  EXPECT_EQ(entry.at("name"), "a");
+  EXPECT_EQ(entry.at("kind"), "eval");
+  EXPECT_EQ(entry.at("title"), results::title_of(evaluation));
+  EXPECT_EQ(entry.at("figures").at(0),
+            (json{{"label", "Accuracy"}, {"value", 87.5}, {"low", 75.0}, {"high", 100.0}, {"unit", "%"}}));
+  const json delay{{"label", "Detection delay of slip, median"}, {"value", 6.0}, {"low", 4.0}, {"high", 8.0}, {"unit", "ms"}};
+  EXPECT_EQ(std::count(entry.at("figures").begin(), entry.at("figures").end(), delay), 1) << entry;
 }
 
 }  // namespace

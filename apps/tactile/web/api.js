@@ -46,6 +46,9 @@ async function ask(path, options = {}) {
   return answer;
 }
 
+const post = (path, body, options) =>
+  ask(path, { ...options, method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" } });
+
 async function refusal(answer) {
   if (answer.status === 401)
     return new Refused("open the address that tactile review printed: it has a token, which is new at every start", answer.status);
@@ -92,8 +95,8 @@ export const getWho = () => getJson("/api/who");
 export const getModels = (options) => getJson("/api/models", options);
 export const getStudies = (options) => getJson("/api/studies", options);
 
-export function getSignals(name, { from_us, to_us, points, names, model }, options) {
-  return getJson(ofRun(name, "/signals" + query({ from_us, to_us, points, names: names.join(","), model })), options);
+export function getSignals(name, { names, ...window }, options) {
+  return getJson(ofRun(name, "/signals" + query({ ...window, names: names.join(",") })), options);
 }
 
 export const getEventTimes = (name, { from_us, to_us }, options) =>
@@ -119,6 +122,12 @@ export async function getThumbnail(name, options) {
   return answer.status === 202 ? null : undefined;
 }
 
+/// Has the server label a run that has no labels.
+export async function sendLabel(name, options) {
+  const answer = await post(ofRun(name, "/label"), {}, options);
+  if (!answer.ok) throw await refusal(answer);
+}
+
 const ofSplit = (name) => `/api/splits/${name.split("/").map(encodeURIComponent).join("/")}`;
 
 /// The cuts of a recording, proposed with this quiet time, and how far the server is with them.
@@ -126,7 +135,7 @@ export const getSplit = (name, quiet_ms, options) => getJson(ofSplit(name) + que
 
 /// Begins to write the runs between cuts.
 export async function sendSplit(name, wanted) {
-  const answer = await ask(ofSplit(name), { method: "POST", body: JSON.stringify(wanted), headers: { "Content-Type": "application/json" } });
+  const answer = await post(ofSplit(name), wanted);
   if (!answer.ok) throw await refusal(answer);
   return answer.json();
 }
@@ -136,7 +145,7 @@ export async function sendOperation(name, { op, edit, why }, version) {
   const path = ofRun(name, op === "edit" ? "/edits" : `/${op}`);
   const { local_id, flag_what, flag_interval, ...sent } = edit ?? {};
   const body = op === "edit" ? { version, edit: sent, ...(why ? { why } : {}) } : { version };
-  const answer = await ask(path, { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" } });
+  const answer = await post(path, body);
   if (answer.status === 409) {
     const { error, current } = await answer.json();
     throw new Conflict(error, current);

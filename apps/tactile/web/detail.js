@@ -1,24 +1,30 @@
 // Which samples of the signals to ask for: as many as the screen shows, a little further than it shows.
 
+import { shortNumber } from "./format.js";
+
 /// What to load next, or null if `loaded` is good enough for `view`.
 ///
 /// A request covers the view and half its length at each side, so that a short pan needs no new one. Loaded samples are good enough if they
 /// cover the view and are at most twice as coarse as the screen; a fetch of a window that is far longer than the view would be.
 ///
-/// @param loaded  {from_us, to_us, points} of the last answer, or null
+/// Rates are means over a hundredth of the view, so that noise of counts does not hide where they rise.
+///
+/// @param loaded  {from_us, to_us, points, smooth_us} of the last answer, or null
 /// @param pixels  width of the axis: two samples per pixel are wasted, one is needed
 export function neededSamples(view, length_us, loaded, pixels) {
   const span = view.to_us - view.from_us;
   if (loaded && loaded.from_us <= view.from_us && loaded.to_us >= view.to_us) {
     const wanted = span / Math.max(pixels, 1);
     const have = (loaded.to_us - loaded.from_us) / loaded.points;
-    if (have <= 2 * wanted) return null;
+    if (have <= 2 * wanted && 2 * loaded.smooth_us >= smoothFor(span)) return null;
   }
   const from_us = Math.max(0, Math.round(view.from_us - span / 2));
   const to_us = Math.min(Math.max(length_us, view.to_us), Math.round(view.to_us + span / 2));
   const points = Math.min(4000, Math.max(200, Math.round((pixels * (to_us - from_us)) / span)));
-  return { from_us, to_us, points };
+  return { from_us, to_us, points, smooth_us: smoothFor(span) };
 }
+
+const smoothFor = (span) => Math.round(span / 100);
 
 export const MOST_EVENT_TIMES_US = 100_000; // the server lists single events of at most this window, and at most 20 000 of them
 
@@ -37,13 +43,26 @@ export function neededEventTimes(view, at_us, length_us, loaded, most_us = MOST_
   return { from_us, to_us: Math.min(Math.max(length_us, view.to_us), from_us + Math.floor(most_us)) };
 }
 
-/// The rows of a chart: [seconds, [min, mean, max]]. A gap in the samples stays a gap.
-export function rowsOf(series) {
+/// The rows of a chart: [seconds, [min, mean, max]], each as `shown` gives it. A gap in the samples stays a gap.
+export function rowsOf(series, shown = (value) => value) {
   const rows = [];
   for (let i = 0; i < series.t_us.length; ++i) {
     const mean = series.mean[i];
-    const bar = mean === null ? [null, null, null] : [series.min[i], mean, series.max[i]];
+    const bar = mean === null ? [null, null, null] : [series.min[i], mean, series.max[i]].map(shown);
     rows.push([series.t_us[i] / 1e6, bar]);
   }
   return rows;
+}
+
+/// The labels of an axis of square roots up to `most`: round numbers, at least `apart` from each other on it.
+export function rootTicks(most, apart) {
+  const ticks = [{ v: 0, label: "0" }];
+  for (let power = -3; 10 ** power <= most ** 2; ++power) {
+    for (const digit of [1, 2, 5]) {
+      const value = digit * 10 ** power;
+      const v = Math.sqrt(value);
+      if (v <= most && v - ticks.at(-1).v >= apart) ticks.push({ v, label: shortNumber(value).replace(/\.0+$/, "") });
+    }
+  }
+  return ticks;
 }

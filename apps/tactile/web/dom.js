@@ -29,22 +29,29 @@ export function refill(container, ...children) {
 }
 
 let quiet = null;
+const MODIFIERS = ["Shift", "Control", "Alt", "Meta"];
 
-/// A message at the bottom of the window, which a screen reader reads. It goes after some seconds.
-export function announce(words, kind = "note") {
+/// Empties the line of messages.
+export function endMessage(event) {
+  if (MODIFIERS.includes(event?.key)) return;
+  clearTimeout(quiet);
+  for (const act of ["keydown", "pointerdown"]) removeEventListener(act, endMessage, true);
+  document.getElementById("message").textContent = "";
+}
+
+/// A message at the bottom of the window, which a screen reader reads. It goes after some seconds. What answers to an act of the person goes
+/// with the next act, which may make it untrue; what came by itself is `news`, and stays.
+export function announce(words, kind = "note", { news = false } = {}) {
+  endMessage();
   const line = document.getElementById("message");
   line.textContent = words; // it stays in the document while it is empty: a screen reader reads only what changes in it
   line.dataset.kind = kind;
-  clearTimeout(quiet);
-  quiet = setTimeout(
-    () => {
-      line.textContent = "";
-    },
-    kind === "error" ? 15000 : 6000,
-  );
+  quiet = setTimeout(endMessage, kind === "error" ? 15000 : 6000);
+  if (!news) for (const act of ["keydown", "pointerdown"]) addEventListener(act, endMessage, true);
 }
 
-/// A modal dialog. `buttons` are [{words, value, kind}]; the promise gives the value of the one that was pressed, or null for Escape.
+/// A modal dialog. `buttons` are [{words, value, kind}]; the promise gives the value of the one that was pressed, or null for Escape. Enter in a
+/// line of text presses the primary one, which does nothing while a field is not valid.
 export function ask(title, content, buttons) {
   return new Promise((resolve) => {
     const dialog = el(
@@ -64,6 +71,7 @@ export function ask(title, content, buttons) {
               disabled,
               "data-value": String(value),
               onclick: () => {
+                if (kind === "primary" && ![...dialog.querySelectorAll("input, textarea")].every((field) => field.reportValidity())) return;
                 dialog.returnValue = "done";
                 answer = value;
                 dialog.close();
@@ -75,6 +83,11 @@ export function ask(title, content, buttons) {
       ),
     );
     let answer = null;
+    dialog.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || event.isComposing || !event.target.matches("input[type=text]")) return;
+      event.preventDefault();
+      dialog.querySelector("button.primary")?.click();
+    });
     dialog.addEventListener("close", () => {
       dialog.remove();
       resolve(answer);

@@ -29,7 +29,11 @@ export class LabelList {
       this.rows,
       labels.intervals.length
         ? labels.intervals.map((interval) => this.#row(interval))
-        : el("p", { class: "empty" }, "No intervals. Press P where a press begins, and P again where it ends; S for a slip."),
+        : el(
+            "p",
+            { class: "empty" },
+            labels.version ? "No intervals. Press P where a press begins, and P again where it ends; S for a slip." : "None yet.",
+          ),
     );
     refill(
       this.flags,

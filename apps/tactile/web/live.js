@@ -87,7 +87,7 @@ function begin() {
   const source = new EventSource("/api/live");
   source.onmessage = ({ data }) => {
     last = performance.now();
-    if (!answers) announce("The program answers again.");
+    if (!answers) announce("The program answers again.", "note", { news: true });
     answers = true;
     banner.hidden = true;
     const message = JSON.parse(data);

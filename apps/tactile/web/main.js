@@ -1,7 +1,7 @@
 // Begins the page: which part is shown, keys, and whether the server answers.
 
 import { getRuns, getWho, keepToken, onConnection } from "./api.js";
-import { announce, el, refill } from "./dom.js";
+import { announce, el, endMessage, refill } from "./dom.js";
 import { Refused, Unreachable } from "./edit_queue.js";
 import { ComparePage } from "./compare_page.js";
 import { ModelsPage } from "./models_page.js";
@@ -48,11 +48,11 @@ async function show() {
 
 function watchServer() {
   const banner = document.getElementById("lost");
-  document.getElementById("try").addEventListener("click", () => getWho().catch(() => announce("Still no answer.", "error")));
+  document.getElementById("try").addEventListener("click", () => getWho().catch(() => announce("Still no answer.", "error", { news: true })));
   onConnection((reachable) => {
     banner.hidden = reachable;
     if (!reachable) return;
-    announce("The server answers again.");
+    announce("The server answers again.", "note", { news: true });
     if (failed) show();
   });
   setInterval(() => {
@@ -76,7 +76,10 @@ function giveKeysBack() {
 
 keepToken();
 watchServer();
-addEventListener("hashchange", show);
+addEventListener("hashchange", () => {
+  endMessage(); // it was about another page
+  show();
+});
 addEventListener("keydown", (event) => shown?.key?.(event));
 giveKeysBack();
 document.getElementById("skip").addEventListener("click", (event) => {

@@ -72,6 +72,7 @@ export class RunActions {
   /// Begins a touch at the cursor; the second call ends it there.
   mark(touch) {
     const { state } = this;
+    if (!state.labels.version) return announce("Label this run first: the button above does it.");
     if (!state.mark || state.mark.touch !== touch) {
       state.setMark({ touch, start_us: state.at_us, within_us: this.#within() });
       announce(`A ${touch} begins at ${secondsText(state.at_us)}. Press the same key at its end, Escape to discard.`);
@@ -133,9 +134,10 @@ export class RunActions {
   async lift(flag) {
     const kept = keptPlace(`reason:${this.state.run.name}`);
     const left = kept.load();
-    const reason = el("textarea", {
+    const reason = el("input", {
+      type: "text",
       id: "reason",
-      rows: 3,
+      maxlength: 500,
       required: true,
       autofocus: true,
       value: left?.flag === flag.what ? left.reason : "",

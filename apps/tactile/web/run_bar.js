@@ -167,7 +167,7 @@ export class RunBar {
     this.badge.className = `state ${open ? "flagged" : done && intervals.length ? "confirmed" : ""}`;
     this.badge.textContent =
       intervals.length + flags.length === 0
-        ? "no intervals"
+        ? queue.labels.version ? "no intervals" : "no labels"
         : open
           ? `⚑ ${counted(open, "open flag")}`
           : done

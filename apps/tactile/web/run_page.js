@@ -62,7 +62,7 @@ export class RunPage {
       return await api.getLabels(this.name, options);
     } catch (error) {
       if (!(error instanceof Refused)) throw error;
-      this.without = error.message;
+      if (error.status !== 404) this.without = error.message;
       return NO_LABELS;
     }
   }
@@ -91,7 +91,7 @@ export class RunPage {
     refill(
       this.element,
       this.bar.head,
-      this.without ? el("p", { class: "error" }, `${this.without}. Until then nothing can be edited here.`) : null,
+      this.#withoutLabels(),
       el(
         "div",
         { class: "run-body" },
@@ -112,6 +112,28 @@ export class RunPage {
     this.timeline.start();
     this.#listen();
     this.#resume();
+  }
+
+  /// One message: what is missing, and the button that makes it.
+  #withoutLabels() {
+    if (this.without) return el("p", { class: "error" }, `${this.without}. Until then nothing can be edited here.`);
+    if (this.queue.labels.version) return null;
+    const label = button("Label this run", () => this.#label(label), { class: "primary" });
+    return el("p", { class: "no-labels" }, "This run has no labels yet. ", label, " finds its presses and slips, as ", el("code", {}, "tactile label"), " does.");
+  }
+
+  async #label(button) {
+    button.disabled = true;
+    button.textContent = "Labelling …";
+    try {
+      await api.sendLabel(this.name, { signal: this.abort.signal });
+      dispatchEvent(new Event("hashchange")); // shows the run from the beginning: its robot and film now have clocks
+    } catch (error) {
+      if (error.name === "AbortError") return;
+      button.disabled = false;
+      button.textContent = "Label this run";
+      this.#failed(error);
+    }
   }
 
   #timeline(state) {
@@ -139,7 +161,7 @@ export class RunPage {
     const { queue } = this;
     this.pictures.start(() => this.bar.showFrames());
     queue.addEventListener("change", () => this.#queueChanged());
-    queue.addEventListener("refused", ({ detail }) => announce(`Not made: ${detail.words}. ${detail.reason}`, "error"));
+    queue.addEventListener("refused", ({ detail }) => announce(`Not made: ${detail.words}. ${detail.reason}`, "error", { news: true }));
     this.endConnection = api.onConnection((reachable) => {
       if (reachable) this.#again();
     });
@@ -151,7 +173,7 @@ export class RunPage {
   #resume() {
     const { state } = this;
     if (this.queue.waiting.length && !this.queue.conflict)
-      announce(`${counted(this.queue.waiting.length, "edit")} from before the reload: being saved.`);
+      announce(`${counted(this.queue.waiting.length, "edit")} from before the reload: being saved.`, "note", { news: true });
     if (state.draft) announce("An end that was moved and not saved is back. Enter saves it, Escape discards it.");
     this.#queueChanged();
     this.queue.pump();
@@ -188,10 +210,10 @@ export class RunPage {
   }
 
   async #refresh() {
-    if (document.hidden || this.without) return;
+    if (document.hidden || !this.queue.labels.version) return;
     const ask = () => api.getLabels(this.name, { signal: this.abort.signal }).catch(() => null);
     if (await this.queue.refresh(ask))
-      announce("The labels were changed by another page or by tactile label. You see the new ones.");
+      announce("The labels were changed by another page or by tactile label. You see the new ones.", "note", { news: true });
   }
 
   /// Puts the cursor into the address, unless somebody goes to another place: that address must not be lost.
@@ -204,7 +226,7 @@ export class RunPage {
 
   #failed(error) {
     if (error instanceof Unreachable) return; // the banner shows it
-    announce(error.message, "error");
+    announce(error.message, "error", { news: true });
     if (!(error instanceof Refused)) console.error(error);
   }
 

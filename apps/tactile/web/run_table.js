@@ -1,10 +1,11 @@
 // The list of all runs: what needs a person comes first.
 
-import { getRuns } from "./api.js";
+import { getLabels, getRuns, sendOperation } from "./api.js";
 import { announce, button, dialogIsOpen, el, refill } from "./dom.js";
 import { clockTexts, countText, counted, lengthText, secondsText } from "./format.js";
 import { keptChoice } from "./kept.js";
 import { filtered, nextToReview, sorted, stateOf, stillComputing } from "./run_order.js";
+import { askWhatToConfirm, confirmMany, confirmable } from "./confirm_many.js";
 import { runAddress } from "./router.js";
 import { showListHelp } from "./keys.js";
 import { Thumbnails } from "./thumbnails.js";
@@ -67,6 +68,7 @@ export class RunTable {
     );
     this.bar = el("progress", { max: 1, value: 0, "aria-labelledby": "progress-words" });
     this.progress = el("span", { id: "progress-words" });
+    this.confirm = button("", () => this.#confirm());
     this.leftOut = el("ul", { class: "left-out error", "aria-label": "Left out" });
     this.count = el("p", { class: "count", role: "status" });
     this.heads = el(
@@ -84,6 +86,7 @@ export class RunTable {
         { class: "filters", role: "search" },
         el("span", {}, el("label", { for: "search" }, "Search "), this.search),
         el("span", {}, el("label", { for: "state" }, "Show "), this.state),
+        this.confirm,
         button("Next to review ›", () => this.#goToNext(), { class: "primary", title: "F" }),
         button("?", () => showListHelp(), { "aria-label": "Keys", title: "Keys (?)" }),
       ),
@@ -153,6 +156,10 @@ export class RunTable {
     const shown = sorted(filtered(runs, filter.search, filter.state), column, downward);
     this.count.textContent =
       shown.length === runs.length ? counted(runs.length, "run") : `${shown.length} of ${counted(runs.length, "run")}`;
+    this.shown = shown;
+    const open = confirmable(shown).length;
+    this.confirm.textContent = `Confirm ${counted(open, "run")} …`;
+    this.confirm.hidden = open === 0;
     refill(
       this.rows,
       shown.map((run) => this.#row(run)),
@@ -212,6 +219,16 @@ export class RunTable {
           : "–",
       ),
     );
+  }
+
+  /// Of the runs that are shown, those that are open.
+  async #confirm() {
+    const wanted = await askWhatToConfirm(confirmable(this.shown));
+    if (!wanted) return;
+    const { done, problems } = await confirmMany(wanted.names, wanted.kind, wanted.why, { getLabels, sendOperation });
+    if (problems.length) announce(`${counted(done.length, "run")} saved. ${problems.join("; ")}`, "error", { news: true });
+    else announce(`${counted(done.length, "run")} saved. Undo is on the page of each run.`, "note", { news: true });
+    this.#take(await getRuns({ signal: this.abort.signal }));
   }
 
   #goToNext() {

@@ -2,12 +2,14 @@
 
 import { chart, onScheme, themed } from "./chart.js";
 import { colour, el } from "./dom.js";
-import { unitText, valueText } from "./format.js";
-import { neededSamples, rowsOf } from "./detail.js";
+import { lengthText, unitText, valueText } from "./format.js";
+import { neededSamples, rootTicks, rowsOf } from "./detail.js";
 import { lastUntil } from "./snapping.js";
 import { Latest } from "./latest.js";
 
-const FROM_ZERO = new Set(["event_rate", "robot_speed", "film_motion"]);
+const RATES = new Set(["event_rate", "touched_rate"]); // of counts: their noise is the same everywhere on an axis of square roots
+const FROM_ZERO = new Set([...RATES, "robot_speed", "film_motion"]);
+const TICK_PX = 22;
 const PROBABILITIES = ["p_none", "p_press", "p_slip"];
 export const MODEL_SIGNALS = PROBABILITIES.map((name) => ({ name, label: name, unit: "" }));
 const COLOURS = { p_none: "none", p_press: "press", p_slip: "slip" };
@@ -20,10 +22,10 @@ export function stripsOf(signals) {
   return strips;
 }
 
-/// Rows of several series at the same times.
-export function jointRows(list) {
-  if (list.length === 1) return rowsOf(list[0]);
-  const [first, ...others] = list.map(rowsOf);
+/// Rows of several series at the same times, each value as `shown` gives it.
+export function jointRows(list, shown) {
+  const [first, ...others] = list.map((series) => rowsOf(series, shown));
+  if (others.length === 0) return first;
   const known = others.map((rows) => new Map(rows));
   return first.map(([t, bar]) => [t, bar, ...known.map((rows) => rows.get(t) ?? [null, null, null])]);
 }
@@ -58,7 +60,7 @@ export class SignalStrips {
     strip.place = el("div", { class: "chart" });
     strip.element = el(
       "div",
-      { class: last ? "strip last" : "strip", role: "group", "aria-label": strip.label + (strip.unit ? ` in ${strip.unit}` : "") },
+      { class: last ? "strip last" : "strip", "data-signal": strip.name, role: "group", "aria-label": strip.label + (strip.unit ? ` in ${strip.unit}` : "") },
       el(
         "p",
         { class: "strip-name" },
@@ -66,6 +68,7 @@ export class SignalStrips {
         " ",
         strip.value,
         strip.unit ? el("span", { class: "unit" }, ` ${unitText(strip.unit)}`) : null,
+        (strip.over = el("span", { class: "unit" })),
       ),
       strip.place,
     );
@@ -88,20 +91,18 @@ export class SignalStrips {
         dateWindow: [view.from_us / 1e6, view.to_us / 1e6],
         ...(strip.name === "probabilities" ? { valueRange: [-0.02, 1.05] } : {}),
         axes: {
-          y:
-            strip.name === "probabilities"
-              ? {
-                  ticker: () => [
-                    { v: 0, label: "0" },
-                    { v: 1, label: "1" },
-                  ],
-                }
-              : {},
+          y: this.#valueAxis(strip),
           x: { drawAxis: last, pixelsPerLabel: 80, axisLabelFormatter: (value) => this.#tickText(value) },
         },
       });
     }
     this.show(view);
+  }
+
+  #valueAxis({ name }) {
+    if (RATES.has(name)) return { ticker: (_, most, pixels) => rootTicks(most, (most * TICK_PX) / Math.max(pixels, 1)) };
+    if (name !== "probabilities") return {};
+    return { ticker: () => [0, 1].map((v) => ({ v, label: String(v) })) };
   }
 
   #colours(strip) {
@@ -144,7 +145,10 @@ export class SignalStrips {
         "pending",
         strip.names.some((name) => pending.includes(name)),
       );
-      if (given.length === strip.names.length) strip.chart?.updateOptions({ file: jointRows(given.map((name) => this.series[name])) });
+      if (given.length !== strip.names.length) continue;
+      const list = given.map((name) => this.series[name]);
+      strip.chart?.updateOptions({ file: jointRows(list, RATES.has(strip.name) ? Math.sqrt : undefined) });
+      strip.over.textContent = list[0].over_us ? `, mean over ${lengthText(list[0].over_us)}` : "";
     }
     this.values(this.at_us);
     if (pending.length)

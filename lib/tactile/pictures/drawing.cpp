@@ -90,10 +90,13 @@ cv::Mat false_colours(const cv::Mat& values, int brightest, ColourScale scale) {
   }
   cv::Mat shaded(values.size(), CV_8UC1), coloured;
   const auto shade = [&](auto value) { return shades[std::min<std::size_t>(value, shades.size() - 1)]; };
-  if (values.depth() == CV_8U)
-    std::transform(values.begin<std::uint8_t>(), values.end<std::uint8_t>(), shaded.begin<std::uint8_t>(), shade);
-  else
-    std::transform(values.begin<std::uint16_t>(), values.end<std::uint16_t>(), shaded.begin<std::uint8_t>(), shade);
+  for (int y = 0; y < values.rows; ++y) {
+    if (values.depth() == CV_8U)
+      std::transform(values.ptr<std::uint8_t>(y), values.ptr<std::uint8_t>(y) + values.cols, shaded.ptr<std::uint8_t>(y), shade);
+    else
+      std::transform(values.ptr<std::uint16_t>(y), values.ptr<std::uint16_t>(y) + values.cols, shaded.ptr<std::uint8_t>(y),
+                     shade);
+  }
   cv::applyColorMap(shaded, coloured, cv::COLORMAP_INFERNO);
   return coloured;
 }

@@ -104,10 +104,13 @@ void for_moments(events::RecordingReader& recording, std::int32_t stream_id, con
 }
 
 void BrightnessMeter::add(const Moment& moment) {
-  for (auto value = moment.counts.begin<std::uint16_t>(); value != moment.counts.end<std::uint16_t>(); ++value)
-    ++count_pixels_[*value];
-  for (auto value = moment.heatmap.begin<std::uint8_t>(); value != moment.heatmap.end<std::uint8_t>(); ++value)
-    ++heatmap_pixels_[*value];
+  // By rows: OpenCV's iterators take ten times as long.
+  for (int y = 0; y < moment.counts.rows; ++y)
+    for (const std::uint16_t value : std::span(moment.counts.ptr<std::uint16_t>(y), static_cast<std::size_t>(moment.counts.cols)))
+      ++count_pixels_[value];
+  for (int y = 0; y < moment.heatmap.rows; ++y)
+    for (const std::uint8_t value : std::span(moment.heatmap.ptr<std::uint8_t>(y), static_cast<std::size_t>(moment.heatmap.cols)))
+      ++heatmap_pixels_[value];
 }
 
 Brightness BrightnessMeter::result() const {

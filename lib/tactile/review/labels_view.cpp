@@ -82,6 +82,7 @@ json flags_view(const labels::Labels& labels) {
     const std::string why = flag.confirmed ? why_lifted(labels.history, flag) : "";
     list.push_back({{"index", i},
                     {"interval_id", flag.interval_index ? json(labels.intervals.at(*flag.interval_index).id) : json()},
+                    {"kind", flag.key.empty() ? flag.reason : flag.key.substr(0, flag.key.find(' '))},
                     {"what", flag.reason},
                     {"confirmed", flag.confirmed},
                     {"lifted_why", why.empty() ? json() : json(why)}});

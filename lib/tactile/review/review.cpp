@@ -8,6 +8,7 @@
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/core/ticks.hpp"
+#include "tactile/labels/label_runs.hpp"
 #include "tactile/model/bundle/bundle_names.hpp"
 #include "tactile/review/label_routes.hpp"
 #include "tactile/review/labels_view.hpp"
@@ -50,7 +51,8 @@ PageResponse no_content() { return {.status = 204, .type = "", .body = ""}; }
 WindowRequest window_in(const PageRequest& request) {
   const WindowRequest window{.from_us = whole_number_of(request, "from_us", -longest_us, longest_us),
                              .to_us = whole_number_of(request, "to_us", -longest_us, longest_us),
-                             .points = whole_number_of(request, "points", 1, most_points, 1200)};
+                             .points = whole_number_of(request, "points", 1, most_points, 1200),
+                             .smooth_us = whole_number_of(request, "smooth_us", 0, longest_us, 0)};
   if (window.from_us >= window.to_us) throw Refusal(400, "'from_us' is not before 'to_us'; expected a part of time");
   return window;
 }
@@ -75,8 +77,10 @@ struct Review::State {
   RunStore store;
   PictureQueue pictures;
   SplitDesk desk;
+  std::mutex labelling;  ///< one run at a time
 
   PageResponse of_run(const PageRequest& request, const std::vector<std::string>& parts);
+  PageResponse label(const RunFolder& run);
   PageResponse edit(const PageRequest& request, const RunFolder& run, const std::string& what);
   PageResponse split(const PageRequest& request, const RunFolder& run);
   PageResponse of_view(const PageRequest& request, const std::string& what, RunView& view);
@@ -142,8 +146,6 @@ json Review::State::run_json(const RunView& view) {
   object["film_pending"] = view.film_is_pending();
   std::vector<std::string> remarks = view.remarks();
   if (known) remarks.insert(remarks.end(), known->labels.remarks.begin(), known->labels.remarks.end());
-  if (!known && object["error"].is_null())
-    remarks.emplace_back("the run has no labels, so that robot and film have no clock; 'tactile label' makes them");
   object["remarks"] = remarks;
   return object;
 }
@@ -176,11 +178,11 @@ PageResponse Review::State::of_view(const PageRequest& request, const std::strin
   if (what == "event_times") {
     const WindowRequest window = window_in(request);
     if (window.to_us - window.from_us > longest_snap_us) throw Refusal(400, "the window is too long; expected at most 100 ms");
-    const auto found = events.times_in(at("from_us"), at("to_us"), most_snap_events);
+    const auto found = events.events_in(at("from_us"), at("to_us"), most_snap_events);
     if (!found) return json_response({{"t_us", json::array()}, {"too_many", true}});
     std::vector<std::int64_t> times;
     times.reserve(found->size());
-    for (const CameraTime t : *found) times.push_back(between(events.facts().first, t).count());
+    for (const events::Event& event : *found) times.push_back(between(events.facts().first, event.t).count());
     std::sort(times.begin(), times.end());
     return json_response({{"t_us", times}, {"too_many", false}});
   }
@@ -195,6 +197,15 @@ PageResponse Review::State::of_view(const PageRequest& request, const std::strin
   PageResponse response = bytes_response(film->jpeg(static_cast<std::size_t>(next - times.begin() - 1)), "image/jpeg");
   response.headers.emplace_back("X-Frame-Us", std::to_string(*(next - 1)));
   return response;
+}
+
+/// As `tactile label` does it without options.
+PageResponse Review::State::label(const RunFolder& run) {
+  const std::scoped_lock one_at_a_time(labelling);
+  const labels::RunOutcome outcome = labels::label_runs({run}).front();
+  if (!outcome.error.empty()) throw Refusal(500, outcome.error);
+  pictures.draw(run, outcome.labels);
+  return json_response(labels_json(*labels->labels_of(run), runs.facts(run).first));
 }
 
 PageResponse Review::State::edit(const PageRequest& request, const RunFolder& run, const std::string& what) {
@@ -235,9 +246,10 @@ PageResponse Review::State::of_run(const PageRequest& request, const std::vector
   const RunFolder run = runs.find(parts[2], parts[3]);
   const std::string what = parts.size() > 4 ? parts[4] : "";
   if (parts.size() > 5) refuse_path();
-  const bool is_edit = what == "edits" || what == "undo" || what == "redo";
-  if (is_edit != (request.method == "POST"))
-    throw Refusal(405, is_edit ? "an edit is sent by POST" : "this path is asked for by GET");
+  const bool is_label = what == "label", is_edit = what == "edits" || what == "undo" || what == "redo";
+  if ((is_label || is_edit) != (request.method == "POST"))
+    throw Refusal(405, is_label || is_edit ? "this path is sent to by POST" : "this path is asked for by GET");
+  if (is_label) return label(run);
   if (is_edit) return edit(request, run, what);
   if (what == "thumbnail") {
     const std::optional<std::string> picture = runs.thumbnail(run);
@@ -276,7 +288,7 @@ PageResponse Review::answer(const PageRequest& request) {
   }
   if (what == "who") return json_response({{"who", state_->options.who}});
   if (what == "models") return json_response(models_json(state_->options.models));
-  if (what == "studies") return json_response(studies_json(state_->options.studies));
+  if (what == "studies") return json_response(studies_json(state_->options.studies, state_->options.models));
   refuse_path();
 }
 

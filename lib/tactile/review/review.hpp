@@ -16,7 +16,7 @@ namespace tactile::review {
 struct ReviewOptions {
   std::string data;                ///< what is reviewed, in words: the folder's name
   std::filesystem::path models;    ///< folder of model bundles; may not exist
-  std::filesystem::path studies;   ///< folder of folders with study.json, trade.json or stress.json
+  std::filesystem::path studies;   ///< folder of folders with study.json, trade.json, stress.json or eval.json
   std::filesystem::path pieces{};  ///< folder of runs, where recordings that are cut go
   std::string who;                 ///< edits
   microseconds history{40'000};    ///< t_h that the page shows at first

@@ -77,19 +77,19 @@ std::vector<events::ImuSample> RunEvents::imu() const {
   return all;
 }
 
-std::optional<std::vector<CameraTime>> RunEvents::times_in(CameraTime begin, CameraTime end, std::size_t most) const {
+std::optional<std::vector<events::Event>> RunEvents::events_in(CameraTime begin, CameraTime end, std::size_t most) const {
   struct TooMany {};
   const std::scoped_lock lock(guard_);
-  std::vector<CameraTime> times;
+  std::vector<events::Event> all;
   try {
     events::for_events_between(recording_, facts_.stream_id, begin, end, [&](std::span<const events::Event> events) {
-      if (times.size() + events.size() > most) throw TooMany{};
-      for (const events::Event& event : events) times.push_back(event.t);
+      if (all.size() + events.size() > most) throw TooMany{};
+      all.insert(all.end(), events.begin(), events.end());
     });
   } catch (const TooMany&) {
     return std::nullopt;
   }
-  return times;
+  return all;
 }
 
 std::string RunEvents::counts_before(CameraTime end, microseconds history) const {

@@ -50,8 +50,8 @@ class RunEvents {
   /// All IMU samples, by time.
   std::vector<events::ImuSample> imu() const;
 
-  /// The times of the events in [begin, end), as the file has them; nothing as soon as there are more than `most`.
-  std::optional<std::vector<CameraTime>> times_in(CameraTime begin, CameraTime end, std::size_t most) const;
+  /// The events in [begin, end), as the file has them; nothing as soon as there are more than `most`.
+  std::optional<std::vector<events::Event>> events_in(CameraTime begin, CameraTime end, std::size_t most) const;
 
   /// The events in [end - history, end) at each pixel: a header of four uint32, width, height, events on and off, little-endian;
   /// then a byte for each pixel, the number of its events on, 255 at most; then the same of those off.

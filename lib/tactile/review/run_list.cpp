@@ -8,7 +8,7 @@
 #include "tactile/core/sha256.hpp"
 #include "tactile/review/labels_view.hpp"
 #include "tactile/review/page_message.hpp"
-#include "tactile/review/rate_levels.hpp"
+#include "tactile/review/rate_counts.hpp"
 
 namespace tactile::review {
 namespace {
@@ -255,12 +255,12 @@ void RunList::survey(const RunFolder& run) {
     const RunEvents events(run);
     known.facts = events.facts();
     publish();
-    RateLevels rate(known.facts->first, known.facts->last);
+    RateCounts rate(known.facts->first, known.facts->last);
     events.for_all([&](std::span<const events::Event> some) { rate.add(some); },
                    [&](double) {
                      if (ends_) throw Cancelled{};
                    });
-    const RateLevels::Busiest peak = rate.busiest(peak_over), busiest = rate.busiest(history_shown);
+    const RateCounts::Busiest peak = rate.busiest(peak_over), busiest = rate.busiest(history_shown);
     const double over_s = 1e-6 * static_cast<double>(std::max(peak_over, rate.bin()).count());
     const microseconds until = rate.bin() * static_cast<std::int64_t>(busiest.begin) + history_shown;
     known.survey = {.peak_per_s = static_cast<double>(peak.events) / over_s, .busiest_end = after(known.facts->first, until)};

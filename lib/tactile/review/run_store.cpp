@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "tactile/core/runs_below.hpp"
 #include "tactile/review/label_cache.hpp"
 
 namespace tactile::review {
 
 std::shared_ptr<RunView> RunStore::open(const RunFolder& run) {
-  const std::string stamp = stamp_of(run.events()) + "/" + stamp_of(run.robot()) + "/" + stamp_of(run.video());
+  const std::string stamp = stamp_of(run.events()) + "/" + stamp_of(run.robot()) + "/" + stamp_of(run.video()) +
+                            (is_there(run.labels()) ? "/labelled" : "");
   std::list<Entry> closed;  // ends after the lock: a view waits for its thread
   const std::scoped_lock lock(guard_);
   const auto found =

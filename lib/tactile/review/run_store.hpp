@@ -8,7 +8,8 @@
 
 namespace tactile::review {
 
-/// The runs that are open: the last few that were asked for. A run whose recording has changed is opened again.
+/// The runs that are open: the last few that were asked for. A run whose recording has changed, or that got labels, is opened
+/// again.
 class RunStore {
  public:
   /// @param most  open at once, > 0

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
+#include "tactile/core/runs_below.hpp"
 #include "tactile/labels/label_options.hpp"
 #include "tactile/review/label_cache.hpp"
 #include "tactile/review/run_series.hpp"
@@ -14,7 +16,8 @@
 namespace tactile::review {
 namespace {
 
-constexpr double share_of_robot = 0.05;  // of the time to read a run, about
+constexpr double share_of_robot = 0.05;   // of the time to read a run, about
+constexpr std::int64_t fine_enough = 10;  // bins: a mean over so many begins and ends where it should, within a tenth
 
 /// What decides where signals lie: the clocks.
 std::string clocks_key(const labels::Labels& labels) {
@@ -28,6 +31,23 @@ const SampledSignal* named(const std::vector<SampledSignal>* series, const std::
   if (series == nullptr) return nullptr;
   const auto found = std::find_if(series->begin(), series->end(), [&](const SampledSignal& one) { return one.name == name; });
   return found == series->end() ? nullptr : &*found;
+}
+
+/// Nothing without labels that can be read.
+std::unique_ptr<TouchedPlaces> touched_places(const RunFolder& run, const RunFacts& facts) {
+  if (!is_file(run.labels()) || facts.sensor.width <= 0 || facts.sensor.height <= 0) return nullptr;
+  try {
+    return std::make_unique<TouchedPlaces>(facts.sensor, labels::read_labels(run.labels()), facts.first, facts.last);
+  } catch (const Error&) {
+    return nullptr;  // whoever asks for the labels gets the error
+  }
+}
+
+std::vector<events::Event> events_in_places(std::span<const events::Event> events, const TouchedPlaces& places) {
+  std::vector<events::Event> inside;
+  std::copy_if(events.begin(), events.end(), std::back_inserter(inside),
+               [&](const events::Event& event) { return places.contains(event); });
+  return inside;
 }
 
 bool is_probability(const std::string& name) { return name.starts_with("p_"); }
@@ -69,6 +89,7 @@ void RunView::read() {
       state_.is_read = true;
       state_.share = 1;
     }
+    if (places_) read_touched();
     if (film_pending_) read_film();
   } catch (const Cancelled&) {
   } catch (const std::exception& e) {
@@ -101,15 +122,32 @@ void RunView::read_events() {
   events_ = std::make_unique<RunEvents>(run_);
   const RunFacts& facts = events_->facts();
   if (facts.has_imu) imu_ = imu_series(events_->imu(), facts.first);
-  auto rate = std::make_shared<RateLevels>(facts.first, facts.last);
-  events_->for_all([&](std::span<const events::Event> events) { rate->add(events); },
-                   [&](double share) {
-                     check_wanted();
-                     const std::scoped_lock lock(guard_);
-                     state_.share = share_of_robot + (1 - share_of_robot) * share;
-                   });
+  auto rate = std::make_unique<RateCounts>(facts.first, facts.last);
+  std::unique_ptr<TouchedPlaces> places = touched_places(run_, facts);
+  events_->for_all(
+      [&](std::span<const events::Event> events) {
+        rate->add(events);
+        if (places) places->add(events);
+      },
+      [&](double share) {
+        check_wanted();
+        const std::scoped_lock lock(guard_);
+        state_.share = share_of_robot + (1 - share_of_robot) * share;
+      });
   rate->finish();
   rate_ = std::move(rate);
+  if (places) places->choose();
+  if (places && !places->empty()) places_ = std::move(places);
+}
+
+void RunView::read_touched() {
+  const RunFacts& facts = events_->facts();
+  auto touched = std::make_shared<RateCounts>(facts.first, facts.last);
+  events_->for_all([&](std::span<const events::Event> events) { touched->add(events_in_places(events, *places_)); },
+                   [&](double) { check_wanted(); });
+  touched->finish();
+  const std::scoped_lock lock(guard_);
+  touched_ = std::move(touched);
 }
 
 void RunView::read_film() {
@@ -180,6 +218,7 @@ nlohmann::json RunView::signals(const labels::Labels* labels) const {
     list.push_back({{"name", name}, {"unit", unit}, {"label", label}});
   };
   add("event_rate", "events/ms", "Event rate");
+  if (places_) add("touched_rate", "events/ms", "Event rate of the touched places");
   bool has_motion = false;
   if (labels != nullptr) {
     for (const SampledSignal& signal : *placed(*labels)) {
@@ -194,15 +233,32 @@ nlohmann::json RunView::signals(const labels::Labels* labels) const {
   return list;
 }
 
-SignalWindow RunView::rate_window(const WindowRequest& request) const {
-  const CameraTime first = events_->facts().first;
+std::shared_ptr<const RateCounts> RunView::touched_counts() const {
+  const std::scoped_lock lock(guard_);
+  return touched_;
+}
+
+SignalWindow RunView::rate_window(const RateCounts& counts, const TouchedPlaces* places, const WindowRequest& request) const {
+  const std::int64_t bucket = request.bucket_us(1), over = std::max(bucket, request.smooth_us);
   const microseconds length{request.to_us - request.from_us};
-  if (length > longest_exact || request.bucket_us(1) >= rate_->bin().count()) return rate_->window(request);
-  // Buckets begin at whole multiples of their length, up to one of them before the window, and end after it.
-  const microseconds margin{request.bucket_us(1)};
-  const auto times = events_->times_in(before(after(first, microseconds{request.from_us}), margin),
-                                       after(first, microseconds{request.to_us} + margin), most_exact_events);
-  return times ? exact_rate(*times, first, request) : rate_->window(request);
+  if (length > longest_exact || over >= fine_enough * counts.bin().count()) return counts.window(request);
+  // Of this part alone in bins of 1 us. It begins at a whole multiple of the buckets, so that they stay where they are.
+  const RunFacts& facts = events_->facts();
+  const std::int64_t margin = over + bucket, skipped = std::max<std::int64_t>(0, (request.from_us - margin) / bucket * bucket);
+  const CameraTime begin = after(facts.first, microseconds{skipped});
+  const CameraTime end = std::min(after(facts.first, microseconds{request.to_us + margin}), after(facts.last, 1us));
+  if (end <= begin) return counts.window(request);
+  const auto events = events_->events_in(begin, end, most_exact_events);
+  if (!events) return counts.window(request);
+  RateCounts fine(begin, before(end, 1us), 1us);
+  fine.add(places != nullptr ? events_in_places(*events, *places) : *events);
+  fine.finish();
+  SignalWindow window = fine.window({.from_us = request.from_us - skipped,
+                                     .to_us = request.to_us - skipped,
+                                     .points = request.points,
+                                     .smooth_us = request.smooth_us});
+  for (std::int64_t& t : window.t_us) t += skipped;
+  return window;
 }
 
 nlohmann::json RunView::windows(const std::vector<std::string>& names, const WindowRequest& request, const labels::Labels* labels,
@@ -211,7 +267,14 @@ nlohmann::json RunView::windows(const std::vector<std::string>& names, const Win
   nlohmann::json series = nlohmann::json::object(), pending = nlohmann::json::array();
   for (const std::string& name : names) {
     if (name == "event_rate") {
-      series[name] = json_of(rate_window(request));
+      series[name] = json_of(rate_window(*rate_, nullptr, request));
+    } else if (name == "touched_rate" && places_) {
+      const std::shared_ptr<const RateCounts> touched = touched_counts();
+      if (touched) {
+        series[name] = json_of(rate_window(*touched, places_.get(), request));
+      } else {
+        pending.push_back(name);
+      }
     } else if (name == imu_.name && !imu_.t_us.empty()) {
       series[name] = json_of(window_of(imu_, request));
     } else if (is_probability(name)) {

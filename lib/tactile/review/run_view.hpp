@@ -16,9 +16,10 @@
 #include "tactile/labels/labels.hpp"
 #include "tactile/results/full_run.hpp"
 #include "tactile/review/film_frames.hpp"
-#include "tactile/review/rate_levels.hpp"
+#include "tactile/review/rate_counts.hpp"
 #include "tactile/review/run_events.hpp"
 #include "tactile/review/signal_window.hpp"
+#include "tactile/review/touched_places.hpp"
 
 namespace tactile::review {
 
@@ -71,6 +72,7 @@ class RunView {
 
   void read();
   void read_events();
+  void read_touched();
   void read_robot();
   void read_film();
   void predict(const std::filesystem::path& bundle, const std::atomic<bool>& is_wanted);
@@ -78,18 +80,21 @@ class RunView {
   void remark(std::string sentence);
   std::shared_ptr<const AllSeries> placed(const labels::Labels& labels) const;
   std::shared_ptr<const AllSeries> predicted(const std::filesystem::path& bundle);
-  SignalWindow rate_window(const WindowRequest& request) const;
+  std::shared_ptr<const RateCounts> touched_counts() const;
+  SignalWindow rate_window(const RateCounts& counts, const TouchedPlaces* places, const WindowRequest& request) const;
 
   RunFolder run_;
   Classify classify_;
   std::atomic<bool> ends_{false};
   std::unique_ptr<RunEvents> events_;
-  std::shared_ptr<const RateLevels> rate_;
+  std::unique_ptr<const RateCounts> rate_;
+  std::unique_ptr<TouchedPlaces> places_;  ///< nothing if the labels show none
   SampledSignal imu_;
 
   mutable std::mutex guard_;  ///< of all below
   State state_;
   std::vector<std::string> remarks_;
+  std::shared_ptr<const RateCounts> touched_;             ///< of `places_`; nothing while it is counted
   std::shared_ptr<const alignment::RunSignals> signals_;  ///< robot, and the film's motion once it is decoded
   bool film_pending_ = false, motion_pending_ = false;
   std::shared_ptr<const FilmFrames> film_;

@@ -37,11 +37,8 @@ void SignalWindow::add(std::int64_t t, double low, double middle, double high) {
 }
 
 nlohmann::json json_of(const SignalWindow& window) {
-  return {{"bucket_us", window.bucket_us},
-          {"t_us", window.t_us},
-          {"min", numbers_json(window.least)},
-          {"mean", numbers_json(window.mean)},
-          {"max", numbers_json(window.most)}};
+  return {{"bucket_us", window.bucket_us},     {"over_us", window.over_us},         {"t_us", window.t_us},
+          {"min", numbers_json(window.least)}, {"mean", numbers_json(window.mean)}, {"max", numbers_json(window.most)}};
 }
 
 std::int64_t WindowRequest::bucket_us(std::int64_t unit_us) const {

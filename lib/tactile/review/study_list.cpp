@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tactile/core/error.hpp"
@@ -12,6 +13,9 @@
 #include "tactile/core/folders_in.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
+#include "tactile/model/bundle/bundle_evaluations.hpp"
+#include "tactile/model/bundle/bundle_names.hpp"
+#include "tactile/results/evaluation.hpp"
 #include "tactile/results/stress.hpp"
 #include "tactile/results/study.hpp"
 #include "tactile/results/trade.hpp"
@@ -78,16 +82,28 @@ void read_stress(json& entry, const results::JsonView& stress) {
   }
 }
 
+void read_evaluation(json& entry, const results::JsonView& document) {
+  const auto evaluation = document.get<results::Evaluation>();
+  const results::DetectorScore& score = evaluation.network;
+  add_figure(entry["figures"], "Accuracy", evaluation.accuracy.mean, "%", percent);
+  for (const auto& [touch, delays] : {std::pair("press", &score.press.all), std::pair("slip", &score.slip.all)}) {
+    add_figure(entry["figures"], fmt::format("Detection delay of {}, median", touch), delays->median_of_all_ms.ms, "ms");
+    add_figure(entry["figures"], fmt::format("Missed, {}", touch), delays->missed, "%", percent);
+  }
+  add_figure(entry["figures"], "False alarms", score.false_alarms.outside_labels_per_min, "1/min");
+}
+
 struct Kind {
   const char* name;
   void (*read)(json& entry, const results::JsonView& document);
+  bool has_format = true;
 };
 
-constexpr std::array<Kind, 3> kinds{{{"study", read_study}, {"trade", read_trade}, {"stress", read_stress}}};
+constexpr Kind evaluation{"eval", read_evaluation, false};
+constexpr std::array<Kind, 4> kinds{{{"study", read_study}, {"trade", read_trade}, {"stress", read_stress}, evaluation}};
 
-json study_json(const fs::path& folder, const Kind& kind) {
-  const fs::path file = folder / (std::string(kind.name) + ".json");
-  const std::string name = fs::absolute(folder).lexically_normal().filename().string();
+json study_json(const fs::path& file, const Kind& kind) {
+  const std::string name = fs::absolute(file).lexically_normal().parent_path().filename().string();
   json entry = {{"name", name.empty() ? kind.name : name},
                 {"kind", kind.name},
                 {"title", ""},
@@ -99,7 +115,7 @@ json study_json(const fs::path& folder, const Kind& kind) {
   try {
     const json document = read_json(file);
     const results::JsonView view(document, file.string());
-    if (view["format"].text() != fmt::format("tactile-{}-1", kind.name))
+    if (kind.has_format && view["format"].text() != fmt::format("tactile-{}-1", kind.name))
       throw Error(file.string() + ": another format; expected tactile-" + kind.name + "-1");
     entry["title"] = view["title"].text();
     entry["simulated"] = view["simulated"].truth();
@@ -113,15 +129,19 @@ json study_json(const fs::path& folder, const Kind& kind) {
 
 }  // namespace
 
-json studies_json(const fs::path& folder) {
+json studies_json(const fs::path& folder, const fs::path& models) {
   std::vector<fs::path> places{folder};
   const std::vector<fs::path> below = folders_in(folder);
   places.insert(places.end(), below.begin(), below.end());
   json list = json::array();
   for (const fs::path& place : places) {
     for (const Kind& kind : kinds) {
-      if (is_file(place / (std::string(kind.name) + ".json"))) list.push_back(study_json(place, kind));
+      const fs::path file = place / (std::string(kind.name) + ".json");
+      if (is_file(file)) list.push_back(study_json(file, kind));
     }
+  }
+  for (const std::string& name : model::bundle_names(models)) {
+    if (const auto file = model::newest_evaluation({models / name})) list.push_back(study_json(*file, evaluation));
   }
   return list;
 }

@@ -5,6 +5,8 @@ globalThis.matchMedia = () => ({ matches: false, addEventListener() {}, removeEv
 const { countsOf, heatScale, paintEvents, paintHeat } = await import("../../../apps/tactile/web/counts_picture.js");
 const { Player, otherSpeed } = await import("../../../apps/tactile/web/player.js");
 const { nameOf } = await import("../../../apps/tactile/web/keys.js");
+const { confirmMany, confirmable, flagKinds } = await import("../../../apps/tactile/web/confirm_many.js");
+const { announce, endMessage } = await import("../../../apps/tactile/web/dom.js");
 const { jointRows, stripsOf, valueAt } = await import("../../../apps/tactile/web/signal_strips.js");
 
 function answer(width, height, on, off, bytes) {
@@ -117,4 +119,49 @@ test("the value at the cursor is the last sample, or the first where the cursor 
   const series = { t_us: [100, 300], mean: [5, null] };
   assert.deepEqual([-200, -100, 99, 100, 299, 300].map((t) => valueAt(series, t)), [null, 5, 5, 5, 5, null]);
   assert.equal(valueAt({ t_us: [], mean: [] }, 5), null);
+});
+
+test("many runs are confirmed, or lose the flags of one kind, each by its own edits", async () => {
+  const flag = (index, kind, confirmed = false) => ({ index, kind, what: `${kind} by 3 ms`, confirmed });
+  const runs = [
+    { name: "fan/01", has: { labels: true }, flags: [flag(0, "no-robot"), flag(1, "late")] },
+    { name: "fan/02", has: { labels: true }, flags: [flag(0, "no-robot", true), flag(1, "late")] },
+    { name: "fan/03", has: { labels: true }, confirmed: true, flags: [] },
+    { name: "fan/04", has: { labels: false }, flags: [] },
+  ];
+  assert.deepEqual(confirmable(runs).map((run) => run.name), ["fan/01", "fan/02"]);
+  assert.deepEqual(flagKinds(runs).map(({ kind, runs: having }) => [kind, having.join()]), [["late", "fan/01,fan/02"], ["no-robot", "fan/01"]]);
+  const sent = [];
+  const server = {
+    getLabels: async (name) => ({ version: 1, flags: runs.find((run) => run.name === name).flags }),
+    sendOperation: async (name, { edit, why }, version) => {
+      if (name === "fan/02" && edit.flag === 1) throw new Error("the labels have changed");
+      sent.push([name, edit.kind, edit.flag, why, version]);
+      return { version: version + 1, flags: [] };
+    },
+  };
+  const lifted = await confirmMany(["fan/01", "fan/02"], "late", "seen", server);
+  assert.deepEqual(sent, [["fan/01", "lift", 1, "seen", 1]]);
+  assert.deepEqual(lifted, { done: ["fan/01"], problems: ["fan/02: the labels have changed"] });
+  await confirmMany(["fan/02"], "", "", server);
+  assert.deepEqual(sent.at(-1), ["fan/02", "confirm-run", undefined, "", 1]);
+});
+
+test("a message goes with the next act of the person, news stays, and a modifier is no act", () => {
+  const line = { textContent: "", dataset: {} };
+  const listeners = new Map();
+  globalThis.document = { getElementById: () => line };
+  globalThis.addEventListener = (act, listener) => listeners.set(act, listener);
+  globalThis.removeEventListener = (act) => listeners.delete(act);
+  const act = (name, event) => listeners.get(name)?.(event);
+  announce("A press begins. Press the same key at its end.");
+  act("keydown", { key: "Shift" });
+  assert.notEqual(line.textContent, "");
+  act("keydown", { key: "p" });
+  assert.equal(line.textContent, "");
+  announce("Not made: the server refuses.", "error", { news: true });
+  act("pointerdown", {});
+  assert.notEqual(line.textContent, "");
+  endMessage();
+  assert.equal(line.textContent, "");
 });

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { neededEventTimes, neededSamples, rowsOf } from "../../../apps/tactile/web/detail.js";
+import { neededEventTimes, neededSamples, rootTicks, rowsOf } from "../../../apps/tactile/web/detail.js";
 import {
   lastUntil,
   nearestOf,
@@ -115,7 +115,7 @@ test("pixels and times are each other's inverse", () => {
 test("samples are asked for where none cover the view or they are too coarse", () => {
   const view = { from_us: 400_000, to_us: 500_000 };
   const first = neededSamples(view, 2_000_000, null, 800);
-  assert.deepEqual(first, { from_us: 350_000, to_us: 550_000, points: 1600 });
+  assert.deepEqual(first, { from_us: 350_000, to_us: 550_000, points: 1600, smooth_us: 1000 });
   assert.equal(neededSamples(view, 2_000_000, first, 800), null);
   assert.equal(neededSamples(panned(view, 40_000, 2_000_000), 2_000_000, first, 800), null);
   assert.notEqual(neededSamples(panned(view, 60_000, 2_000_000), 2_000_000, first, 800), null);
@@ -124,7 +124,20 @@ test("samples are asked for where none cover the view or they are too coarse", (
 
 test("a request never leaves the run and never asks for more than 4000 samples", () => {
   const need = neededSamples({ from_us: 0, to_us: 600_000_000 }, 600_000_000, null, 9000);
-  assert.deepEqual(need, { from_us: 0, to_us: 600_000_000, points: 4000 });
+  assert.deepEqual(need, { from_us: 0, to_us: 600_000_000, points: 4000, smooth_us: 6_000_000 });
+});
+
+test("rates are smoothed by a hundredth of the view, also after zooming out", () => {
+  const close = neededSamples({ from_us: 480_000, to_us: 540_000 }, 2_000_000, null, 1000);
+  assert.equal(close.smooth_us, 600);
+  const all = { from_us: 0, to_us: 2_000_000, points: 4000, smooth_us: 600 };
+  assert.equal(neededSamples({ from_us: 0, to_us: 2_000_000 }, 2_000_000, all, 1000).smooth_us, 20_000);
+});
+
+test("an axis of square roots has round numbers that do not overlap", () => {
+  const ticks = rootTicks(Math.sqrt(120), Math.sqrt(120) / 4);
+  assert.deepEqual(ticks.map((tick) => tick.label), ["0", "10", "50", "100"]);
+  for (const { v, label } of ticks) assert.ok(Math.abs(v * v - Number(label)) < 1e-9);
 });
 
 test("single events are asked for only where the view is a tenth of a second at most", () => {
