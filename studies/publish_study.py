@@ -264,8 +264,13 @@ def page(folder):
         picture("trade-budgets", "The best of each kind of model within a time per tick"),
         f"{trade['usual_is']} {trade['recommendation']['sentence']}\n",
         "## What the paper does not specify\n",
-        "The paper names LeNet, t_h, the tick of 2 ms, the factor 0.2 and the noise reduction. These defaults are ours: ReLU and max-pooling, Adam with a learning rate "
-        f"of 0.001 and batches of 32, {settings['epochs']} epochs, area interpolation, balanced windows that keep 100 ms from every touch.\n",
+        "The paper names LeNet, t_h, the tick of 2 ms and the factor 0.2. These defaults are ours: ReLU and max-pooling, Adam with a learning rate "
+        f"of 0.001 and batches of 32, {settings['epochs']} epochs, area interpolation.\n",
+        "## Where the defaults differ from the paper\n",
+        "- **Samples of *none*.** The paper draws them from all remaining times. Here they keep 100 ms from every touch, and from every release, "
+        "which the paper does not mention. `configs/windows-as-paper.json` lets them reach the edges of both.\n"
+        "- **Noise reduction.** The paper's equations 3 and 4 as printed give D = E / (1 + e^(E + b)), which decreases as a count E grows, on both sides of b. Its text says that "
+        "counts well above b become almost 0, and counts well below b stay. The default follows the text: D = E / (1 + e^(E − b)). `configs/heatmaps-as-printed.json` follows the equations.\n",
         "## To repeat it\n",
         f"    scripts/publish-study {repeating(settings, trade)}\n"
         "    scripts/publish-study STUDY TRADE    # this page from folders that exist\n",

@@ -44,20 +44,23 @@ void draw_ticks(const std::vector<detect::ReportedTick>& ticks, const heatmaps::
     const evaluation::RunTruth truth = evaluation::read_run_truth(*run);
     picture.has_labels = !truth.labels.empty();
     picture.has_truth = truth.has_truth;
-    picture.truth = truth.true_ones;
     picture.unlabelled = truth.unlabelled;
-    std::vector<TouchInterval> wanted = picture.has_labels ? truth.used() : truth.true_ones;
+    if (truth.has_truth) {
+      for (const TouchInterval& label : truth.all_labelled()) picture.labels.push_back({label, {}});
+    }
+    std::vector<pictures::PredictedInterval>& reference = truth.has_truth ? picture.truth : picture.labels;
+    std::vector<TouchInterval> wanted = truth.has_truth ? truth.true_ones : truth.used();
     std::erase_if(wanted, [&](const TouchInterval& interval) {
       return interval.end < range.first || interval.start > range.at(range.count - 1);
     });
     for (const results::Detection& detection : evaluation::detections_of(range, verdicts, wanted)) {
       pictures::PredictedInterval& interval =
-          picture.labels.emplace_back(pictures::PredictedInterval{detection.interval, results::words_of(detection), {}});
+          reference.emplace_back(pictures::PredictedInterval{detection.interval, results::words_of(detection), {}});
       if (detection.outcome == results::DetectionOutcome::detected) interval.first_right = detection.first_right;
     }
-    if (!picture.labels.empty())
+    if (!reference.empty())
       picture.remarks.push_back(
-          fmt::format("Line: onset, {}; dashed: first right verdict.", picture.has_labels ? "as labelled" : "as it truly was"));
+          fmt::format("Line: onset, {}; dashed: first right verdict.", truth.has_truth ? "as it truly was" : "as labelled"));
   }
   pictures::draw_prediction(picture, file);
 }

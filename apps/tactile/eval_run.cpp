@@ -64,8 +64,8 @@ ChosenModel model_for_runs(const EvalArguments& args, const std::optional<window
 }
 
 /// The outcome of an interval; "in doubt" if its labels are.
-std::string words_of(const TouchInterval& interval, const evaluation::RunPrediction& prediction) {
-  for (const results::Detection& detection : prediction.detections) {
+std::string words_of(const TouchInterval& interval, const std::vector<results::Detection>& detections) {
+  for (const results::Detection& detection : detections) {
     if (detection.interval.start == interval.start && detection.interval.touch == interval.touch) return words_of(detection);
   }
   return "in doubt";
@@ -87,9 +87,10 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   }
   picture.has_labels = !prediction.truth.labels.empty();
   for (const windows::SampledInterval& label : prediction.truth.labels)
-    picture.labels.push_back({label.interval, words_of(label.interval, prediction)});
+    picture.labels.push_back({label.interval, words_of(label.interval, prediction.detections)});
   picture.has_truth = prediction.truth.has_truth;
-  picture.truth = prediction.truth.true_ones;
+  for (const results::Detection& detection : prediction.true_detections)
+    picture.truth.push_back({detection.interval, words_of(detection)});
   picture.unlabelled = prediction.truth.unlabelled;
   std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms, in_ms(classifier.rendering().tick));
   if (decision.thresholds) {
@@ -101,7 +102,10 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
         fmt::format("; predicted in at least {} of the last {} ticks", decision.confirmation.needed, decision.confirmation.of);
   }
   picture.remarks.push_back(settings + ".");
-  if (picture.has_labels) picture.remarks.push_back(results::words_of(prediction.false_alarms));
+  if (picture.has_truth)
+    picture.remarks.push_back("By the truth. " + results::words_of(prediction.true_alarms));
+  else if (picture.has_labels)
+    picture.remarks.push_back(results::words_of(prediction.false_alarms));
   return picture;
 }
 

@@ -295,6 +295,27 @@ TEST(RunPrediction, IsWrittenAsOneRowATick) {
   for (const model::Probabilities& p : prediction.full.probabilities) EXPECT_NEAR(p[0] + p[1] + p[2], 1.0, 1e-5);
 }
 
+TEST(RunPrediction, OfASimulatedRunIsJudgedByItsTruthToo) {
+  const Trained trained;
+  const model::Classifier classifier(trained.bundle.folder, 1);
+  const RunFolder run = run_folder_at(trained.folder / "data/fan/02");
+  // A slip that is not there is labelled in its last 100 ms.
+  labels::Labels labels = labels::read_labels(run.labels());
+  const TouchInterval slip = labels.intervals.at(1).interval();
+  labels.intervals[1].start.at = labels.intervals[1].start.low = labels.intervals[1].start.high = before(slip.end, 100ms);
+  labels::write_labels(run.labels(), labels);
+  const RunPrediction prediction = predict_run(run, classifier);
+  ASSERT_EQ(prediction.detections.size(), 2U);
+  ASSERT_EQ(prediction.true_detections.size(), 2U);
+  EXPECT_EQ(prediction.detections[1].interval.start, before(slip.end, 100ms));
+  EXPECT_EQ(prediction.true_detections[1].interval.start, slip.start);
+  const nlohmann::json outcome = outcome_json(prediction);
+  EXPECT_EQ(outcome.at("by_truth").at("intervals").at(1), nlohmann::json(prediction.true_detections[1]));
+  EXPECT_EQ(outcome.at("by_truth").at("false_alarms"), nlohmann::json(prediction.true_alarms));
+  std::filesystem::remove(run.truth());
+  EXPECT_TRUE(outcome_json(predict_run(run, classifier)).at("by_truth").is_null());
+}
+
 TEST(Evaluation, DoesNotDependOnTheNumberOfThreads) {
   const Trained trained;
   const windows::Dataset dataset(trained.file);

@@ -26,7 +26,7 @@ PredictionPicture small_picture() {
 }
 
 // [px] of the rows predicted, labelled and true, without the words next to them
-constexpr int rows_top = 532, rows_bottom = 590, axis_left = 112;
+constexpr int rows_top = 526, rows_bottom = 586, axis_left = 106;
 
 /// Columns in which those rows hold this strong colour somewhere, first to last; {0, -1} without.
 std::pair<int, int> columns_of(const cv::Mat& picture, const cv::Vec3b& colour, int bottom = rows_bottom) {
@@ -49,10 +49,10 @@ TEST(PredictionPicture, DrawsPredictionsAtTheirTicks) {
   draw_prediction(small_picture(), folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
   ASSERT_EQ(picture.cols, 1100);
-  // The axis goes from 110 to 1070 px for 998 ms.
+  // The axis goes from 104 to 1076 px for 998 ms.
   const auto [first, last] = columns_of(picture, blue);
-  EXPECT_NEAR(first, 110 + 960 * 0.200 / 0.998, 3);
-  EXPECT_NEAR(last, 110 + 960 * 0.400 / 0.998, 3);
+  EXPECT_NEAR(first, 104 + 972 * 0.200 / 0.998, 3);
+  EXPECT_NEAR(last, 104 + 972 * 0.400 / 0.998, 3);
   EXPECT_EQ(columns_of(picture, orange).second, -1);
   EXPECT_EQ(columns_of(picture, grey_line).second, -1);
 }
@@ -62,10 +62,10 @@ TEST(PredictionPicture, CountsFromTheFirstEventIfThatIsKnown) {
   since_event.first_event = camera_time(4'502'000);
   const test::TemporaryFolder folder;
   draw_prediction(since_event, folder / "a.png");
-  // The axis goes from 110 to 1070 px for 1.496 s; the ticks begin at 0.498 s.
+  // The axis goes from 104 to 1076 px for 1.496 s; the ticks begin at 0.498 s.
   const auto [first, last] = columns_of(cv::imread((folder / "a.png").string()), blue);
-  EXPECT_NEAR(first, 110 + 960 * 0.698 / 1.496, 3);
-  EXPECT_NEAR(last, 110 + 960 * 0.898 / 1.496, 3);
+  EXPECT_NEAR(first, 104 + 972 * 0.698 / 1.496, 3);
+  EXPECT_NEAR(last, 104 + 972 * 0.898 / 1.496, 3);
   EXPECT_NE(prediction_plot(since_event).script.find("time since the first event [s]"), std::string::npos);
   EXPECT_NE(prediction_plot(small_picture()).script.find("time since the first full tick [s]"), std::string::npos);
 }
@@ -73,13 +73,20 @@ TEST(PredictionPicture, CountsFromTheFirstEventIfThatIsKnown) {
 TEST(PredictionPicture, ShowsTheTruthWhereThereIsOne) {
   PredictionPicture with = small_picture();
   with.has_truth = true;
-  with.truth = {{Touch::slip, camera_time(5'600'000), camera_time(5'700'000)}};
+  with.truth = {{{Touch::slip, camera_time(5'600'000), camera_time(5'700'000)}, "4 ms"}};
   with.unlabelled = {{Touch::press, camera_time(5'800'000), camera_time(5'900'000)}};
   const test::TemporaryFolder folder;
   draw_prediction(with, folder / "a.png");
   const cv::Mat picture = cv::imread((folder / "a.png").string());
-  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 110 + 960 * 0.600 / 0.998, 3);
-  EXPECT_NEAR(columns_of(picture, grey_line, rows_bottom + 34).first, 110 + 960 * 0.800 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, orange, rows_bottom + 34).first, 104 + 972 * 0.600 / 0.998, 3);
+  EXPECT_NEAR(columns_of(picture, grey_line, rows_bottom + 34).first, 104 + 972 * 0.800 / 0.998, 3);
+  // The labelled press is a thin row of its own: neither a reference nor a detection.
+  const std::string script = prediction_plot(with).script;
+  EXPECT_NE(script.find("'slip: 4 ms'"), std::string::npos);
+  EXPECT_NE(script.find("'true slip'"), std::string::npos);
+  EXPECT_EQ(script.find("'press: 2 ms'"), std::string::npos);
+  EXPECT_EQ(script.find("'labelled press"), std::string::npos);
+  EXPECT_NE(prediction_plot(small_picture()).script.find("'press: 2 ms'"), std::string::npos);
 }
 
 TEST(PredictionPicture, ASingleTickOfAClassIsSeen) {
@@ -89,8 +96,16 @@ TEST(PredictionPicture, ASingleTickOfAClassIsSeen) {
   for (int i = 100; i < 20'000; ++i)
     lone.ticks.push_back({camera_time(5'000'000 + 2000 * i), 1.0, 0.0, 0.0, i == 9000 ? Touch::slip : Touch::none});
   const test::TemporaryFolder folder;
-  draw_prediction(lone, folder / "a.svg");
-  EXPECT_NE(read_text(folder / "a.svg").find("fill = 'rgb(230,  90,   0)'"), std::string::npos);
+  const auto slips_in = [&folder](const PredictionPicture& drawn) {
+    draw_prediction(drawn, folder / "a.svg");
+    const std::string svg = read_text(folder / "a.svg"), fill = "fill = 'rgb(230,  90,   0)'";
+    std::size_t count = 0;
+    for (std::size_t at = svg.find(fill); at != std::string::npos; at = svg.find(fill, at + 1)) ++count;
+    return count;
+  };
+  const std::size_t with = slips_in(lone);
+  for (PredictedTick& tick : lone.ticks) tick.verdict = Touch::none;
+  EXPECT_EQ(with, slips_in(lone) + 1) << "besides the key";
 }
 
 TEST(PredictionPicture, TakesAnyWordsAndNeedsATick) {

@@ -46,12 +46,12 @@ TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndWritesThresholdsNextToThePoi
   EXPECT_TRUE(has_row(plot, {2, 4, 5}));
   EXPECT_TRUE(has_row(plot, {2, 10, 20}));
   const std::string svg = drawn(plot);
-  EXPECT_TRUE(contains(svg, "diamonds: no threshold"));
+  EXPECT_TRUE(contains(svg, "the most probable class, without a threshold"));
   EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are named, not all";
   EXPECT_TRUE(contains(svg, ">0.5<"));
   // A label is near its point, in the colour of its curve.
   EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(pictures::figure_colours::slip) + "'"), std::string::npos);
-  EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "no threshold"));
+  EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "without a threshold"));
 }
 
 TEST(OperatingCurvePlot, TakesFalseAlarmsOutsideLabelsWhereTheyAreKnown) {
@@ -68,9 +68,13 @@ TEST(DetectionCurvePlot, HoldsTheSharesWithTheirIntervals) {
   EXPECT_TRUE(has_row(plot, {1, 90, 80, 95})) << "18 ms: log10(1 + 18 / 2)";
   EXPECT_TRUE(has_row(plot, {2, 50, 50, 50})) << "198 ms, without an interval";
   const std::string svg = drawn(plot);
-  for (const char* words : {"time since the onset [ms]", "detected [%]", "predicted ahead of the onset", ">100<"})
+  for (const char* words : {"time since the onset [ms]", "detected [%]", "at 0: predicted ahead of it",
+                            ">95 % interval, where there are 3 runs or objects<", ">100<"})
     EXPECT_TRUE(contains(svg, words)) << words;
   drawn(detection_curve_plot("Only press", press, {}));
+  const pictures::Plot without = detection_curve_plot("No intervals", {}, slip);
+  EXPECT_FALSE(contains(drawn(without), "95 %")) << "none is spoken of where there is none";
+  EXPECT_FALSE(contains(without.script, "using 1:3")) << "nor drawn";
 }
 
 TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
@@ -80,11 +84,10 @@ TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
   EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
   EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
   const std::string svg = drawn(plot);
-  for (const char* words : {"since the onset", "before the end", "Whiskers: 95 % intervals."})
-    EXPECT_TRUE(contains(svg, words)) << words;
+  for (const char* words : {"since the onset", "before the end", ">95 % interval<"}) EXPECT_TRUE(contains(svg, words)) << words;
   const results::AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
-  EXPECT_TRUE(contains(drawn(over_time_plot("Of one run", press, of_one_run)),
-                       "Whiskers: 95 % intervals, where there are 3 runs or objects."));
+  EXPECT_TRUE(
+      contains(drawn(over_time_plot("Of one run", press, of_one_run)), "95 % interval, where there are 3 runs or objects"));
   EXPECT_FALSE(contains(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
 }
 

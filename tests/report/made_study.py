@@ -82,6 +82,7 @@ def run_over_time():
         predicted = "press" if p_press > 0.5 else "slip" if p_slip > 0.5 else "none"
         label = "press" if press else "slip" if slip else "none"
         truth = label if label != "none" else "unlabelled" if 600 < k <= 640 else "none"
+        label = "slip" if 1300 < k <= 1400 else label  # that is not true
         rows.append(f"{1700000000000000 + 2000 * k},{1 - p_press - p_slip:.3f},{p_press},{p_slip},{predicted},{label},{truth},"
                     f"{400 + (2500 if label != 'none' else 0) + 7 * (k % 13)},")
     return "\n".join(rows) + "\n"
@@ -130,8 +131,12 @@ def write_study(folder, mark=""):
     put("runs/water-bottle-04.json", {
         "run": f"water-bottle/04{mark}", "simulated": True, "tick_ms": 2.0, "confirm": "1/1",
         "intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 2.0},
-                      {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None}],
-        "false_alarms": {"count": 3, "after_intervals": 1, "unlabelled": 2}})
+                      {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None},
+                      {"class": "slip", "start_us": start + 2600000, "end_us": start + 2800000, "outcome": "detected", "delay_ms": 2.0}],
+        "false_alarms": {"count": 3, "after_intervals": 1, "unlabelled": 2},
+        "by_truth": {"intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 4.0},
+                                   {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None}],
+                     "false_alarms": {"count": 4, "after_intervals": 1, "unlabelled": 2}}})
     put("models/unseen/history.csv", "epoch,loss,accuracy\n1,0.4,0.85\n2,0.1,0.97\n")
     put("models/th040/model.json", {"training": {"batch": 32, "optimizer": "adam" + mark, "from": None}, "rendering": {"denoise": "mean"},
                                     "network": {"name": "lenet-5", "input": {"width": 128}, "layers": ["conv 6@5x5", "relu"]}})

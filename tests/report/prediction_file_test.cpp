@@ -28,7 +28,7 @@ TEST(PredictionFile, GivesTicksAndTheIntervalsTheyLieIn) {
   EXPECT_EQ(picture.labels[0].interval.start, camera_time(1000));  // a tick is in it if it lies after the start
   EXPECT_EQ(picture.labels[0].interval.end, camera_time(5000));
   ASSERT_EQ(picture.truth.size(), 1U);
-  EXPECT_EQ(picture.truth[0].start, camera_time(3000));
+  EXPECT_EQ(picture.truth[0].interval.start, camera_time(3000));
   ASSERT_EQ(picture.unlabelled.size(), 1U);
 
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{

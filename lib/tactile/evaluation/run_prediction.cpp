@@ -44,14 +44,16 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.decision = options.decision;
   if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = decided(options.decision, prediction.full);
-  const TickRange& ticks = prediction.full.ticks;
-  prediction.detections = detections_of(ticks, prediction.verdicts, prediction.truth.used(), options.delay);
-  if (prediction.truth.labels.empty()) return prediction;
-  const std::vector<TouchInterval> labelled = prediction.truth.all_labelled();
-  prediction.false_alarms = false_alarms_of(
-      ticks, prediction.verdicts,
-      {labelled, prediction.truth.releases, prediction.truth.unlabelled, options.guard, prediction.truth.has_truth},
-      prediction.detections);
+  const auto judge = [&](const RunTruth& by, std::vector<results::Detection>& detections, results::FalseAlarms& alarms) {
+    const TickRange& ticks = prediction.full.ticks;
+    detections = detections_of(ticks, prediction.verdicts, by.used(), options.delay);
+    const std::vector<TouchInterval> touches = by.all_labelled();
+    alarms = false_alarms_of(ticks, prediction.verdicts, {touches, by.releases, by.unlabelled, options.guard, by.has_truth},
+                             detections);
+  };
+  if (!prediction.truth.labels.empty()) judge(prediction.truth, prediction.detections, prediction.false_alarms);
+  if (prediction.truth.has_truth)
+    judge(with_truth_as_labels(prediction.truth), prediction.true_detections, prediction.true_alarms);
   return prediction;
 }
 
@@ -64,7 +66,8 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                       {"alarm_cost", nullptr},
                       {"thresholds", nullptr},
                       {"intervals", nlohmann::json::array()},
-                      {"false_alarms", nullptr}};
+                      {"false_alarms", nullptr},
+                      {"by_truth", nullptr}};
   if (prediction.first_event) json["first_event_us"] = us_of(*prediction.first_event);
   if (prediction.decision.filter) json["alarm_cost"] = prediction.decision.filter->alarm_cost;
   if (prediction.decision.thresholds) json["thresholds"] = text_of(*prediction.decision.thresholds);
@@ -81,6 +84,8 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                                  {"delay_ms", nullptr}});
   }
   if (!prediction.truth.labels.empty()) json["false_alarms"] = prediction.false_alarms;
+  if (prediction.truth.has_truth)
+    json["by_truth"] = {{"intervals", prediction.true_detections}, {"false_alarms", prediction.true_alarms}};
   return json;
 }
 

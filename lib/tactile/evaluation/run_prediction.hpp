@@ -24,8 +24,10 @@ struct RunPrediction {
   results::FullRun full;
   std::vector<Touch> verdicts;  ///< after the decision, one for each tick
   RunTruth truth;
-  std::vector<results::Detection> detections;  ///< of the labelled intervals that are not in doubt
-  results::FalseAlarms false_alarms;           ///< where the run has labels
+  std::vector<results::Detection> detections;       ///< of the labelled intervals that are not in doubt
+  results::FalseAlarms false_alarms;                ///< where the run has labels
+  std::vector<results::Detection> true_detections;  ///< of the true intervals of a simulated run
+  results::FalseAlarms true_alarms;                 ///< the same by the truth
   model::Decision decision;
 };
 
@@ -44,8 +46,9 @@ struct PredictionOptions {
 RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
-/// How the labelled intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "thresholds",
-/// "intervals": [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it}.
+/// How the intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "thresholds", "intervals":
+/// [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it, "by_truth": the same two by
+/// the truth; null of a run without truth}.
 /// Intervals whose labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
 nlohmann::json outcome_json(const RunPrediction& prediction);
 

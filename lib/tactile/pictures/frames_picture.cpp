@@ -84,7 +84,7 @@ std::vector<TouchFrame> frames_of(const RunFolder& run, const heatmaps::HeatmapO
 }
 
 Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames) {
-  constexpr int width = 1160, left = 140, right = 20, top = 74, gap = 10, caption_height = 22, between_rows = 30, below = 20;
+  constexpr int width = 600, left = 84, right = 16, gap = 8, caption_height = 24, between = 30, below = 18, columns = 3;
   constexpr std::size_t most = 6;
   if (frames.empty()) throw Error("frames: none to draw; expected one at least");
   for (const TouchFrame& frame : frames) {
@@ -92,23 +92,22 @@ Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames
       throw Error("frames: one is no pair of pictures; expected counts as float32 and a heatmap as bytes");
   }
   const int shown = static_cast<int>(std::min(frames.size(), most));
-  const int tile_width = (width - left - right - (static_cast<int>(most) - 1) * gap) / static_cast<int>(most);
+  const int tile_width = (width - left - right - (columns - 1) * gap) / columns;
   const auto height_of = [&](const cv::Mat& picture) { return std::clamp(tile_width * picture.rows / picture.cols, 30, 400); };
   const int raw_height = height_of(frames[0].raw), heatmap_height = height_of(frames[0].heatmap);
-  const int raw_top = top + caption_height, heatmap_top = raw_top + raw_height + between_rows;
-  PlotScript script(title, width, heatmap_top + heatmap_height + below);
+  const int row_height = caption_height + raw_height + between + heatmap_height + below;
+  const PlotHead head(title, width);
+  PlotScript script(head, head.bottom() + (shown + columns - 1) / columns * row_height + below);
   const double brightest_raw = bright_value<float>(frames, &TouchFrame::raw);
   const double brightest = bright_value<std::uint8_t>(frames, &TouchFrame::heatmap);
-  script.text("raw", left - 12, raw_top + raw_height / 2.0 - 8, "right font ',12'");
-  script.text("event counts", left - 12, raw_top + raw_height / 2.0 + 8, "right font ',10'", figure_colours::faint_ink);
-  script.text("noise reduced", left - 12, heatmap_top + heatmap_height / 2.0 - 8, "right font ',11'");
-  script.text("heatmap", left - 12, heatmap_top + heatmap_height / 2.0 + 8, "right font ',10'", figure_colours::faint_ink);
   // From black to light yellow, ever brighter: readable without colours too.
   script.add("set palette defined (0 '#000004', 0.25 '#420A68', 0.45 '#932667', 0.65 '#DD513A', 0.85 '#FCA50A', 1 '#FCFFA4')");
   script.add("unset colorbox");
   for (int i = 0; i < shown; ++i) {
     const TouchFrame& frame = frames[static_cast<std::size_t>(i)];
-    const int begin = left + i * (tile_width + gap);
+    const int begin = left + i % columns * (tile_width + gap);
+    const int raw_top = head.bottom() + i / columns * row_height + caption_height + 10;
+    const int heatmap_top = raw_top + raw_height + between;
     for (const bool is_raw : {true, false}) {
       const cv::Mat& picture = is_raw ? frame.raw : frame.heatmap;
       const int tile_top = is_raw ? raw_top : heatmap_top;
@@ -116,6 +115,10 @@ Plot frames_plot(const std::string& title, const std::vector<TouchFrame>& frames
                           .top = tile_top,
                           .right = begin + tile_width,
                           .bottom = tile_top + (is_raw ? raw_height : heatmap_height)});
+      if (i % columns == 0) {
+        const double middle = tile_top + (is_raw ? raw_height : heatmap_height) / 2.0;
+        script.text(is_raw ? "counts" : "heatmap", left - 8, middle, "right font ',11'");
+      }
       if (is_raw) {
         script.text(shortened(frame.caption, 26), begin + tile_width / 2.0, raw_top - 12, "center font ',11'",
                     figure_colours::of(frame.touch));

@@ -1,7 +1,7 @@
 #include "tactile/pictures/plot_script.hpp"
 
-#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "tactile/core/text_lines.hpp"
 
@@ -24,43 +24,23 @@ LineStyle line_style(std::size_t index) {
   return {.colour = style.colour, .width = 1.6, .dashes = style.dashes, .mark = style.mark, .size = 0.8};
 }
 
-std::string shortened(std::string_view text, std::size_t characters) {
-  if (characters_in(text) <= characters) return std::string(text);
-  // Where characters begin.
-  std::vector<std::size_t> begins;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) begins.push_back(i);
-  }
-  if (begins.size() <= characters) return std::string(text);
-  const std::size_t kept = characters - 1, front = (kept + 1) / 2, back = kept / 2;
-  const std::size_t front_end = begins[front];
-  const std::size_t back_begin = back == 0 ? text.size() : begins[begins.size() - back];
-  return std::string(text.substr(0, front_end)) + "…" + std::string(text.substr(back_begin));
-}
-
-PlotScript::PlotScript(std::string_view title, int width_px, int height_px) : PlotWriter(width_px, height_px) {
-  constexpr double title_character = 10.8;  // [px] of the title's letters, on average of wide ones
+PlotScript::PlotScript(PlotHead head, int height_px) : PlotWriter(head.width_px(), height_px), head_(std::move(head)) {
   add("set termoption font 'DejaVu Sans,12'");
   add("set multiplot");
   add("set border 3 lc rgb '{}' lw 0.8", figure_colours::faint_ink);
   add("set tics nomirror scale 0.5 textcolor rgb '{}' font ',11'", figure_colours::ink);
   add("set errorbars small");
-  text(shortened(title, static_cast<std::size_t>(std::max(20.0, (width_px - 40) / title_character))), 20, 24, "left font ',15'");
 }
 
 void PlotScript::begin_panel(const PlotBox& box) {
   if (drawn_) add("unset label");
-  drawn_ = true;
   add("unset object\nunset arrow\nunset xlabel\nunset ylabel\nunset title\nunset key\nunset grid\nunset logscale");
+  if (!drawn_) head_.write(*this);
+  drawn_ = true;
   add("set grid x y lt 1 lc rgb '{}' lw 0.6", figure_colours::grid);
   add("set xtics autofreq rotate by 0\nset ytics autofreq\nset format x '%g'\nset format y '%g'");
   add("set xrange [*:*]\nset yrange [*:*]");
   place_panel(box);
-}
-
-void PlotScript::note(std::string_view words) {
-  constexpr int left = 20, first = 52, row = 20;  // [px]
-  text(words, left, first + row * notes_++, "left font ',12'", figure_colours::faint_ink);
 }
 
 void PlotScript::axes(const PlotAxis& x, const PlotAxis& y) {

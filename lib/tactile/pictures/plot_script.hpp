@@ -1,30 +1,16 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "tactile/pictures/plot_writer.hpp"
+#include "tactile/pictures/plot_head.hpp"
 
 namespace tactile::pictures {
 
-/// Of a curve, marks or bars; dashes and marks by gnuplot's numbers.
-struct LineStyle {
-  std::string_view colour;
-  double width = 1;              ///< of lines
-  int dashes = 1;                ///< 1: solid
-  std::optional<int> mark = {};  ///< nothing: no marks
-  double size = 1;               ///< of marks
-  double fill = 0;               ///< of boxes, in [0, 1]; 0: not filled
-};
-
 /// One of eight that differ without colours too. @param index  taken modulo 8
 LineStyle line_style(std::size_t index);
-
-/// `text` in at most `characters` of UTF-8; what is longer loses its middle. @param characters  > 0
-std::string shortened(std::string_view text, std::size_t characters);
 
 /// An axis of a panel.
 struct PlotAxis {
@@ -43,14 +29,10 @@ struct PlotSeries {
   LineStyle style;
 };
 
-/// A figure of results in the making: a title, notes, and panels with axes and series.
+/// A figure of results in the making: its head, and panels with axes and series.
 class PlotScript : public PlotWriter {
  public:
-  /// @param title  over the figure; a title that is wider than the figure loses its middle
-  PlotScript(std::string_view title, int width_px, int height_px);
-
-  /// A line of words under the title; the next call writes the next line.
-  void note(std::string_view words);
+  PlotScript(PlotHead head, int height_px);
 
   /// The next `plot` draws into this place. Settings and words of the panels before are forgotten.
   void begin_panel(const PlotBox& box);
@@ -70,8 +52,8 @@ class PlotScript : public PlotWriter {
  private:
   void axis(char name, const PlotAxis& axis);
 
+  PlotHead head_;
   bool drawn_ = false;  ///< a panel has been begun
-  int notes_ = 0;
 };
 
 }  // namespace tactile::pictures

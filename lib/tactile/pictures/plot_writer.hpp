@@ -20,7 +20,7 @@ namespace tactile::pictures {
 /// differ by dashes or marks.
 /// Source: Okabe and Ito, Color Universal Design, 2008.
 namespace figure_colours {
-inline constexpr std::string_view ink = "#303030", faint_ink = "#707070", grid = "#E6E6E6";
+inline constexpr std::string_view paper = "#FFFFFF", ink = "#303030", faint_ink = "#707070", grid = "#E6E6E6";
 inline constexpr std::string_view press = "#005AC8", slip = "#E65A00", others = "#C4C4C4", network = "#005AC8", best = "#E65A00";
 std::string_view of(Touch touch);
 

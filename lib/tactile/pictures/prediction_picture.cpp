@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/text_lines.hpp"
-#include "tactile/pictures/plot_writer.hpp"
+#include "tactile/pictures/plot_script.hpp"
 
 namespace tactile::pictures {
 namespace {
@@ -23,73 +21,90 @@ struct Stretch {
   double from = 0, to = 0;  ///< [s]
 };
 
-class PredictionScript : public PlotWriter {
+class PredictionScript {
   // All in pixels of the picture.
-  static constexpr int picture_width = 1100, left = 110, right = 30, top = 76, between_panels = 18, axis_height = 52;
-  static constexpr int rate_height = 200, probability_height = 220, row_height = 34, line_height = 19;
-  static constexpr std::size_t line_characters = 130;
+  static constexpr int left = 104, right = 24, name_row = 18, between_panels = 18, axis_height = 56, line_height = 19;
+  static constexpr int rate_height = 170, probability_height = 190, row_height = 34;
   static constexpr std::size_t curve_points = 1500;  // finer than pixels, for an SVG is looked at closely
 
  public:
-  explicit PredictionScript(const PredictionPicture& picture)
-      : picture_(picture), seconds_(std::max(1e-3, seconds_to(picture.ticks.back().t))) {}
+  PredictionScript(const PredictionPicture& picture, int width_px)
+      : picture_(picture),
+        width_px_(width_px),
+        seconds_(std::max(1e-3, seconds_to(picture.ticks.back().t))),
+        rows_(1 + (picture.has_labels ? 1 : 0) + (picture.has_truth ? 1 : 0)),
+        script_(head(), rows_bottom() + axis_height + static_cast<int>(words().size()) * line_height + 18) {}
 
-  Plot plot() {
-    const int rows = 1 + (picture_.has_labels ? 1 : 0) + (picture_.has_truth ? 1 : 0);
-    const int rows_height = rows * row_height;
+  Plot plot() && {
     const std::vector<std::string> lines = words();
-    const int rate_top = top, probability_top = rate_top + rate_height + between_panels;
-    const int rows_top = probability_top + probability_height + between_panels, rows_bottom = rows_top + rows_height;
-    resize(picture_width, rows_bottom + axis_height + static_cast<int>(lines.size()) * line_height + 18);
-
-    add("set multiplot");
-    add("set border 3 lc rgb '{}' lw 0.8", figure_colours::faint_ink);
-    add("set tics nomirror scale 0.5 textcolor rgb '{}'", figure_colours::ink);
-    add("set grid x y lt 1 lc rgb '#E6E6E6' lw 0.6");
-    add("set style data lines");
-    write(picture_.title, left, 26, "font ',14' left", figure_colours::ink);
     for (std::size_t i = 0; i < lines.size(); ++i)
-      write(lines[i], left - 60, rows_bottom + axis_height + 8 + static_cast<int>(i) * line_height, "left", figure_colours::ink);
+      script_.text(lines[i], 20, rows_bottom() + axis_height + 8 + static_cast<int>(i) * line_height, "left font ',11'");
     name_intervals();
 
-    begin_panel(rate_top, rate_top + rate_height, false);
-    shade_labels();
-    add("set ylabel 'events per ms' textcolor rgb '{}'\nset yrange [0:*]", figure_colours::ink);
-    add("plot {} lc rgb '{}' lw 1 notitle", line([](const PredictedTick& tick) { return tick.events_per_ms; }),
-        figure_colours::ink);
+    begin_panel(rate_top(), rate_height);
+    shade_reference();
+    script_.axes(time_axis(false), {});
+    script_.add("set ylabel 'events per ms' textcolor rgb '{}'\nset yrange [0:*]", figure_colours::ink);
+    script_.plot(
+        {{line([](const PredictedTick& tick) { return tick.events_per_ms; }), "1:2", "lines", {.colour = figure_colours::ink}}});
 
-    begin_panel(probability_top, probability_top + probability_height, false);
-    shade_labels();
+    begin_panel(probability_top(), probability_height);
+    shade_reference();
     mark_first_right();
-    add("set ylabel 'probability' textcolor rgb '{}'\nset yrange [-0.02:1.02]\nset ytics 0, 0.25, 1", figure_colours::ink);
-    add("plot {} lc rgb '{}' lw 1.2 notitle, {} lc rgb '{}' lw 1.2 notitle",
-        line([](const PredictedTick& tick) { return tick.press; }), figure_colours::of(Touch::press),
-        line([](const PredictedTick& tick) { return tick.slip; }), figure_colours::of(Touch::slip));
+    script_.axes(time_axis(false), {.begin = -0.02, .end = 1.02, .label = "probability", .tics = "0, 0.25, 0.5, 0.75, 1"});
+    script_.plot({{line([](const PredictedTick& tick) { return tick.press; }), "1:2", "lines", line_of(Touch::press)},
+                  {line([](const PredictedTick& tick) { return tick.slip; }), "1:2", "lines", line_of(Touch::slip)}});
 
-    begin_panel(rows_top, rows_bottom, true);
-    draw_rows(rows);
-    return std::move(*this).finished();
+    begin_panel(rows_top(), rows_ * row_height);
+    draw_rows();
+    return std::move(script_).finished();
   }
 
  private:
+  static LineStyle line_of(Touch touch) { return {.colour = figure_colours::of(touch), .width = 1.2}; }
+
+  PlotHead head() const {
+    PlotHead head(picture_.title, width_px_);
+    head.key("press", {.colour = figure_colours::press, .fill = 1});
+    head.key("slip", {.colour = figure_colours::slip, .fill = 1});
+    const auto& reference = picture_.reference();
+    const std::string kind = picture_.has_truth ? "true " : "labelled ";
+    for (const Touch touch : {Touch::press, Touch::slip}) {
+      const auto of_touch = [touch](const PredictedInterval& one) { return one.interval.touch == touch; };
+      if (std::any_of(reference.begin(), reference.end(), of_touch))
+        head.key(kind + std::string(name_of(touch)), {.colour = figure_colours::of_interval(touch).area, .fill = 1});
+    }
+    if (!picture_.unlabelled.empty()) head.key("motion without a label", {.colour = unlabelled_colour, .fill = 1});
+    const auto has_words = [](const PredictedInterval& one) { return !one.words.empty(); };
+    if (std::any_of(reference.begin(), reference.end(), has_words))
+      head.note("Above each " + kind + "touch: its detection delay.");
+    return head;
+  }
+
+  int rate_top() const { return head().bottom() + 2 * name_row + 12; }
+  int probability_top() const { return rate_top() + rate_height + between_panels; }
+  int rows_top() const { return probability_top() + probability_height + between_panels; }
+  int rows_bottom() const { return rows_top() + rows_ * row_height; }
+
   CameraTime origin() const { return picture_.first_event.value_or(picture_.ticks.front().t); }
   double seconds_to(CameraTime t) const { return 1e-6 * static_cast<double>(between(origin(), t).count()); }
   double shown(CameraTime t) const { return std::clamp(seconds_to(t), 0.0, seconds_); }
-  double pixel_of(double seconds) const { return left + (picture_width - left - right) * seconds / seconds_; }
+  double pixel_of(double seconds) const { return left + (width_px_ - left - right) * seconds / seconds_; }
 
-  /// Over the first panel, each at its onset; in a second row where it would cover the words before.
+  /// Over the first panel, each at its onset; in a second row where it would cover the words before. Words begin further left
+  /// where they would leave the figure.
   void name_intervals() {
-    constexpr double character = 8.5, row = 17;  // [px]
+    constexpr double character = 8.5;  // [px]
     double free_from = 0;
     bool raised = false;
-    for (const PredictedInterval& label : picture_.labels) {
-      const auto& [interval, words] = std::tie(label.interval, label.words);
-      std::string name(name_of(interval.touch));
-      if (!words.empty()) name += ": " + words;
-      const double x = pixel_of(shown(interval.start));
+    for (const PredictedInterval& one : picture_.reference()) {
+      std::string name(name_of(one.interval.touch));
+      if (!one.words.empty()) name += ": " + one.words;
+      const double width = character * static_cast<double>(characters_in(name));
+      const double x = std::min(pixel_of(shown(one.interval.start)), width_px_ - width);
       raised = x < free_from && !raised;
-      free_from = x + character * static_cast<double>(characters_in(name));
-      write(name, x, top - 10 - (raised ? row : 0), "left", figure_colours::of(interval.touch));
+      free_from = x + width;
+      script_.text(name, x, rate_top() - 10 - (raised ? name_row : 0), "left font ',11'", figure_colours::of(one.interval.touch));
     }
   }
 
@@ -97,34 +112,34 @@ class PredictionScript : public PlotWriter {
   std::string line(ValueOf value_of) {
     std::vector<PlotPoint> points;
     for (const PredictedTick& tick : picture_.ticks) points.push_back({seconds_to(tick.t), value_of(tick)});
-    return table(thinned(points, 0, seconds_, curve_points));
+    return script_.table(thinned(points, 0, seconds_, curve_points));
   }
 
-  /// Forgets the settings of the panel before. The picture's own words were drawn with the first.
-  void begin_panel(int panel_top, int panel_bottom, bool is_last) {
-    if (begun_) add("unset label");
-    begun_ = true;
-    add("unset object\nunset arrow\nunset ylabel\nset ytics autofreq\nset yrange [*:*]");
-    place_panel({.left = left, .top = panel_top, .right = picture_width - right, .bottom = panel_bottom});
-    add("set xrange [0:{:.9g}]\nset format x '{}'", seconds_, is_last ? "%g" : "");
-    if (is_last)
-      add("set xlabel 'time since the first {} [s]' textcolor rgb '{}'", picture_.first_event ? "event" : "full tick",
-          figure_colours::ink);
-    else
-      add("unset xlabel");
+  void begin_panel(int top, int height) {
+    script_.begin_panel({.left = left, .top = top, .right = width_px_ - right, .bottom = top + height});
   }
 
-  void shade_labels() {
-    for (const PredictedInterval& label : picture_.labels) {
-      const double from = shown(label.interval.start), to = shown(label.interval.end);
-      band(from, to, figure_colours::of_interval(label.interval.touch).area);
-      upright(from, fmt::format("lc rgb '{}' lw 0.8", figure_colours::of(label.interval.touch)));
+  PlotAxis time_axis(bool is_last) const {
+    return {.begin = 0,
+            .end = seconds_,
+            .label = !is_last               ? ""
+                     : picture_.first_event ? "time since the first event [s]"
+                                            : "time since the first full tick [s]",
+            .has_labels = is_last};
+  }
+
+  void shade_reference() {
+    for (const PredictedInterval& one : picture_.reference()) {
+      const double from = shown(one.interval.start), to = shown(one.interval.end);
+      script_.band(from, to, figure_colours::of_interval(one.interval.touch).area);
+      script_.upright(from, fmt::format("lc rgb '{}' lw 0.8", figure_colours::of(one.interval.touch)));
     }
   }
 
   void mark_first_right() {
-    for (const PredictedInterval& label : picture_.labels) {
-      if (label.first_right) upright(shown(*label.first_right), fmt::format("dashtype 2 lc rgb '{}' lw 1", figure_colours::ink));
+    for (const PredictedInterval& one : picture_.reference()) {
+      if (one.first_right)
+        script_.upright(shown(*one.first_right), fmt::format("dashtype 2 lc rgb '{}' lw 1", figure_colours::ink));
     }
   }
 
@@ -144,81 +159,79 @@ class PredictionScript : public PlotWriter {
     return stretches;
   }
 
+  static const TouchInterval& interval_of(const TouchInterval& interval) { return interval; }
+  static const TouchInterval& interval_of(const PredictedInterval& one) { return one.interval; }
+
   template <class Intervals>
   std::vector<Stretch> stretches_of(Touch touch, const Intervals& intervals) const {
     std::vector<Stretch> stretches;
-    for (const TouchInterval& interval : intervals) {
+    for (const auto& one : intervals) {
+      const TouchInterval& interval = interval_of(one);
       if (interval.touch == touch) stretches.push_back({shown(interval.start), shown(interval.end)});
     }
     return stretches;
   }
 
-  void draw_rows(int rows) {
-    std::vector<TouchInterval> labels;
-    for (const PredictedInterval& label : picture_.labels) labels.push_back(label.interval);
-    std::string names, boxes;
+  void draw_rows() {
+    std::string names;
+    std::vector<PlotSeries> series;
     int row = 0;
-    const auto add_boxes = [&](const std::vector<Stretch>& stretches, std::string_view colour) {
+    const auto add_boxes = [&](const std::vector<Stretch>& stretches, std::string_view colour, double half = 0.36) {
       if (stretches.empty()) return;
-      const double middle = rows - 1 - row;
+      const double middle = rows_ - 1 - row;
       // Narrower boxes would not be visible.
-      const double least = 0.5 * seconds_ / (picture_width - left - right);
+      const double least = 0.5 * seconds_ / (width_px_ - left - right);
       std::vector<double> values;
       for (const Stretch& stretch : stretches) {
         const double from = std::min(stretch.from, stretch.to - least);
-        for (const double value : {(from + stretch.to) / 2, middle, from, stretch.to, middle - 0.36, middle + 0.36})
+        for (const double value : {(from + stretch.to) / 2, middle, from, stretch.to, middle - half, middle + half})
           values.push_back(value);
       }
-      boxes += fmt::format(", {} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder lc rgb '{}' notitle",
-                           table(6, std::move(values)), colour);
+      series.push_back({script_.table(6, std::move(values)), "1:2:3:4:5:6", "boxxyerror", {.colour = colour, .fill = 1}});
     };
-    const auto begin_row = [&](std::string_view name) {
-      names += fmt::format("{}{} {}", names.empty() ? "" : ", ", plot_text(name), rows - 1 - row);
-    };
-    begin_row("predicted");
-    for (const Touch touch : {Touch::press, Touch::slip}) add_boxes(predicted(touch), figure_colours::of(touch));
-    ++row;
-    if (picture_.has_labels) {
-      begin_row("labelled");
-      for (const Touch touch : {Touch::press, Touch::slip}) add_boxes(stretches_of(touch, labels), figure_colours::of(touch));
+    const auto add_row = [&](std::string_view name, const auto& stretches, double half = 0.36) {
+      names += fmt::format("{}{} {}", names.empty() ? "" : ", ", plot_text(name), rows_ - 1 - row);
+      for (const Touch touch : {Touch::press, Touch::slip}) add_boxes(stretches(touch), figure_colours::of(touch), half);
       ++row;
-    }
+    };
+    add_row("predicted", [&](Touch touch) { return predicted(touch); });
     if (picture_.has_truth) {
-      begin_row("true");
       for (const Touch touch : {Touch::press, Touch::slip})
         add_boxes(stretches_of(touch, picture_.unlabelled), unlabelled_colour);
-      for (const Touch touch : {Touch::press, Touch::slip})
-        add_boxes(stretches_of(touch, picture_.truth), figure_colours::of(touch));
+      add_row("true", [&](Touch touch) { return stretches_of(touch, picture_.truth); });
     }
-    add("set yrange [-0.6:{}]\nset ytics ({})", rows - 0.4, names);
-    add("unset grid\nset grid x lt 1 lc rgb '#E6E6E6' lw 0.6");
-    add("plot {} notitle{}", table(2, {}), boxes);
+    if (picture_.has_labels) {
+      const double half = picture_.has_truth ? 0.12 : 0.36;
+      add_row(
+          "labelled", [&](Touch touch) { return stretches_of(touch, picture_.labels); }, half);
+    }
+    script_.axes(time_axis(true), {.begin = -0.6, .end = rows_ - 0.4, .tics = names});
+    script_.add("unset grid\nset grid x lt 1 lc rgb '{}' lw 0.6", figure_colours::grid);
+    series.push_back({script_.table(2, {}), "1:2", "lines", line_of(Touch::none)});  // where there is no box
+    script_.plot(series);
   }
 
   std::vector<std::string> words() const {
-    const bool has_delays = std::any_of(picture_.labels.begin(), picture_.labels.end(),
-                                        [](const PredictedInterval& label) { return !label.words.empty(); });
-    std::vector<std::string> remarks{
-        std::string("Blue: press, orange: slip") + (picture_.has_labels ? "; shaded: labelled" : "") +
-        (has_delays ? ", with the detection delay above" : "") + (picture_.has_truth ? "; grey: unlabelled motion" : "") + "."};
-    remarks.insert(remarks.end(), picture_.remarks.begin(), picture_.remarks.end());
+    const auto characters = static_cast<std::size_t>((width_px_ - 40) / 7.8);
     std::vector<std::string> lines;
-    for (const std::string& remark : remarks) {
-      for (const std::string& line : lines_of(wrapped(remark, 4, line_characters))) lines.push_back(line);
+    for (const std::string& remark : picture_.remarks) {
+      for (const std::string& line : lines_of(wrapped(remark, 4, characters))) lines.push_back(line);
     }
     return lines;
   }
 
   const PredictionPicture& picture_;
+  int width_px_;
   double seconds_;
-  bool begun_ = false;
+  int rows_;
+  PlotScript script_;
 };
 
 }  // namespace
 
-Plot prediction_plot(const PredictionPicture& picture) {
+Plot prediction_plot(const PredictionPicture& picture, int width_px) {
   if (picture.ticks.empty()) throw Error("prediction: no tick to draw; expected one at least");
-  return PredictionScript(picture).plot();
+  return PredictionScript(picture, width_px).plot();
 }
 
 void draw_prediction(const PredictionPicture& picture, const std::filesystem::path& file) {

@@ -151,14 +151,15 @@ void draw_spectrum(PlotScript& script, const Sensor& sensor) {
 
 void draw_sensor(const Sensor& sensor, const std::filesystem::path& file) {
   const std::string camera = sensor.camera.empty() ? "A sensor" : sensor.camera;
-  PlotScript script(
+  PlotHead head(
       fmt::format("{}: {} x {} pixels, {} events in {:.3f} s {}", camera, sensor.size.width, sensor.size.height, sensor.events,
                   sensor.seconds, sensor.background.is_disturbed() ? "with motion or flicker" : "without touch"),
-      width, height);
-  script.note(fmt::format(
+      width);
+  head.note(fmt::format(
       "{:.1f} thousand events per s, {:.1f} without hot pixels, which have {} % of the events. Uncertainties are one standard "
       "deviation.",
       sensor.rate_hz.value / 1000, sensor.rate_without_hot_hz.value / 1000, value_text(sensor.unusual.hot_share, 100, 1)));
+  PlotScript script(std::move(head), height);
   draw_lines(script, sensor);
   draw_rates(script, sensor);
   draw_map(script, sensor);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "tactile/core/text_lines.hpp"
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/report/axis_tics.hpp"
 #include "tactile/report/figure_parts.hpp"
@@ -14,8 +15,8 @@
 namespace tactile::report {
 namespace {
 
-constexpr int left_margin = 70, right_margin = 20, gap = 66, panels = 3, plot_height = 250, under_plot = 76, list_row = 20;
-constexpr int width = (page_width - left_margin - right_margin - (panels - 1) * gap) / panels;
+constexpr int left_margin = 76, right_margin = 20, panels = 3, plot_height = 150, above_plot = 36, under_plot = 30, list_row = 20;
+constexpr int width = page_width - left_margin - right_margin;
 
 std::string name_of_kind(const std::string& kind) {
   return kind == "lenet" ? "LeNet" : kind == "temporal" ? "temporal convolution" : kind;
@@ -108,32 +109,45 @@ std::vector<BestOfKind> best_within_budgets(const results::Trade& trade) {
 
 pictures::Plot trade_budget_plot(const results::Trade& trade) {
   const std::vector<BestOfKind> all = best_within_budgets(trade);
+  constexpr std::size_t name_characters = 66;
   std::vector<std::pair<std::string, std::size_t>> names;  // with the kind
   for (std::size_t kind = 0; kind < all.size(); ++kind) {
-    for (const std::string& name : names_of(all[kind])) names.emplace_back(name, kind);
+    for (const std::string& name : names_of(all[kind])) {
+      for (const std::string& line : lines_of(wrapped(name, 4, name_characters))) names.emplace_back(line, kind);
+    }
   }
-  constexpr int top = 148;
-  const int list = top + plot_height + under_plot;
   const std::string title = "The best of each kind of model within a time per tick";
-  pictures::PlotScript script(trade.simulated ? title + " (simulated runs)" : title, page_width,
-                              list + list_row * static_cast<int>(names.size()) + 10);
-  script.note("The most accurate setting of which 99 % of the ticks take at most this long, chosen on the choice runs.");
-  script.note("Values are of the reported runs. Bars: 95 % intervals, a triangle where one leaves the panel.");
-  script.note("Below: the settings, with the 99th percentile of their time.");
+  pictures::PlotHead head(trade.simulated ? title + " (simulated runs)" : title, page_width);
+  head.note(
+      "The most accurate setting of which 99 % of the ticks take at most this long; chosen on the choice runs, shown on the "
+      "reported ones. Below: the settings, with the 99th percentile of their time.");
+  Whiskers whiskers;
+  for (const BestOfKind& best : all) {
+    for (const results::TradedSetting* setting : best.within) {
+      for (const Panel& panel : all_panels) whiskers.include(setting == nullptr ? results::Figure{} : panel.of(*setting));
+    }
+  }
+  for (std::size_t kind = 0; kind < all.size(); ++kind) head.key(name_of_kind(all[kind].kind), pictures::line_style(kind));
+  whiskers.explain(head);
+  if (whiskers.any())
+    head.key("it leaves the panel", {.colour = pictures::figure_colours::ink, .width = 0, .mark = 9, .size = 0.9});
+  const int first_top = head.bottom() + above_plot, list = first_top + panels * (plot_height + above_plot + under_plot) + 10;
+  pictures::PlotScript script(head, list + list_row * static_cast<int>(names.size()) + 10);
   for (std::size_t i = 0; i < names.size(); ++i)
     script.text(names[i].first, 20, list + list_row * static_cast<double>(i), "left font ',12'",
                 pictures::line_style(names[i].second).colour);
   for (std::size_t i = 0; i < all_panels.size(); ++i) {
     const Panel& panel = all_panels[i];
-    const int begin = left_margin + static_cast<int>(i) * (width + gap);
+    const int top = first_top + static_cast<int>(i) * (plot_height + above_plot + under_plot);
     const AxisRange range = range_of(all, panel);
-    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = top + plot_height});
+    script.begin_panel({.left = left_margin, .top = top, .right = left_margin + width, .bottom = top + plot_height});
     script.axes({.begin = -0.5, .end = static_cast<double>(tick_budgets.size()) - 0.5, .tics = budget_tics()},
                 {.begin = range.begin,
                  .end = range.end,
                  .tics = panel.from_zero ? decade_tics(range, true, true).text() : std::string()});
-    script.text(panel.label, begin + width / 2.0, top - 14, "center font ',12'");
-    script.text("time per tick, at most [us]", begin + width / 2.0, top + plot_height + 40, "center font ',12'");
+    script.text(panel.label, left_margin + width / 2.0, top - 14, "center font ',12'");
+    if (i + 1 == all_panels.size())
+      script.text("time per tick, at most [us]", left_margin + width / 2.0, top + plot_height + 40, "center font ',12'");
     std::vector<pictures::PlotSeries> series;
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       const double aside = 0.12 * (static_cast<double>(kind) - static_cast<double>(all.size() - 1) / 2);

@@ -67,7 +67,8 @@ HtmlTable objects_table(const std::vector<results::Claim>& claims) {
                       "By object, on the reported runs: ✓ where the object's value meets the claim; below each value its "
                       "95 % interval, if there is one, and its number of runs",
                   .head = {"object"},
-                  .rows = {}};
+                  .rows = {},
+                  .folded = "The claims about every object, by object"};
   std::vector<const results::Claim*> about_objects;
   std::set<std::string> names;
   for (const results::Claim& claim : claims) {
@@ -102,12 +103,6 @@ HtmlTable objects_table(const std::vector<results::Claim>& claims) {
 void add_claims(ReportPage& page, const ReportInput& input) {
   if (input.claims.empty()) return;
   page.html.section("claims", "The paper's claims");
-  page.html.paragraph(
-      "A claim holds where its whole interval lies on the claimed side of the limit. It does not hold where the whole interval "
-      "lies on the other side. Otherwise the claim cannot be decided, and the table gives the reason. A claim about every object "
-      "needs three runs of each object. It does not hold once one object lies beyond the limit, by an interval that is widened "
-      "for the number of objects, or once the mean over these objects does. A claim over objects needs five objects. Claims are "
-      "measured on the reported runs, which no setting was chosen on. The last column has the paper's method: all test runs.");
   HtmlTable table{.caption = "The paper's claims, one by one",
                   .head = {"claim", "outcome", "paper", "measured", "by the paper's method"},
                   .rows = {},
@@ -117,6 +112,14 @@ void add_claims(ReportPage& page, const ReportInput& input) {
     table.rows.push_back(row_of(claim));
   }
   page.html.table(table);
+  page.html.begin_folded("How a claim is decided");
+  page.html.paragraph(
+      "A claim holds where its whole interval lies on the claimed side of the limit. It does not hold where the whole interval "
+      "lies on the other side. Otherwise the claim cannot be decided, and the table gives the reason. A claim about every object "
+      "needs three runs of each object. It does not hold once one object lies beyond the limit, by an interval that is widened "
+      "for the number of objects, or once the mean over these objects does. A claim over objects needs five objects. Claims are "
+      "measured on the reported runs, which no setting was chosen on. The last column has the paper's method: all test runs.");
+  page.html.end_folded();
   page.html.table(objects_table(input.claims));
   for (const ReportedTable& left_out : input.left_out) page.table(left_out);
 }

@@ -18,11 +18,13 @@ using pictures::figure_colours::ink;
 }  // namespace
 
 pictures::Plot confusion_plot(const std::string& title, const results::Confusion& confusion) {
-  constexpr int width = 760, height = 470, left = 130, right = 60, top = 100, below = 40;
-  constexpr double field_width = (width - left - right) / 3.0, field_height = (height - top - below) / 3.0;
-  pictures::PlotScript script(title, width, height);
-  script.text("predicted", (left + width - right) / 2.0, 60, "center font ',13'");
-  script.text("true", 24, (top + height - below) / 2.0, "center rotate by 90 font ',13'");
+  constexpr int width = page_width, left = 110, right = 40, fields_height = 300, below = 24;
+  constexpr double field_width = (width - left - right) / 3.0, field_height = fields_height / 3.0;
+  const pictures::PlotHead head(title, width);
+  const int top = head.bottom() + 58, height = top + fields_height + below;
+  pictures::PlotScript script(head, height);
+  script.text("predicted", (left + width - right) / 2.0, top - 40, "center font ',13'");
+  script.text("true", 24, top + fields_height / 2.0, "center rotate by 90 font ',13'");
   script.begin_panel({.left = left, .top = top, .right = width - right, .bottom = height - below});
   script.axes({.end = 3}, {.end = 3});
   script.add("unset border\nunset grid\nunset xtics\nunset ytics");
@@ -34,13 +36,12 @@ pictures::Plot confusion_plot(const std::string& title, const results::Confusion
     const auto row = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
     for (std::size_t k = 0; k < touch_count; ++k) {
       const double share = row == 0 ? 0 : static_cast<double>(counts[k]) / static_cast<double>(row);
-      // From white to a deep blue.
-      const auto mixed = [share](int full) { return static_cast<int>(std::lround(245 + (full - 245) * share)); };
+      // From the paper's colour to the network's.
       script.add(
-          "set object rectangle from {0}.015, {1}.02 to {0}.985, {1}.98 fillcolor rgb '#{2:02X}{3:02X}{4:02X}' "
-          "fillstyle solid noborder",
-          k, 2 - i, mixed(0), mixed(58), mixed(130));
-      const std::string_view colour = share > 0.5 ? "#FFFFFF" : ink;
+          "set object rectangle from {0}.015, {1}.02 to {0}.985, {1}.98 fillcolor rgb '{2}' fillstyle transparent solid {3:.3f} "
+          "noborder",
+          k, 2 - i, pictures::figure_colours::network, 0.06 + 0.94 * share);
+      const std::string_view colour = share > 0.5 ? pictures::figure_colours::paper : ink;
       const double x = left + (static_cast<double>(k) + 0.5) * field_width, y = top + at * field_height;
       script.text(row == 0 ? "no sample" : fmt::format("{:.1f} %", 100 * share), x, y - 11, "center font ',16'", colour);
       script.text(fmt::format("{}", counts[k]), x, y + 16, "center font ',12'", colour);
@@ -51,8 +52,7 @@ pictures::Plot confusion_plot(const std::string& title, const results::Confusion
 }
 
 pictures::Plot reliability_plot(const std::string& title, const std::vector<results::ReliabilityBin>& bins) {
-  constexpr int width = 760, left = 116, right = 40, top = 84, gap = 30, upper_height = 380, lower_height = 110, below = 62;
-  constexpr int upper_bottom = top + upper_height, lower_top = upper_bottom + gap, bottom = lower_top + lower_height;
+  constexpr int width = page_width, left = 96, right = 24, gap = 30, upper_height = 300, lower_height = 100, below = 60;
   std::vector<double> of_many, of_few, boxes;
   std::uint64_t most = 1;
   double least = 100;
@@ -71,14 +71,19 @@ pictures::Plot reliability_plot(const std::string& title, const std::vector<resu
   for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1'000'000 ? 100 : 10)
     decades += fmt::format("{}{:.0f}", decades.empty() ? "" : ", ", ten);
 
-  pictures::PlotScript script(title, width, bottom + below);
-  script.note(fmt::format("Dashed: perfect calibration. Hollow: fewer than {} samples.", few_samples));
+  const auto blue = pictures::figure_colours::network;
+  pictures::PlotHead head(title, width);
+  head.key("the model", {.colour = blue, .width = 1.6, .mark = 7, .size = 1.1});
+  head.key(fmt::format("fewer than {} samples", few_samples), {.colour = blue, .width = 0, .mark = 6, .size = 1.1});
+  head.key("perfect calibration", {.colour = faint_ink, .width = 1.2, .dashes = 2});
+  const int top = head.bottom() + 14, upper_bottom = top + upper_height, lower_top = upper_bottom + gap;
+  const int bottom = lower_top + lower_height;
+  pictures::PlotScript script(head, bottom + below);
   script.begin_panel({.left = left, .top = top, .right = width - right, .bottom = upper_bottom});
   script.axes({.begin = begin, .end = 101, .has_labels = false}, {.end = 102, .label = "accuracy [%]"});
   script.add("set arrow from first {0:.9g}, first {0:.9g} to first 100, first 100 nohead dt 2 lc rgb '{1}' lw 1.2", begin,
              faint_ink);
   const std::string table = script.table(4, std::move(of_many));
-  const auto blue = pictures::figure_colours::network;
   script.plot({{table, "1:2:3:4", "yerrorbars", {.colour = blue, .width = 1.6, .mark = 7, .size = 1.1}},
                {table, "1:2", "lines", {.colour = blue, .width = 1.6}},
                {script.table(4, std::move(of_few)), "1:2:3:4", "yerrorbars", {.colour = blue, .mark = 6, .size = 1.1}}});
@@ -92,7 +97,7 @@ pictures::Plot reliability_plot(const std::string& title, const std::vector<resu
 
 namespace {
 
-constexpr int training_left = 96, training_right = 20, training_gap = 84;
+constexpr int training_left = 80, training_right = 16, training_gap = 84;
 constexpr std::size_t most_named_trainings = 8;
 
 /// The losses and epochs of all trainings, for the axes.
@@ -158,29 +163,20 @@ std::vector<pictures::PlotSeries> training_series(pictures::PlotScript& script, 
   return series;
 }
 
-/// Names under the panels, in two columns.
-void add_training_key(pictures::PlotScript& script, const std::vector<TrainingCurve>& curves, std::size_t named, int key_top,
-                      int row) {
-  for (std::size_t i = 0; i < named; ++i) {
-    const pictures::LineStyle style = pictures::line_style(i);
-    const double x = i % 2 == 0 ? training_left : page_width / 2.0 + 20, y = key_top + static_cast<double>(i / 2) * row;
-    script.text(pictures::shortened(curves[i].name, 50), x + 56, y, "left font ',12'");
-    script.line(x, y, x + 44, y, style.colour, 1.8, style.dashes);
-    script.text("", x + 22, y, fmt::format("point pt {} ps 1 lc rgb '{}'", *style.mark, style.colour));
-  }
-}
-
 }  // namespace
 
 pictures::Plot training_plot(const std::string& title, const std::vector<TrainingCurve>& curves) {
-  constexpr int top = 84, panel_height = 320, below = 76, key_row = 24, bottom = top + panel_height;
+  constexpr int panel_height = 240, below = 60;
   constexpr int width = (page_width - training_left - training_right - training_gap) / 2;
   const std::size_t named = std::min(curves.size(), most_named_trainings);
   const TrainingRanges ranges(curves);
-  pictures::PlotScript script(title, page_width, bottom + below + static_cast<int>((named + 1) / 2) * key_row + 10);
-  script.note(std::string("One line per training") +
-              (curves.size() > named ? fmt::format("; grey: {} more", curves.size() - named) : "") +
-              (ranges.has_validation ? "; hollow marks: accuracy on the validation samples." : "."));
+  pictures::PlotHead head(title, page_width);
+  for (std::size_t i = 0; i < named; ++i) head.key(pictures::shortened(curves[i].name, 50), pictures::line_style(i));
+  if (curves.size() > named)
+    head.key(fmt::format("{} more", curves.size() - named), {.colour = pictures::figure_colours::others});
+  if (ranges.has_validation) head.key("accuracy on the validation samples", {.colour = ink, .width = 0, .mark = 6, .size = 1.1});
+  const int top = head.bottom() + 16, bottom = top + panel_height;
+  pictures::PlotScript script(head, bottom + below);
   std::vector<std::string> tables;
   for (const TrainingCurve& curve : curves) tables.push_back(script.table(4, values_of(curve)));
   const pictures::PlotAxis epochs{.begin = 0.5, .end = ranges.most_epochs + 0.5, .label = "epoch"};
@@ -195,7 +191,6 @@ pictures::Plot training_plot(const std::string& title, const std::vector<Trainin
   script.begin_panel(
       {.left = training_left + width + training_gap, .top = top, .right = page_width - training_right, .bottom = bottom});
   script.axes(epochs, {.begin = ranges.accuracy.begin(), .end = ranges.accuracy.end(), .label = "accuracy in training [%]"});
-  add_training_key(script, curves, named, bottom + below + 6, key_row);
   script.plot(training_series(script, tables, "1:3", ranges.has_validation));
   return std::move(script).finished();
 }

@@ -14,9 +14,18 @@
 namespace tactile::report {
 namespace {
 
-constexpr int curve_left = 90, curve_right = 40, curve_top = 84, delay_bottom = curve_top + 290;
+using pictures::figure_colours::ink;
+
+constexpr int curve_left = 76, curve_right = 24, curve_top = 136, delay_bottom = curve_top + 240;
 constexpr double x_margin = 0.03;                 // of the axis, on both sides
 constexpr double y_below = 0.03, y_above = 0.18;  // of the largest value
+
+/// Press and slip differ without their colours, too.
+pictures::LineStyle line_of(Touch touch) {
+  return touch == Touch::press
+             ? pictures::LineStyle{.colour = pictures::figure_colours::press, .width = 1.6, .mark = 7, .size = 1.1}
+             : pictures::LineStyle{.colour = pictures::figure_colours::slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.7};
+}
 
 /// Of older results, those in none time.
 double alarms_per_min(const results::OperatingPoint& point) {
@@ -128,8 +137,8 @@ void draw_curves(pictures::PlotScript& script, const CurveAxes& axes, const std:
   if (own) add(of_own, *own);
   const std::string table = script.table(3, std::move(values)), own_table = script.table(3, std::move(of_own));
   const auto press = pictures::figure_colours::press, slip = pictures::figure_colours::slip;
-  script.plot({{table, "1:2", "linespoints", {.colour = press, .width = 1.6, .mark = 7, .size = 1.3}},
-               {table, "1:3", "linespoints", {.colour = slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.7}},
+  script.plot({{table, "1:2", "linespoints", line_of(Touch::press)},
+               {table, "1:3", "linespoints", line_of(Touch::slip)},
                {own_table, "1:2", "points", {.colour = press, .width = 2.2, .mark = 12, .size = 2.6}},
                {own_table, "1:3", "points", {.colour = slip, .width = 2.2, .mark = 12, .size = 2.6}}});
 }
@@ -138,10 +147,13 @@ void draw_curves(pictures::PlotScript& script, const CurveAxes& axes, const std:
 
 pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
                                     const std::optional<results::OperatingPoint>& own) {
-  constexpr int gap = 34, missed_height = 150, below = 62, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
-  pictures::PlotScript script(title, page_width, bottom + below);
-  script.note(fmt::format("Blue circles: press; orange squares: slip{}. Numbers: probability threshold.",
-                          own ? "; diamonds: no threshold" : ""));
+  constexpr int gap = 28, missed_height = 120, below = 60, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
+  pictures::PlotHead head(title, page_width);
+  head.note("Numbers: probability threshold.");
+  head.key("press", line_of(Touch::press));
+  head.key("slip", line_of(Touch::slip));
+  if (own) head.key("the most probable class, without a threshold", {.colour = ink, .width = 0, .mark = 12, .size = 2});
+  pictures::PlotScript script(head, bottom + below);
   std::vector<results::OperatingPoint> all = points;
   if (own) all.push_back(*own);
   const CurveAxes axes(all);
@@ -157,17 +169,24 @@ pictures::Plot operating_curve_plot(const std::string& title, const std::vector<
 
 pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
                                     const std::vector<results::DetectedWithin>& slip) {
-  constexpr int left = 90, right = 40, top = 84, bottom = top + 360, below = 62;
+  constexpr int left = 70, right = 24, height = 300, below = 60;
   constexpr double half_ms = 2;  // where the scale turns from even to logarithmic
   const auto place_of = [](double ms) { return std::log10(1 + ms / half_ms); };
   double longest = 10;
   std::vector<pictures::PlotSeries> series;
-  pictures::PlotScript script(title, page_width, bottom + below);
-  script.note("Blue circles: press; orange squares: slip. Thin lines: 95 % interval. At 0: predicted ahead of the onset.");
+  Whiskers intervals;
+  for (const std::vector<results::DetectedWithin>* curve : {&press, &slip}) {
+    for (const results::DetectedWithin& point : *curve) intervals.include(point.share);
+  }
+  pictures::PlotHead head(title, page_width);
+  head.key("press", line_of(Touch::press));
+  head.key("slip", line_of(Touch::slip));
+  intervals.explain(head);
+  const int top = head.bottom() + 16, bottom = top + height;
+  pictures::PlotScript script(head, bottom + below);
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   for (const std::vector<results::DetectedWithin>* curve : {&press, &slip}) {
-    const bool is_press = curve == &press;
-    const auto colour = is_press ? pictures::figure_colours::press : pictures::figure_colours::slip;
+    const pictures::LineStyle style = line_of(curve == &press ? Touch::press : Touch::slip);
     std::vector<double> values;
     for (const results::DetectedWithin& point : *curve) {
       longest = std::max(longest, point.ms);
@@ -175,17 +194,21 @@ pictures::Plot detection_curve_plot(const std::string& title, const std::vector<
       add_interval(values, point.share);
     }
     const std::string table = script.table(4, std::move(values));
-    series.push_back({table, "1:3", "steps", {.colour = colour, .width = 0.7}});
-    series.push_back({table, "1:4", "steps", {.colour = colour, .width = 0.7}});
-    series.push_back({table, "1:2", "steps", {.colour = colour, .width = 1.8, .dashes = is_press ? 1 : 2}});
-    series.push_back({table, "1:2", "points", {.colour = colour, .mark = is_press ? 7 : 5, .size = 0.7}});
+    if (intervals.any()) {
+      for (const std::string_view bound : {"1:3", "1:4"})
+        series.push_back({table, bound, "steps", {.colour = style.colour, .width = 0.7}});
+    }
+    series.push_back({table, "1:2", "steps", {.colour = style.colour, .width = 1.8, .dashes = style.dashes}});
+    series.push_back({table, "1:2", "points", {.colour = style.colour, .mark = style.mark, .size = 0.7}});
   }
   std::string tics;
   for (const double ms : {0, 2, 4, 6, 10, 20, 50, 100, 200, 500})
     tics += fmt::format("{}'{:g}' {:.9g}", tics.empty() ? "" : ", ", ms, place_of(ms));
-  script.axes(
-      {.begin = -0.03 * place_of(longest), .end = 1.03 * place_of(longest), .label = "time since the onset [ms]", .tics = tics},
-      {.begin = 0, .end = 103, .label = "detected [%]"});
+  script.axes({.begin = -0.03 * place_of(longest),
+               .end = 1.03 * place_of(longest),
+               .label = "time since the onset [ms]; at 0: predicted ahead of it",
+               .tics = tics},
+              {.begin = 0, .end = 103, .label = "detected [%]"});
   script.plot(series);
   return std::move(script).finished();
 }
@@ -208,8 +231,8 @@ results::AccuracyOverTime without_small_bins(results::AccuracyOverTime touch) {
 pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& all_press,
                               const results::AccuracyOverTime& all_slip) {
   const results::AccuracyOverTime press = without_small_bins(all_press), slip = without_small_bins(all_slip);
-  constexpr int left = 80, right = 30, top = 106, gap = 64, panel_height = 320, below = 62;
-  constexpr int bottom = top + panel_height, width = (page_width - left - right - gap) / 2;
+  constexpr int left = 66, right = 24, gap = 48, panel_height = 240, below = 60;
+  constexpr int width = (page_width - left - right - gap) / 2;
   AccuracyAxis axis;
   Whiskers whiskers;
   for (const results::AccuracyOverTime* touch : {&press, &slip}) {
@@ -220,16 +243,21 @@ pictures::Plot over_time_plot(const std::string& title, const results::AccuracyO
       }
     }
   }
-  pictures::PlotScript script(title, page_width, bottom + below);
-  script.note("Blue circles: press; orange squares: slip. Correct ticks." + whiskers.in_words());
+  pictures::PlotHead head(title, page_width);
+  head.key("press", line_of(Touch::press));
+  head.key("slip", line_of(Touch::slip));
+  whiskers.explain(head);
+  const int top = head.bottom() + 40, bottom = top + panel_height;
+  pictures::PlotScript script(head, bottom + below);
   for (const bool from_onset : {true, false}) {
     const int begin = from_onset ? left : left + width + gap;
     double longest = 100;
     std::vector<pictures::PlotSeries> series;
     script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
     for (const results::AccuracyOverTime* touch : {&press, &slip}) {
-      const bool is_press = touch == &press;
-      const auto colour = is_press ? pictures::figure_colours::press : pictures::figure_colours::slip;
+      pictures::LineStyle bars = line_of(touch == &press ? Touch::press : Touch::slip), line = bars;
+      bars.width = 1.2, bars.dashes = 1, bars.size = 0.7;
+      line.mark.reset();
       std::vector<double> values;
       for (const results::OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end) {
         longest = std::max(longest, in_ms(bin.to));
@@ -237,8 +265,8 @@ pictures::Plot over_time_plot(const std::string& title, const results::AccuracyO
         add_interval(values, bin.accuracy);
       }
       const std::string table = script.table(4, std::move(values));
-      series.push_back({table, "1:2:3:4", "yerrorbars", {.colour = colour, .width = 1.2, .mark = is_press ? 7 : 5, .size = 0.7}});
-      series.push_back({table, "1:2", "lines", {.colour = colour, .width = 1.6, .dashes = is_press ? 1 : 2}});
+      series.push_back({table, "1:2:3:4", "yerrorbars", bars});
+      series.push_back({table, "1:2", "lines", line});
     }
     script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");
     script.axes({.begin = from_onset ? 0 : longest,

@@ -21,7 +21,16 @@ using pictures::figure_colours::ink;
 
 constexpr std::size_t most_named = 24;   // of a front
 constexpr std::size_t most_others = 42;  // numbered, of those on none
-constexpr int left = 90, right = 40, panel_height = 420, below = 72;
+constexpr int left = 76, right = 24, panel_height = 340, below = 72;
+constexpr pictures::LineStyle other_mark{.colour = "#606060", .width = 0, .mark = 6, .size = 0.75};
+constexpr pictures::LineStyle front_mark{.colour = pictures::figure_colours::best, .width = 1.5, .mark = 7, .size = 1.1};
+constexpr pictures::LineStyle usual_mark{.colour = ink, .width = 0, .mark = 12, .size = 2.1};
+
+/// A mark of a key, as it is in the panel.
+pictures::LineStyle drawn(pictures::LineStyle mark) {
+  mark.width = 1.4;
+  return mark;
+}
 
 using Position = double (*)(double);
 
@@ -130,22 +139,23 @@ struct DotGroups {
   bool empty() const { return front.empty() && others.empty(); }
   std::size_t named() const { return std::min(front.size(), most_named); }
 
-  /// The marks in words.
-  std::string note(const DotAxes& axes) const {
-    std::string note = "Each circle is a setting, on the reported runs";
-    note += !usual.empty() ? "; the usual one is in a diamond." : ".";
-    if (!front.empty()) {
-      note += fmt::format(
-          " Filled{}: the front, {}, as found on the choice runs.",
-          named() < front.size() ? fmt::format(", and the first {} of {} numbered", named(), front.size()) : " and numbered",
-          axes.front);
-    }
+  /// The marks in a key, and what is not shown.
+  pictures::PlotHead head(const std::string& title, const DotAxes& axes) const {
+    pictures::PlotHead head(title, page_width);
     const auto has_interval = [](const Dot* dot) { return dot->y.has_interval(); };
-    if (std::any_of(front.begin(), front.end(), has_interval)) note += fmt::format(" Bars: 95 % intervals of {}.", axes.bars);
-    if (!numbered.empty()) note += " Hollow: other settings; a range of numbers stands for circles that overlap.";
+    if (!front.empty()) {
+      head.key("on the front of " + std::string(axes.front), mark_of(front_mark));
+      if (std::any_of(front.begin(), front.end(), has_interval))
+        head.key("95 % interval of " + std::string(axes.bars), {.colour = front_mark.colour, .width = front_mark.width});
+    }
+    if (!numbered.empty()) head.key("other settings", other_mark);
+    if (!usual.empty()) head.key("the usual setting", usual_mark);
+    std::string note;
+    if (named() < front.size()) note += fmt::format(" The first {} of {} on the front are numbered.", named(), front.size());
     if (without_number > 0) note += fmt::format(" Without a number: {} more.", without_number);
     if (without_value > 0) note += fmt::format(" Not shown, without a value: {}.", without_value);
-    return note;
+    head.note(note.empty() ? note : note.substr(1));
+    return head;
   }
 };
 
@@ -282,27 +292,21 @@ void draw_panel(pictures::PlotScript& script, const DotPanel& panel, const DotGr
     const pictures::PlotBox& box = panel.box;
     script.text("nothing to show", (box.left + box.right) / 2.0, (box.top + box.bottom) / 2.0, "center font ',12'", faint_ink);
   }
-  script.plot(
-      {{script.table(2, std::move(others)), "1:2", "points", {.colour = "#606060", .width = 1.1, .mark = 6, .size = 0.75}},
-       {script.table(4, std::move(front)),
-        "1:2:3:4",
-        "yerrorbars",
-        {.colour = pictures::figure_colours::best, .width = 1.5, .mark = 7, .size = 1.1}},
-       {script.table(2, std::move(usual)), "1:2", "points", {.colour = ink, .width = 1.5, .mark = 12, .size = 2.1}}});
+  script.plot({{script.table(2, std::move(others)), "1:2", "points", drawn(other_mark)},
+               {script.table(4, std::move(front)), "1:2:3:4", "yerrorbars", front_mark},
+               {script.table(2, std::move(usual)), "1:2", "points", drawn(usual_mark)}});
 }
 
 }  // namespace
 
 pictures::Plot dots_plot(const std::string& title, const DotAxes& axes, const std::vector<Dot>& dots) {
-  constexpr int note_row = 20, note_top = 52;
-  constexpr std::size_t note_characters = 114;
   const Position position_of = axes.x_from_zero ? log_position_from_zero : log_position;
   const std::vector<Dot> placed = axes.y_from_zero ? from_zero(dots) : dots;
   const DotGroups groups(placed, position_of);
-  const std::vector<std::string> notes = lines_of(wrapped(groups.note(axes), 0, note_characters));
-  const DotPanel panel = panel_of(groups, axes, position_of, note_top + note_row * static_cast<int>(notes.size()) + 4);
+  const pictures::PlotHead head = groups.head(title, axes);
+  const DotPanel panel = panel_of(groups, axes, position_of, head.bottom() + 16);
 
-  NameList front_names(2, 60), other_names(3, 38);
+  NameList front_names(1, 60), other_names(2, 31);
   for (std::size_t i = 0; i < groups.named(); ++i) front_names.add(i + 1, groups.front[i]->text);
   const std::vector<Crowd> crowds = crowds_of(groups.numbered, groups.named() + 1, panel);
   for (const Crowd& crowd : crowds) {
@@ -317,8 +321,7 @@ pictures::Plot dots_plot(const std::string& title, const DotAxes& axes, const st
   const int front_top = room_for(front_names), others_top = room_for(other_names) + (front_names.empty() ? 0 : 8);
   height += front_names.empty() || other_names.empty() ? 6 : 14;
 
-  pictures::PlotScript script(title, page_width, height);
-  for (const std::string& note : notes) script.note(note);
+  pictures::PlotScript script(head, height);
   const auto write = [&script](const NameList& names, const char* heading, int top) {
     if (!names.empty()) script.text(heading, 24, top, "left font ',11'", faint_ink);
   };

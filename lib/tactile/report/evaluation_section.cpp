@@ -13,56 +13,70 @@ namespace {
 
 std::string count_text(std::uint64_t count) { return fmt::format("{}", count); }
 
-/// Accuracies, one column for each method to measure them.
-HtmlTable accuracy_table(const results::Evaluation& scores) {
-  std::vector<std::pair<std::string, const results::Accuracy*>> columns{{"model", &scores.accuracy}};
-  // The first guard is the dataset's own, which is the model's column.
-  for (std::size_t i = 1; i < scores.guards.size(); ++i) {
-    const double guard_ms = in_ms(scores.guards[i].guard);
-    columns.emplace_back(fmt::format("guard {:g} ms", guard_ms), &scores.guards[i].accuracy);
-  }
+using NamedAccuracy = std::pair<std::string, const results::Accuracy*>;
+
+/// By each way to measure it, the model's own first.
+std::vector<NamedAccuracy> accuracies_of(const results::Evaluation& scores) {
+  std::vector<NamedAccuracy> all{{"model", &scores.accuracy}};
+  // The first guard is the dataset's own, which the model has.
+  for (std::size_t i = 1; i < scores.guards.size(); ++i)
+    all.emplace_back(fmt::format("guard {:g} ms", in_ms(scores.guards[i].guard)), &scores.guards[i].accuracy);
+  if (scores.truth) all.emplace_back("by true class", &scores.truth->accuracy);
   for (const results::BaselineScore& baseline : scores.baselines)
-    columns.emplace_back("baseline " + baseline.name, &baseline.accuracy);
-  if (scores.truth) columns.emplace_back("by true class", &scores.truth->accuracy);
-  std::erase_if(columns,
-                [](const auto& column) { return !std::isfinite(column.second->mean.value) && column.second->objects.empty(); });
-  HtmlTable table{
-      .caption =
-          "Accuracy [%] on balanced samples; below each its 95 % interval. Guard: minimum distance of none samples from every "
-          "interval; the paper uses 0 ms. Baselines are simpler methods on the same samples.",
-      .head = {"object"},
-      .rows = {}};
-  if (columns.empty()) return table;
-  std::set<std::string> objects;
-  table.rows.push_back({{.text = "mean over objects"}});
-  for (const auto& [name, accuracy] : columns) {
-    table.head.push_back(name);
-    table.rows[0].push_back(percent_cell(accuracy->mean));
-    for (const auto& object : accuracy->objects) objects.insert(object.first);
-  }
-  // The objects that the model knows least come first.
-  std::vector<std::string> order(objects.begin(), objects.end());
-  const auto accuracy_of = [&](const std::string& object) {
-    const auto found = scores.accuracy.objects.find(object);
-    return found == scores.accuracy.objects.end() || !std::isfinite(found->second.value) ? INFINITY : found->second.value;
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](const std::string& a, const std::string& b) { return accuracy_of(a) < accuracy_of(b); });
-  for (const std::string& object : order) {
-    table.rows.push_back({{.text = object}});
-    for (const auto& [name, accuracy] : columns) {
-      const auto found = accuracy->objects.find(object);
-      table.rows.back().push_back(percent_cell(found == accuracy->objects.end() ? results::Figure{} : found->second));
-    }
-  }
-  return table;
+    all.emplace_back("baseline " + baseline.name, &baseline.accuracy);
+  std::erase_if(all,
+                [](const NamedAccuracy& one) { return !std::isfinite(one.second->mean.value) && one.second->objects.empty(); });
+  return all;
 }
 
-HtmlTable delay_table(const std::string& caption) {
+/// Objects, those that the model knows least first.
+std::vector<std::pair<std::string, results::Figure>> by_accuracy(const results::Accuracy& accuracy) {
+  std::vector<std::pair<std::string, results::Figure>> order;
+  for (const auto& [object, figure] : accuracy.objects) {
+    if (std::isfinite(figure.value)) order.emplace_back(object, figure);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second.value < b.second.value; });
+  return order;
+}
+
+void add_accuracy(ReportPage& page, const results::Evaluation& scores) {
+  const std::vector<NamedAccuracy> all = accuracies_of(scores);
+  if (all.empty()) return;
+  page.html.heading("Accuracy");
+  HtmlTable means{.caption =
+                      "Accuracy [%] on balanced samples; below each its 95 % interval. Guard: minimum distance of none samples "
+                      "from every interval; the paper uses 0 ms. Baselines are simpler methods on the same samples.",
+                  .head = {"by", "mean over objects", "lowest object", ""},
+                  .rows = {}};
+  HtmlTable objects{.caption = "Accuracy [%] of each object, the lowest first; below each its 95 % interval",
+                    .head = {"object"},
+                    .rows = {},
+                    .folded = "Accuracy of each object"};
+  for (const auto& [name, accuracy] : all) {
+    const auto order = by_accuracy(*accuracy);
+    means.rows.push_back({{.text = name}, percent_cell(accuracy->mean)});
+    means.rows.back().push_back(order.empty() ? number_cell("-") : percent_cell(order.front().second));
+    means.rows.back().push_back({.text = order.empty() ? "" : order.front().first});
+    if (!name.starts_with("baseline ")) objects.head.push_back(name);
+  }
+  for (const auto& [object, figure] : by_accuracy(*all.front().second)) {
+    objects.rows.push_back({{.text = object}});
+    for (const auto& [name, accuracy] : all) {
+      if (name.starts_with("baseline ")) continue;
+      const auto found = accuracy->objects.find(object);
+      objects.rows.back().push_back(percent_cell(found == accuracy->objects.end() ? results::Figure{} : found->second));
+    }
+  }
+  page.html.table(means);
+  page.html.table(objects);
+}
+
+HtmlTable delay_table(const std::string& caption, const std::string& folded) {
   return {.caption = caption,
           .head = {"object", "class", "median of all [ms]", "90 % of all [ms]", "intervals", "missed", "early", "mean [ms]",
                    "standard error"},
-          .rows = {}};
+          .rows = {},
+          .folded = folded};
 }
 
 HtmlCell quantile_cell(const results::CensoredQuantile& quantile) {
@@ -111,7 +125,8 @@ void add_labels(ReportPage& page, const results::Evaluation& scores) {
                                "the middle 95 % of these draws, of the same runs. Both: draws of runs and of labels",
                                drawn.draws),
         .head = {"figure", "as labelled", "labels alone", "both"},
-        .rows = {}};
+        .rows = {},
+        .folded = "What the uncertainty of the labels changes"};
     const auto add = [&](const std::string& name, const results::Figure& labelled, const results::SpreadByLabels& spread,
                          double scale) {
       if (!std::isfinite(spread.mean)) return;
@@ -142,6 +157,15 @@ std::string suffix_of(const ReportedEvaluation& evaluation) {
   return evaluation.id.empty() || evaluation.id == "reported" ? std::string() : "-" + name_part(evaluation.id);
 }
 
+/// The delays in a sentence or two.
+std::string detected_in_words(const results::DelaySummary& press, const results::DelaySummary& slip) {
+  const auto median = [](const results::DelaySummary& delay) {
+    return (delay.median_of_all_ms.is_lower_bound ? "at least " : "") + results::text_of(delay.median_of_all_ms.ms, " ms");
+  };
+  return fmt::format("Median delay of all presses: {}; of all slips: {}. Missed: {} of {} presses, {} of {} slips.",
+                     median(press), median(slip), press.misses, press.intervals, slip.misses, slip.intervals);
+}
+
 void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const std::string& suffix, bool curve_is_shown) {
   const results::Evaluation& scores = evaluation.scores;
   const std::string& model = evaluation.model;
@@ -154,6 +178,8 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
   if (names.empty()) {
     page.missing.push_back("Detection delays (the paper's figure 9) of " + model + ".");
   } else {
+    if (std::isfinite(press.all.median_of_all_ms.ms.value) && std::isfinite(slip.all.median_of_all_ms.ms.value))
+      page.html.paragraph(detected_in_words(press.all, slip.all));
     if (!curve_is_shown) add_detection_curve(page, evaluation);
     page.figure(
         "delays" + suffix,
@@ -169,7 +195,8 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
     HtmlTable table = delay_table(
         "Detection delay from the labelled onset. Median and 90 % are of all intervals: a miss counts with the time until which "
         "it could be detected. If misses are below the quantile, it is a lower bound. The mean is over detected intervals, as in "
-        "the paper. Trivial detectors ignore the events; they are scored on the same intervals");
+        "the paper. Trivial detectors ignore the events; they are scored on the same intervals",
+        "Detection delay of each object");
     add_delays(table, "press", press);
     add_delays(table, "slip", slip);
     for (const auto& [name, trivial] : scores.trivial) {
@@ -183,14 +210,16 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
   HtmlTable table = delay_table(
       "Detection delay from the true onset of the simulation; gross: from the first motion between object and tip, negative "
       "where "
-      "slip is predicted before it");
+      "slip is predicted before it",
+      "Detection delay from the true onset");
   add_delays(table, "press", scores.truth->press);
   add_delays(table, "slip", scores.truth->slip);
   add_delays(table, "slip, gross", scores.truth->gross_slip);
   page.html.table(table);
 }
 
-std::vector<HtmlCell> alarm_row(const std::string& detector, const results::DetectorScore& score) {
+/// One column of the table of false alarms.
+std::vector<HtmlCell> alarm_cells(const results::DetectorScore& score) {
   const results::FalseAlarms& total = score.false_alarms.total;
   const bool has_counts = total.outside_labels_time > microseconds{0};
   const auto delay = [](const results::DelaySummary& summary) {
@@ -204,8 +233,7 @@ std::vector<HtmlCell> alarm_row(const std::string& detector, const results::Dete
     return cell;
   };
   const results::FalseAlarmTable& alarms = score.false_alarms;
-  return {{.text = detector},
-          figure_cell(alarms.outside_labels_per_min),
+  return {figure_cell(alarms.outside_labels_per_min),
           percent_cell(alarms.outside_labels_share),
           figure_cell(alarms.outside_motion_per_min),
           percent_cell(alarms.outside_motion_share),
@@ -222,6 +250,11 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
   const bool has_alarms = std::isfinite(scores.network.false_alarms.per_min.value);
   if (has_alarms || !scores.trivial.empty()) {
     page.html.heading("False alarms");
+    const results::FalseAlarmTable& alarms = scores.network.false_alarms;
+    if (std::isfinite(alarms.outside_labels_per_min.value))
+      page.html.paragraph(fmt::format("{} false alarms per minute outside labels; {} of that time is in alarm.",
+                                      results::text_of(alarms.outside_labels_per_min, ""),
+                                      results::text_of(results::scaled(alarms.outside_labels_share, 100), " %")));
     HtmlTable table{
         .caption =
             "False alarms over every tick of the runs. " + scores.runs_counted() +
@@ -230,13 +263,21 @@ void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const
             "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms; a "
             "detector that stays on one class has few of them, and is in alarm all the time. "
             "Wrong class: episodes of another class in a labelled interval. Trivial detectors ignore the events",
-        .head = {"detector", "per minute outside labels", "of that time in alarm [%]", "per minute without unlabelled motion",
-                 "of that time in alarm [%]", "none time in alarm [%]", "wrong class per minute of labels",
-                 "of that time wrong [%]", "minutes outside labels", "minutes of labels", "mean delay of press [ms]",
-                 "mean delay of slip [ms]"},
-        .rows = {}};
-    if (has_alarms) table.rows.push_back(alarm_row("model", scores.network));
-    for (const auto& [name, trivial] : scores.trivial) table.rows.push_back(alarm_row(name, trivial));
+        .head = {""},
+        .rows = {},
+        .folded = "False alarms in figures, and of trivial detectors"};
+    for (const char* name :
+         {"per minute outside labels", "of that time in alarm [%]", "per minute without unlabelled motion",
+          "of that time in alarm [%]", "none time in alarm [%]", "wrong class per minute of labels", "of that time wrong [%]",
+          "minutes outside labels", "minutes of labels", "mean delay of press [ms]", "mean delay of slip [ms]"})
+      table.rows.push_back({{.text = name}});
+    const auto add = [&table](const std::string& detector, const results::DetectorScore& score) {
+      table.head.push_back(detector);
+      const std::vector<HtmlCell> cells = alarm_cells(score);
+      for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
+    };
+    if (has_alarms) add("model", scores.network);
+    for (const auto& [name, trivial] : scores.trivial) add(name, trivial);
     page.html.table(table);
   }
   if (scores.operating_curve.empty()) {
@@ -266,7 +307,8 @@ void add_classes(ReportPage& page, const results::Evaluation& scores, const std:
                 "Predictions on balanced samples of each class: share of the class, and number of samples.");
     HtmlTable table{.caption = "Samples by true class (rows) and predicted class",
                     .head = {"true \\ predicted", "none", "press", "slip"},
-                    .rows = {}};
+                    .rows = {},
+                    .folded = "Samples of each class"};
     for (const Touch touch : all_touches) {
       table.rows.push_back({{.text = std::string(name_of(touch))}});
       for (const std::uint64_t count : scores.confusion.counts[static_cast<std::size_t>(touch)])
@@ -276,8 +318,10 @@ void add_classes(ReportPage& page, const results::Evaluation& scores, const std:
   } else {
     page.missing.push_back("The confusion of " + model + ".");
   }
-  HtmlTable table{
-      .caption = "Scores of each class [%], on balanced samples", .head = {"class", "precision", "recall", "F1"}, .rows = {}};
+  HtmlTable table{.caption = "Scores of each class [%], on balanced samples",
+                  .head = {"class", "precision", "recall", "F1"},
+                  .rows = {},
+                  .folded = "Scores of each class"};
   for (const Touch touch : all_touches) {
     const results::ClassScore& score = scores.classes.all[static_cast<std::size_t>(touch)];
     const auto measured = {score.precision.value, score.recall.value, score.f1.value};
@@ -329,7 +373,8 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
           "last 200 ms of longer intervals; the difference of these two. Last column: ticks just after an interval that "
           "still predict press or slip; part of them is due to the history itself",
       .head = {"class", "first", "later", "last", "before the last", "last less before", "still predicted after"},
-      .rows = {}};
+      .rows = {},
+      .folded = "Correct ticks in figures"};
   for (const auto& [name, accuracy] :
        {std::pair("press", &over_time.press), std::pair("slip", &over_time.slip), std::pair("both", &over_time.both)}) {
     const results::ShareOverTime& share = accuracy->all;
@@ -372,10 +417,7 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool
                                   : scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost)
                                                       : "confirmation " + scores.confirm,
                                   evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
-  if (const HtmlTable table = accuracy_table(scores); !table.rows.empty()) {
-    page.html.heading("Accuracy");
-    page.html.table(table);
-  }
+  add_accuracy(page, scores);
   add_delays(page, evaluation, suffix, curve_is_shown);
   add_false_alarms(page, scores, model, suffix);
   add_classes(page, scores, model, suffix);

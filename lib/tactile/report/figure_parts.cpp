@@ -22,9 +22,17 @@ void Whiskers::include(const results::Figure& measured) {
   intervals_ += measured.has_interval() ? 1U : 0U;
 }
 
-std::string Whiskers::in_words() const {
-  if (intervals_ == 0) return " No intervals: they need 3 runs or objects.";
-  return intervals_ < values_ ? " Whiskers: 95 % intervals, where there are 3 runs or objects." : " Whiskers: 95 % intervals.";
+void Whiskers::explain(pictures::PlotHead& head) const {
+  if (intervals_ == 0)
+    head.note("No intervals: they need 3 runs or objects.");
+  else
+    head.key(intervals_ < values_ ? "95 % interval, where there are 3 runs or objects" : "95 % interval",
+             {.colour = pictures::figure_colours::ink});
+}
+
+pictures::LineStyle mark_of(pictures::LineStyle style) {
+  style.width = 0;
+  return style;
 }
 
 void add_interval(std::vector<double>& values, const results::Figure& measured) {

@@ -12,7 +12,8 @@ namespace tactile::report {
 
 // What several figures of results share.
 
-inline constexpr int page_width = 1000;         // [px]
+/// Of every figure [px]: its words can be read where a phone shows it a little over half as wide.
+inline constexpr int page_width = 600;
 inline constexpr std::size_t most_panels = 60;  // of small panels, and of rows
 
 inline double percent(double share) { return 100 * share; }
@@ -28,15 +29,20 @@ class AccuracyAxis {
   double least_ = 100;
 };
 
-/// Counts values and intervals, for the sentence that explains the whiskers.
+/// Counts values and intervals, for the key of the intervals.
 class Whiskers {
  public:
   void include(const results::Figure& measured);
-  std::string in_words() const;  ///< begins with a space
+  /// An entry where there are intervals; a note where there are none.
+  void explain(pictures::PlotHead& head) const;
+  bool any() const { return intervals_ > 0; }
 
  private:
   std::size_t values_ = 0, intervals_ = 0;
 };
+
+/// In a key, the mark alone.
+pictures::LineStyle mark_of(pictures::LineStyle style);
 
 /// Appends both ends of the interval in percent; twice the value where there is no interval, since gnuplot leaves out a point
 /// with a gap.

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <array>
+#include <regex>
 
 #include "tactile/core/text_lines.hpp"
 
@@ -11,7 +12,60 @@ namespace tactile::report {
 namespace {
 
 constexpr std::size_t long_text = 30;  // [characters] of a field that is given more room on a narrow screen
-constexpr int narrowest_figure = 860;  // [px] at which its words can be read
+
+/// A colour of figures, which are drawn on white, and the one that has its place on a dark page.
+struct FigureColour {
+  int red, green, blue;
+  std::string_view dark;
+};
+
+constexpr std::array figure_palette{FigureColour{0xFF, 0xFF, 0xFF, "#16181c"},  // paper
+                                    FigureColour{0x30, 0x30, 0x30, "#e8e8ea"},  // ink
+                                    FigureColour{0x60, 0x60, 0x60, "#b4b9c0"}, FigureColour{0x70, 0x70, 0x70, "#a6abb3"},
+                                    FigureColour{0xB8, 0xB8, 0xB8, "#70757e"}, FigureColour{0xC4, 0xC4, 0xC4, "#5c616a"},
+                                    FigureColour{0xE6, 0xE6, 0xE6, "#2c3037"},
+                                    // press and slip, their uncertainties and their areas
+                                    FigureColour{0x00, 0x5A, 0xC8, "#6cb0ff"}, FigureColour{0xE6, 0x5A, 0x00, "#ff9d5c"},
+                                    FigureColour{0x8D, 0xB4, 0xEA, "#3f6ea8"}, FigureColour{0xF4, 0xAE, 0x80, "#a8683c"},
+                                    FigureColour{0xDC, 0xE8, 0xF8, "#1c3350"}, FigureColour{0xFC, 0xE6, 0xD6, "#4a2e1a"},
+                                    // other lines
+                                    FigureColour{0x00, 0x9E, 0x73, "#3fd6a6"}, FigureColour{0xCC, 0x79, 0xA7, "#e8a3c9"},
+                                    FigureColour{0x56, 0xB4, 0xE9, "#8fd0f5"}, FigureColour{0xB8, 0x86, 0x0B, "#e0b64a"},
+                                    FigureColour{0x7B, 0x32, 0x94, "#c78fe0"}};
+
+/// The palette as variables of CSS.
+std::string palette_css(bool is_dark) {
+  std::string css;
+  for (std::size_t i = 0; i < figure_palette.size(); ++i) {
+    const FigureColour& colour = figure_palette[i];
+    css += is_dark ? fmt::format("--f{}:{};", i, colour.dark)
+                   : fmt::format("--f{}:#{:02x}{:02x}{:02x};", i, colour.red, colour.green, colour.blue);
+  }
+  return css;
+}
+
+/// A figure of gnuplot from its contents on, in the page's colours: those of the palette are variables of CSS, its white
+/// background is left out, and its names begin with `id`, which is the figure's alone.
+std::string inner_svg(const std::string& svg, const std::string& id) {
+  static const std::regex name(R"( id=(['"]))"), use(R"(xlink:href=(['"])#)"),
+      background(R"(<rect x="0" y="0"[^>]*fill="#ffffff"/>)"), colour(R"(rgb\( *(\d+), *(\d+), *(\d+)\))");
+  const std::size_t described = svg.find("</desc>");
+  std::string contents = described == std::string::npos ? svg : svg.substr(described + 7);
+  contents = std::regex_replace(contents, background, "");
+  contents = std::regex_replace(contents, name, " id=$1" + id + "-");
+  contents = std::regex_replace(contents, use, "xlink:href=$1#" + id + "-");
+  std::string page;
+  auto after = contents.cbegin();
+  for (std::sregex_iterator found(contents.begin(), contents.end(), colour), last; found != last; ++found) {
+    page.append(after, (*found)[0].first);
+    after = (*found)[0].second;
+    const auto at = std::find_if(figure_palette.begin(), figure_palette.end(), [&](const FigureColour& one) {
+      return std::stoi((*found)[1]) == one.red && std::stoi((*found)[2]) == one.green && std::stoi((*found)[3]) == one.blue;
+    });
+    page += at == figure_palette.end() ? found->str() : fmt::format("var(--f{})", at - figure_palette.begin());
+  }
+  return page.append(after, contents.cend());
+}
 
 constexpr std::string_view style = R"css(
 :root { color-scheme: light dark; --paper: #fff; --ink: #1d1d1f; --faint: #5f6368; --line: #d9dbe0; --field: #f4f5f7;
@@ -49,7 +103,8 @@ small { display: block; color: var(--faint); font-weight: 400; }
 .bad { color: var(--bad); background: var(--bad-field); }
 .open { color: var(--open); background: var(--open-field); }
 figure { margin: 1.25rem 0; }
-figure img { display: block; height: auto; width: 100%; background: #fff; border: 1px solid var(--line); border-radius: .3rem; }
+figure svg { display: block; height: auto; width: 100%; }
+figure svg text { font-family: "DejaVu Sans", Verdana, sans-serif; }
 figcaption { color: var(--faint); font-size: .92rem; margin-top: .4rem; max-width: 46rem; }
 @media (max-width: 40rem) {
   .stacks thead { display: none; }
@@ -102,19 +157,6 @@ std::string html_text(std::string_view text) {
   return escaped;
 }
 
-std::string base64_of(std::string_view bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t there = bytes.size() - i < 3 ? bytes.size() - i : 3;
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8U | (k < there ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= there ? digits[bits >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
-
 void HtmlPage::section(std::string_view id, std::string_view heading) {
   sections_.emplace_back(html_text(id), html_text(heading));
   body_ += fmt::format("<h2 id=\"{}\">{}</h2>\n", sections_.back().first, sections_.back().second);
@@ -134,6 +176,7 @@ void HtmlPage::list(const std::vector<std::string>& items) {
 
 void HtmlPage::table(const HtmlTable& table) {
   if (table.rows.empty()) return;
+  if (!table.folded.empty()) begin_folded(table.folded);
   std::string& page = here();
   // What scrolls must be reachable without a mouse.
   page += fmt::format(
@@ -160,18 +203,15 @@ void HtmlPage::table(const HtmlTable& table) {
     page += "</tr>\n";
   }
   page += "</tbody>\n</table></div>\n";
+  if (!table.folded.empty()) end_folded();
 }
 
 void HtmlPage::figure(const HtmlFigure& figure) {
-  // As a separate image a figure's ids cannot clash with others, and nothing in it can run. On a narrow screen it keeps a width
-  // at which its words can be read, and scrolls.
   here() += fmt::format(
-      "<figure id=\"{0}\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{1}\">"
-      "<img width=\"{2}\" height=\"{3}\" style=\"min-width:{4}px;max-width:{5}px\" alt=\"{1}\" "
-      "src=\"data:image/svg+xml;base64,{6}\"></div>\n"
-      "<figcaption>{7}</figcaption></figure>\n",
-      html_text(figure.id), html_text(figure.in_words), figure.width_px, figure.height_px,
-      std::min(figure.width_px, narrowest_figure), figure.width_px, base64_of(figure.svg), html_text(figure.caption));
+      "<figure id=\"{0}\"><svg viewBox=\"0 0 {1} {2}\" style=\"max-width:{1}px\" role=\"img\" aria-label=\"{3}\">{4}\n"
+      "<figcaption>{5}</figcaption></figure>\n",
+      html_text(figure.id), figure.width_px, figure.height_px, html_text(figure.in_words), inner_svg(figure.svg, figure.id),
+      html_text(figure.caption));
 }
 
 void HtmlPage::begin_folded(std::string_view summary) {
@@ -187,10 +227,11 @@ std::string HtmlPage::text() const {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
-      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}<nav "
+      "<title>{0}</title>\n<style>{1}:root {{ {5} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {6} }} "
+      "}}\n</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}<nav "
       "aria-label=\"Contents\"><ul>\n{3}</ul></nav>\n"
       "{4}</main>\n</body>\n</html>\n",
-      html_text(title_), style, before_, contents, body_);
+      html_text(title_), style, before_, contents, body_, palette_css(false), palette_css(true));
 }
 
 }  // namespace tactile::report

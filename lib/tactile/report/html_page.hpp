@@ -12,9 +12,6 @@ namespace tactile::report {
 /// become blanks, bytes that are no UTF-8 U+FFFD.
 std::string html_text(std::string_view text);
 
-/// Source: RFC 4648, section 4.
-std::string base64_of(std::string_view bytes);
-
 /// How a table's field is shown.
 enum class HtmlTone : std::uint8_t { plain, number, good, bad, open };
 
@@ -29,18 +26,20 @@ struct HtmlTable {
   std::vector<std::string> head;
   std::vector<std::vector<HtmlCell>> rows;  ///< as long as `head`; the first cell names the row
   bool stacks = false;                      ///< on a narrow screen each row is a list of its fields: for tables of much text
+  std::string folded{};                     ///< if not empty, the words on which a click shows the table
 };
 
 struct HtmlFigure {
   std::string id;   ///< lower-case letters, digits and hyphens
-  std::string svg;  ///< a whole SVG file
+  std::string svg;  ///< a whole SVG file of gnuplot
   int width_px = 0, height_px = 0;
   std::string in_words;  ///< for readers who cannot see it
   std::string caption;
 };
 
 /// One self-contained page: it contains its styles and figures. It loads nothing and runs no script; a policy in its head forbids
-/// both. Readable on a phone, in print, in light and dark. Whatever it is given is text, and escaped.
+/// both. Readable on a phone, in print, in light and dark: figures take the page's colours and its width. Whatever it is given is
+/// text, and escaped.
 class HtmlPage {
  public:
   explicit HtmlPage(std::string title) : title_(std::move(title)) {}

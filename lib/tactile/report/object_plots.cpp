@@ -14,17 +14,7 @@
 namespace tactile::report {
 namespace {
 
-/// The colours of a panel in words.
-std::string history_note(std::span<const HistoryCurve> curves) {
-  const auto with_interval = std::count_if(curves.begin(), curves.end(), [](const HistoryCurve& curve) {
-    return std::any_of(curve.points.begin(), curve.points.end(),
-                       [](const HistoryCurve::Point& point) { return point.accuracy.has_interval(); });
-  });
-  const char* intervals = with_interval == 0                                           ? "no intervals: they need 3 runs"
-                          : with_interval < static_cast<std::ptrdiff_t>(curves.size()) ? "95 % interval where there are 3 runs"
-                                                                                       : "with its 95 % interval";
-  return fmt::format("Blue: this object, {}; grey: the other objects; orange: its best history.", intervals);
-}
+using pictures::figure_colours::ink;
 
 std::vector<double> values_of(const HistoryCurve& curve) {
   std::vector<double> values;
@@ -47,16 +37,17 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 }
 
 pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves) {
-  constexpr int columns = 4, left = 70, right = 20, top = 114, gap = 22, panel_height = 150, row_height = 212, below = 70;
+  constexpr int columns = 3, left = 60, right = 16, gap = 18, panel_height = 130, row_height = 188, below = 66;
   constexpr int width = (page_width - left - right - (columns - 1) * gap) / columns;
   const auto shown = std::span(curves).first(std::min(curves.size(), most_panels));
   const int rows = std::max(1, (static_cast<int>(shown.size()) + columns - 1) / columns);
-  pictures::PlotScript script(title, page_width, top + (rows - 1) * row_height + panel_height + below);
   AccuracyAxis axis;
+  Whiskers whiskers;
   std::set<double> histories;
   for (const HistoryCurve& curve : curves) {
     for (const HistoryCurve::Point& point : curve.points) {
       axis.include(point.accuracy);
+      whiskers.include(point.accuracy);
       histories.insert(point.history_ms);
     }
   }
@@ -65,8 +56,17 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
   if (histories.size() <= 8) {
     for (const double history : histories) tics += fmt::format("{}{:g}", tics.empty() ? "" : ", ", history);
   }
-  script.note(first_of(curves.size(), shown.size()) + history_note(curves));
-  script.text("accuracy [%]", 20, 76, "left font ',12'");
+  const pictures::LineStyle own_line{.colour = pictures::figure_colours::network, .width = 2.2, .mark = 7, .size = 0.7};
+  const pictures::LineStyle best_mark{.colour = pictures::figure_colours::best, .width = 0, .mark = 13, .size = 1.5};
+  pictures::PlotHead head(title, page_width);
+  head.note(first_of(curves.size(), shown.size()));
+  head.key("this object", own_line);
+  head.key("other objects", {.colour = pictures::figure_colours::others});
+  head.key("best history", best_mark);
+  whiskers.explain(head);
+  const int top = head.bottom() + 54;
+  pictures::PlotScript script(head, top + (rows - 1) * row_height + panel_height + below);
+  script.text("accuracy [%]", 20, top - 34, "left font ',12'");
   script.text("history t_h [ms]", page_width / 2.0, top + (rows - 1) * row_height + panel_height + 48, "center font ',12'");
   std::vector<pictures::PlotSeries> grey;
   for (const HistoryCurve& curve : shown)
@@ -84,15 +84,14 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
       // The panel's own curve lies over the others.
       const std::string own = grey[i].table;
       series.erase(series.begin() + static_cast<std::ptrdiff_t>(i));
-      series.push_back(
-          {own, "1:2:3:4", "yerrorbars", {.colour = pictures::figure_colours::network, .width = 1.4, .mark = 7, .size = 0.7}});
-      series.push_back({own, "1:2", "lines", {.colour = pictures::figure_colours::network, .width = 2.2}});
-      script.text(pictures::shortened(shown[i].name, 26), panel_left + width / 2.0, panel_top - 12, "center font ',12'");
+      pictures::LineStyle bars = own_line, line = own_line;
+      bars.width = 1.4;
+      line.mark.reset();
+      series.push_back({own, "1:2:3:4", "yerrorbars", bars});
+      series.push_back({own, "1:2", "lines", line});
+      script.text(pictures::shortened(shown[i].name, 19), panel_left + width / 2.0, panel_top - 12, "center font ',12'");
       if (const auto best = best_of(shown[i]); best != shown[i].points.end())
-        series.push_back({script.table(2, {best->history_ms, percent(best->accuracy.value)}),
-                          "1:2",
-                          "points",
-                          {.colour = pictures::figure_colours::best, .mark = 13, .size = 1.5}});
+        series.push_back({script.table(2, {best->history_ms, percent(best->accuracy.value)}), "1:2", "points", best_mark});
     }
     script.plot(series);
   }
@@ -101,8 +100,7 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
 
 namespace {
 
-constexpr int delay_left = 200, delay_right = 24, delay_top = 106, delay_gap = 30, delay_row = 30, delay_below = 62;
-constexpr int delay_width = (page_width - delay_left - delay_right - delay_gap) / 2;
+constexpr int delay_left = 164, delay_right = 20, delay_row = 28, delay_above = 34, delay_below = 60;
 
 bool has_whiskers(const std::map<std::string, results::DelaySummary>& bars) {
   return std::any_of(bars.begin(), bars.end(), [](const auto& bar) { return std::isfinite(bar.second.sem_ms); });
@@ -118,13 +116,11 @@ std::string words_of(const results::DelaySummary& delay) {
 }
 
 void add_delay_panel(pictures::PlotScript& script, Touch touch, std::span<const std::string> names,
-                     const std::map<std::string, results::DelaySummary>& bars, double limit_ms) {
-  constexpr double note_share = 0.5;  // of the panel's width, for words beside the bars
-  const bool is_first = touch == Touch::press;
-  const int begin = is_first ? delay_left : delay_left + delay_width + delay_gap;
-  const int bottom = delay_top + static_cast<int>(std::max<std::size_t>(names.size(), 1)) * delay_row;
-  script.begin_panel({.left = begin, .top = delay_top, .right = begin + delay_width, .bottom = bottom});
-  script.text(name_of(touch), begin + delay_width / 2.0, delay_top - 16, "center font ',13'",
+                     const std::map<std::string, results::DelaySummary>& bars, double limit_ms, int top) {
+  constexpr double note_share = 0.46;  // of the panel's width, for words beside the bars
+  const int bottom = top + static_cast<int>(std::max<std::size_t>(names.size(), 1)) * delay_row;
+  script.begin_panel({.left = delay_left, .top = top, .right = page_width - delay_right, .bottom = bottom});
+  script.text(name_of(touch), (delay_left + page_width - delay_right) / 2.0, top - 16, "center font ',13'",
               pictures::figure_colours::of(touch));
   double longest = limit_ms;
   std::vector<double> boxes, whiskers;
@@ -144,9 +140,8 @@ void add_delay_panel(pictures::PlotScript& script, Touch touch, std::span<const 
   script.axes({.end = bars_end / (1 - note_share), .label = "detection delay [ms]"},
               {.begin = -0.6,
                .end = static_cast<double>(names.size()) - 0.4,
-               .tics = is_first ? row_names({names.begin(), names.end()}) : "'' 0",
-               .tic_style = "scale 0",
-               .has_labels = is_first});
+               .tics = row_names({names.begin(), names.end()}),
+               .tic_style = "scale 0"});
   script.add("unset grid\nset grid x lt 1 lc rgb '{}' lw 0.6", pictures::figure_colours::grid);
   script.add("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 nohead dt 2 lc rgb '{1}' lw 1.2 front", limit_ms,
              pictures::figure_colours::ink);
@@ -170,24 +165,21 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
                           const std::map<std::string, results::DelaySummary>& slip, double limit_ms) {
   const auto names = std::span(objects).first(std::min(objects.size(), most_panels));
   const int rows = static_cast<int>(std::max<std::size_t>(names.size(), 1));
-  pictures::PlotScript script(title, page_width, delay_top + rows * delay_row + delay_below);
-  script.note(first_of(objects.size(), names.size()) +
-              fmt::format("Bars: mean over detected intervals; {}dashed: the paper's limit, {:g} ms.",
-                          has_whiskers(press) || has_whiskers(slip) ? "whiskers: standard error; " : "", limit_ms));
-  add_delay_panel(script, Touch::press, names, press, limit_ms);
-  add_delay_panel(script, Touch::slip, names, slip, limit_ms);
+  pictures::PlotHead head(title, page_width);
+  head.note(first_of(objects.size(), names.size()));
+  head.key("mean of detected presses", {.colour = pictures::figure_colours::press, .fill = 0.75});
+  head.key("of detected slips", {.colour = pictures::figure_colours::slip, .fill = 0.75});
+  if (has_whiskers(press) || has_whiskers(slip)) head.key("standard error", {.colour = ink, .width = 1.6});
+  head.key(fmt::format("the paper's limit, {:g} ms", limit_ms), {.colour = ink, .width = 1.2, .dashes = 2});
+  const int panel_height = delay_above + rows * delay_row + delay_below;
+  pictures::PlotScript script(head, head.bottom() + 2 * panel_height);
+  add_delay_panel(script, Touch::press, names, press, limit_ms, head.bottom() + delay_above);
+  add_delay_panel(script, Touch::slip, names, slip, limit_ms, head.bottom() + panel_height + delay_above);
   return std::move(script).finished();
 }
 
 pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
-  constexpr int left = 40, right = 40, key = 84, top = 106, bottom = 156;
-  pictures::PlotScript script(title, page_width, bottom + 62);
-  script.note("Shares of the variance of the mean accuracy. To narrow the interval most, add more of the largest.");
-  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
-  script.axes({.begin = 0, .end = 100, .label = "share of the variance [%]"},
-              {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});
-  double from = 0;
-  std::vector<pictures::PlotSeries> series;
+  constexpr int left = 40, right = 40, height = 50;
   const std::array<std::pair<const char*, double>, 4> parts{{{"trainings", shares.training},
                                                              {"objects", shares.object},
                                                              {"trainings on single objects", shares.both},
@@ -195,13 +187,20 @@ pictures::Plot variance_plot(const std::string& title, const results::VarianceSh
   const std::array<std::string_view, 4> colours{pictures::figure_colours::of(Touch::press),
                                                 pictures::figure_colours::of(Touch::slip), pictures::figure_colours::faint_ink,
                                                 pictures::figure_colours::others};
-  constexpr std::array<int, 4> key_places{0, 160, 300, 580};
+  pictures::PlotHead head(title, page_width);
+  head.note("To narrow the interval most, add more of the largest.");
+  // In a key, since a small part has no room for its words.
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    head.key(fmt::format("{} {:.0f} %", parts[i].first, percent(parts[i].second)), {.colour = colours[i], .fill = 1});
+  const int top = head.bottom() + 14, bottom = top + height;
+  pictures::PlotScript script(head, bottom + 62);
+  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
+  script.axes({.begin = 0, .end = 100, .label = "share of the variance [%]"},
+              {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});
+  double from = 0;
+  std::vector<pictures::PlotSeries> series;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const double share = percent(parts[i].second);
-    // In a key, since a small part has no room for its words.
-    const double x = left + static_cast<double>(key_places[i]);
-    script.line(x, key, x + 22, key, colours[i], 12);
-    script.text(fmt::format("{} {:.0f} %", parts[i].first, share), x + 32, key, "left font ',12'");
     if (share <= 0) continue;
     series.push_back({script.table(6, {from + share / 2, 0.5, from, from + share, 0, 1}),
                       "1:2:3:4:5:6",
@@ -214,10 +213,9 @@ pictures::Plot variance_plot(const std::string& title, const results::VarianceSh
 }
 
 pictures::Plot unseen_plot(const std::string& title, const std::map<std::string, results::SeenAndHeldOut>& objects) {
-  constexpr int left = 200, right = 30, top = 84, row_height = 54, below = 62;
+  constexpr int left = 164, right = 20, row_height = 44, below = 60;
   constexpr double apart = 0.14;  // from the row's middle
   const std::size_t shown = std::min(objects.size(), most_panels);
-  const int bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
   AccuracyAxis axis;
   Whiskers whiskers;
   std::vector<double> seen, held_out, joined;
@@ -236,9 +234,15 @@ pictures::Plot unseen_plot(const std::string& title, const std::map<std::string,
     add(held_out, of.held_out, y - apart);
     joined.insert(joined.end(), {percent(of.seen.value), y + apart, percent(of.held_out.value - of.seen.value), -2 * apart});
   }
-  pictures::PlotScript script(title, page_width, bottom + below);
-  script.note(first_of(objects.size(), shown) + "Blue circles: trained with the object; orange squares: without it." +
-              whiskers.in_words());
+  const pictures::LineStyle with{.colour = pictures::figure_colours::press, .width = 1.8, .mark = 7, .size = 1.3};
+  const pictures::LineStyle without{.colour = pictures::figure_colours::slip, .width = 1.8, .mark = 5, .size = 1.3};
+  pictures::PlotHead head(title, page_width);
+  head.note(first_of(objects.size(), shown));
+  head.key("trained with the object", mark_of(with));
+  head.key("without it", mark_of(without));
+  whiskers.explain(head);
+  const int top = head.bottom() + 14, bottom = top + static_cast<int>(std::max<std::size_t>(shown, 1)) * row_height;
+  pictures::PlotScript script(head, bottom + below);
   script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
   script.axes({.begin = axis.begin(), .end = axis.end(), .label = "accuracy [%]"},
               {.begin = -0.6, .end = static_cast<double>(shown) - 0.4, .tics = row_names(names), .tic_style = "scale 0"});
@@ -246,14 +250,8 @@ pictures::Plot unseen_plot(const std::string& title, const std::map<std::string,
                 "1:2:3:4",
                 "vectors nohead",
                 {.colour = pictures::figure_colours::others, .width = 1.5}},
-               {script.table(4, std::move(seen)),
-                "1:2:3:4",
-                "xerrorbars",
-                {.colour = pictures::figure_colours::press, .width = 1.8, .mark = 7, .size = 1.3}},
-               {script.table(4, std::move(held_out)),
-                "1:2:3:4",
-                "xerrorbars",
-                {.colour = pictures::figure_colours::slip, .width = 1.8, .mark = 5, .size = 1.3}}});
+               {script.table(4, std::move(seen)), "1:2:3:4", "xerrorbars", with},
+               {script.table(4, std::move(held_out)), "1:2:3:4", "xerrorbars", without}});
   return std::move(script).finished();
 }
 

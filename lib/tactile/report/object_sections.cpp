@@ -24,7 +24,8 @@ std::string best_in_words(const HistoryCurve& curve) {
 HtmlTable history_table(const ReportedHistories& histories) {
   HtmlTable table{.caption = fmt::format("Accuracy [%] by history t_h, on {}; below each its 95 % interval", histories.runs),
                   .head = {"object"},
-                  .rows = {}};
+                  .rows = {},
+                  .folded = "Accuracy of each object by history"};
   std::set<double> columns;
   for (const HistoryCurve& curve : histories.curves) {
     for (const HistoryCurve::Point& point : curve.points) columns.insert(point.history_ms);
@@ -49,7 +50,8 @@ HtmlTable unseen_table(const results::UnseenComparison& comparison) {
   HtmlTable table{
       .caption = "Accuracy [%] on objects seen in training and held out, and its change [points]; below each its 95 % interval",
       .head = {"object", "seen", "held out", "difference"},
-      .rows = {}};
+      .rows = {},
+      .folded = "Accuracy of each object, seen and held out"};
   const auto add = [&](const std::string& name, const results::SeenAndHeldOut& of) {
     table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
   };
@@ -106,11 +108,11 @@ void add_histories(ReportPage& page, const ReportInput& input) {
     const bool is_first = &histories == &input.histories.front();
     const std::string best = best_in_words(histories.curves.front());
     if (histories.is_folded) page.html.begin_folded("The same on " + histories.runs);
+    page.html.paragraph(fmt::format("The mean over objects is best with {}, on {}.", best, histories.runs));
     page.figure(is_first ? "accuracy-by-history" : "accuracy-by-history-" + name_part(histories.runs),
                 accuracy_by_history_plot(page.titled("Accuracy by history, " + histories.runs), histories.curves),
                 fmt::format("Accuracy against history for each object; the mean is highest with {}.", best),
-                fmt::format("Accuracy by event history t_h, as in the paper's figure 8, on {}. Mean over objects: best with {}.",
-                            histories.runs, best));
+                fmt::format("Accuracy by event history t_h, as in the paper's figure 8, on {}.", histories.runs));
     page.html.table(history_table(histories));
     if (histories.is_folded) page.html.end_folded();
   }
@@ -130,8 +132,11 @@ void add_unseen(ReportPage& page, const ReportInput& input) {
     const bool is_first = &unseen == &input.unseen.front();
     const results::UnseenComparison& comparison = unseen.comparison;
     const results::UnseenComparison::Models models = comparison.models.value_or(results::UnseenComparison::Models{});
-    const std::string where = unseen.runs.size() > 60 ? std::string("runs that neither model was trained on") : unseen.runs;
-    if (unseen.is_folded) page.html.begin_folded("The same on " + unseen.runs);
+    const std::string where = unseen.runs.size() > 60 ? std::string("their test runs") : unseen.runs;
+    if (unseen.is_folded) page.html.begin_folded("The same on " + where);
+    page.html.paragraph(fmt::format("On objects that a model has never seen the accuracy changes by {}, mean over {} objects.",
+                                    results::text_of(results::scaled(comparison.mean.difference, 100), " points", "+.1f"),
+                                    comparison.objects.size()));
     page.figure(
         is_first ? "unseen" : "unseen-" + name_part(where),
         unseen_plot(page.titled("Seen and unseen objects, " + where), comparison.objects),

@@ -26,6 +26,20 @@ void add_tick(std::vector<TouchInterval>& intervals, Touch touch, CameraTime bef
     intervals.push_back({touch, before, t});
 }
 
+std::vector<pictures::PredictedInterval> intervals_in(const results::JsonView& json, const std::filesystem::path& file) {
+  std::vector<pictures::PredictedInterval> intervals;
+  for (const results::JsonView& interval : json.items()) {
+    const double start = interval["start_us"].number(), end = interval["end_us"].number();
+    const double delay_ms = interval["delay_ms"].number();
+    if (!(std::abs(start) < 9e15) || !(std::abs(end) < 9e15))
+      throw Error(file.string() + ": an interval has no start_us or end_us; expected camera times");
+    intervals.push_back(
+        {{touch_named(interval["class"].text()), camera_time(std::llround(start)), camera_time(std::llround(end))},
+         std::isfinite(delay_ms) ? fmt::format("{:g} ms", delay_ms) : interval["outcome"].text()});
+  }
+  return intervals;
+}
+
 }  // namespace
 
 pictures::PredictionPicture read_prediction(const std::filesystem::path& file, double history_ms) {
@@ -39,7 +53,7 @@ pictures::PredictionPicture read_prediction(const std::filesystem::path& file, d
     if (!csv.column(column)) refuse(fmt::format("has no column '{}'", column));
   }
   pictures::PredictionPicture picture;
-  std::vector<TouchInterval> labels;
+  std::vector<TouchInterval> labels, true_ones;
   while (csv.next_filled()) {
     const auto field = [&](std::string_view column) {
       const auto text = csv[column];
@@ -63,7 +77,7 @@ pictures::PredictionPicture read_prediction(const std::filesystem::path& file, d
       if (truth == "unlabelled")
         add_tick(picture.unlabelled, Touch::press, before, tick.t);
       else if (!truth.empty())
-        add_tick(picture.truth, touch_named(truth), before, tick.t);
+        add_tick(true_ones, touch_named(truth), before, tick.t);
     } catch (const Error&) {
       refuse("has an unknown class");
     }
@@ -71,6 +85,7 @@ pictures::PredictionPicture read_prediction(const std::filesystem::path& file, d
   }
   if (picture.ticks.empty()) refuse("has no tick");
   for (const TouchInterval& interval : labels) picture.labels.push_back({interval, {}});
+  for (const TouchInterval& interval : true_ones) picture.truth.push_back({interval, {}});
   return picture;
 }
 
@@ -80,16 +95,12 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   // Older outcomes have no first event: the axis then begins with the first tick.
   if (const auto first_us = outcome["first_event_us"].number_if_there(); first_us && std::abs(*first_us) < 9e15)
     picture.first_event = camera_time(std::llround(*first_us));
-  std::vector<pictures::PredictedInterval> labels;
-  for (const results::JsonView& interval : outcome["intervals"].items()) {
-    const double start = interval["start_us"].number(), end = interval["end_us"].number();
-    const double delay_ms = interval["delay_ms"].number();
-    if (!(std::abs(start) < 9e15) || !(std::abs(end) < 9e15))
-      throw Error(file.string() + ": an interval has no start_us or end_us; expected camera times");
-    labels.push_back({{touch_named(interval["class"].text()), camera_time(std::llround(start)), camera_time(std::llround(end))},
-                      std::isfinite(delay_ms) ? fmt::format("{:g} ms", delay_ms) : interval["outcome"].text()});
+  if (auto labels = intervals_in(outcome["intervals"], file); !labels.empty()) picture.labels = std::move(labels);
+  const results::JsonView by_truth = outcome["by_truth"];
+  if (by_truth) {
+    picture.has_truth = true;
+    picture.truth = intervals_in(by_truth["intervals"], file);
   }
-  if (!labels.empty()) picture.labels = std::move(labels);
   std::string settings = fmt::format("A tick every {:g} ms", outcome["tick_ms"].number());
   if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
     settings += fmt::format("; confirmed {}", confirm);
@@ -97,8 +108,8 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
     settings += fmt::format("; filtered with an alarm cost of {:g}", *alarm_cost);
   if (outcome["thresholds"]) settings += "; decided by the thresholds " + outcome["thresholds"].text();
   picture.remarks.push_back(settings + ".");
-  if (const results::JsonView alarms = outcome["false_alarms"]; alarms && alarms["outside_labels"])
-    picture.remarks.push_back(words_of(alarms.get<results::FalseAlarms>()));
+  if (const results::JsonView alarms = (by_truth ? by_truth : outcome)["false_alarms"]; alarms && alarms["outside_labels"])
+    picture.remarks.push_back((by_truth ? "By the truth. " : "") + words_of(alarms.get<results::FalseAlarms>()));
 }
 
 }  // namespace tactile::report

@@ -8,6 +8,7 @@
 
 #include "tactile/core/version.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/report/figure_parts.hpp"
 #include "tactile/report/prediction_file.hpp"
 #include "tactile/report/report_page.hpp"
 
@@ -29,11 +30,13 @@ void begin(ReportPage& page, const ReportInput& input) {
 
 /// How to read the rest of the page, and what is special about these results.
 void explain(ReportPage& page, const ReportInput& input) {
+  page.html.begin_folded("How to read this page");
   page.html.paragraph(
       "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Brackets and whiskers are 95 % intervals "
       "over trainings, objects and runs. With one training they hold for that training only. There is no interval for fewer than "
       "three runs or objects. Intervals of false alarms per minute also allow for few alarms in a short time.");
   if (!input.remarks.empty()) page.html.list(input.remarks);
+  page.html.end_folded();
 }
 
 /// Figures that an earlier report drew, and this one did not, are removed. Other files stay.
@@ -81,11 +84,12 @@ void add_runs(ReportPage& page, const ReportInput& input) {
     else
       page.missing.push_back(fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, outcome.string()));
     page.figure(
-        "run-" + name_part(run.run), pictures::prediction_plot(picture),
+        "run-" + name_part(run.run), pictures::prediction_plot(picture, page_width),
         fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
         fmt::format("A whole run, as in the paper's figure 10: {} by {}. Event rate, probabilities of press and slip, and "
-                    "predictions above labels{}.",
-                    run.run, run.model, picture.has_truth ? " and truth" : ""));
+                    "predictions above {}.",
+                    run.run, run.model,
+                    picture.has_truth ? "the truth, by which they are judged, and the labels" : "the labels"));
   }
   if (input.runs.size() > most_runs_over_time)
     page.html.paragraph(
@@ -98,8 +102,10 @@ void add_trainings(ReportPage& page, const ReportInput& input) {
   page.figure("training", training_plot(page.titled("Training"), input.trainings),
               "Loss and accuracy of each training, epoch by epoch.",
               "Loss and accuracy on the training samples, epoch by epoch.");
-  HtmlTable table{
-      .caption = "The last epoch of each training", .head = {"model", "epoch", "loss", "accuracy in training [%]"}, .rows = {}};
+  HtmlTable table{.caption = "The last epoch of each training",
+                  .head = {"model", "epoch", "loss", "accuracy in training [%]"},
+                  .rows = {},
+                  .folded = "The last epoch of each training"};
   for (const TrainingCurve& curve : input.trainings) {
     if (curve.epochs.empty()) continue;
     const TrainingCurve::Epoch& last = curve.epochs.back();

@@ -36,7 +36,7 @@ void ReportPage::figure(const std::string& name, const pictures::Plot& plot, con
 }
 
 void ReportPage::table(const ReportedTable& table) {
-  HtmlTable cells{.caption = table.caption, .head = table.head, .rows = {}};
+  HtmlTable cells{.caption = table.caption, .head = table.head, .rows = {}, .folded = table.caption};
   for (const std::vector<std::string>& row : table.rows) {
     cells.rows.emplace_back();
     for (const std::string& text : row) cells.rows.back().push_back({.text = text});

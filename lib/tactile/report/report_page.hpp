@@ -29,7 +29,7 @@ class ReportPage {
   /// @param in_words  for readers who cannot see it
   void figure(const std::string& name, const pictures::Plot& plot, const std::string& in_words, const std::string& caption);
 
-  void table(const ReportedTable& table);
+  void table(const ReportedTable& table);  ///< folded: a click on its caption shows it
 
   const std::vector<std::string>& figures() const { return drawn_; }
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace colours = pictures::figure_colours;
 
-constexpr int columns = 4, left = 70, right = 20, gap = 26, panel_height = 140, row_height = 226, below = 70;
+constexpr int columns = 2, left = 64, right = 18, gap = 30, panel_height = 130, row_height = 212, below = 66;
 constexpr int width = (page_width - left - right - (columns - 1) * gap) / columns;
 
 /// A line of a panel: what it shows of a point, and how it is drawn.
@@ -136,17 +136,23 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
   const auto& curves = stress.models.empty() ? none : curves_of(stress.models.front(), of_quiet);
   const std::size_t shown = std::min(curves.size(), most_panels);
   const int rows = std::max(1, (static_cast<int>(shown) + columns - 1) / columns);
-  const int top = 116 + 20 * static_cast<int>(lines.size());
   std::string title(title_of(measure));
   if (of_quiet) title += " (recordings without a touch)";
   if (stress.simulated && !of_quiet) title += " (simulated runs)";
-  pictures::PlotScript script(title, page_width, top + (rows - 1) * row_height + panel_height + below);
-  script.note(first_of(curves.size(), shown) +
-              "Severity 0 is the unchanged recording. Bars: 95 % intervals, a triangle where one leaves the panel.");
-  const auto legend_y = [](std::size_t line) { return 74 + 20 * static_cast<double>(line); };
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    script.text(lines[i].words, 64, legend_y(i), "left font ',12'", lines[i].style.colour);
-  script.text(unit_of(measure, of_quiet), 20, top - 36, "left font ',12'");
+  pictures::PlotHead head(title, page_width);
+  head.note(first_of(curves.size(), shown) + "Severity 0 is the unchanged recording.");
+  for (const Line& line : lines) head.key(line.words, line.style);
+  Whiskers whiskers;
+  for (const Line& line : lines) {
+    for (const results::StressCurve& curve : curves_of(stress.models[line.model], of_quiet)) {
+      for (const results::StressPoint& point : curve.points) whiskers.include(figure_of(point, measure, line.touch));
+    }
+  }
+  whiskers.explain(head);
+  if (whiskers.any()) head.key("it leaves the panel", {.colour = colours::ink, .width = 0, .mark = 9, .size = 0.9});
+  const int top = head.bottom() + 64;
+  pictures::PlotScript script(head, top + (rows - 1) * row_height + panel_height + below);
+  script.text(unit_of(measure, of_quiet), 20, top - 42, "left font ',12'");
   const AxisRange range{measure == StressMeasure::false_alarms ? -0.03 : -3, end_of(stress, measure, of_quiet), panel_height};
   const auto alarm_tics = [&](bool has_labels) {
     return measure == StressMeasure::false_alarms ? decade_tics(range, true, true).text(has_labels) : std::string();
@@ -155,8 +161,6 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
     const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
     const int panel_left = left + column * (width + gap), panel_top = top + row * row_height;
     script.begin_panel({.left = panel_left, .top = panel_top, .right = panel_left + width, .bottom = panel_top + panel_height});
-    for (std::size_t line = 0; i == 0 && line < lines.size(); ++line)
-      script.line(20, legend_y(line), 56, legend_y(line), lines[line].style.colour, 2, lines[line].style.dashes);
     const results::StressCurve empty;
     const results::StressCurve& curve = shown == 0 ? empty : curves[i];
     const double last = static_cast<double>(std::max<std::size_t>(curve.points.size(), 2)) - 1;

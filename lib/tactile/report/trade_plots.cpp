@@ -41,7 +41,7 @@ pictures::Plot trade_accuracy_plot(const results::Trade& trade) {
     dots.push_back(std::move(dot));
   }
   return dots_plot(titled(trade, "Accuracy against time per tick"),
-                   {.front = "not beaten in both by any other setting",
+                   {.front = "accuracy and time",
                     .bars = "accuracy",
                     .x_label = "99th percentile of the time per tick [us]",
                     .y_label = "accuracy [%]",
@@ -62,7 +62,7 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
     dots.push_back(std::move(dot));
   }
   return dots_plot(titled(trade, "Detection delay against false alarms"),
-                   {.front = "not beaten in false alarms, delay and misses together by any other setting",
+                   {.front = "false alarms, delay and misses",
                     .bars = "the delay",
                     .x_label = "false alarms per minute, outside labels",
                     .y_label = "median delay, misses included [ms]",
@@ -73,8 +73,14 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
 
 namespace {
 
-constexpr int growth_left = 70, growth_right = 20, growth_top = 122, growth_gap = 28, growth_height = 330;
-constexpr int growth_bottom = growth_top + growth_height;
+constexpr int growth_left = 76, growth_right = 20, growth_gap = 40, growth_height = 190, growth_below = 100;
+constexpr int growth_width = page_width - growth_left - growth_right;
+
+constexpr std::array<std::pair<const char*, pictures::LineStyle>, 4> growth_lines{
+    {{"tactile", {.colour = pictures::figure_colours::network, .width = 1.8, .mark = 7, .size = 0.8}},
+     {"its rendering alone", {.colour = pictures::figure_colours::network, .width = 1.4, .dashes = 2, .mark = 6, .size = 0.8}},
+     {"every pixel and every output", {.colour = pictures::figure_colours::best, .width = 1.8, .mark = 5, .size = 0.8}},
+     {"rendering every pixel", {.colour = pictures::figure_colours::best, .width = 1.4, .dashes = 2, .mark = 4, .size = 0.8}}}};
 
 /// Median times at one point, in the order of the series.
 std::array<double, 4> times_of(const results::GrowthPoint& point) {
@@ -89,7 +95,6 @@ struct GrowthStep {
 };
 
 struct GrowthPanel {
-  int left = 0, width = 0;
   std::string label, conditions;
   std::vector<GrowthStep> steps;
 };
@@ -113,8 +118,6 @@ std::vector<GrowthStep> steps_of(const std::vector<results::GrowthPoint>& points
 }
 
 std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
-  constexpr std::array<int, 3> widths{384, 200, 270};  // a panel with more labels is wider
-  static_assert(growth_left + widths[0] + widths[1] + widths[2] + 2 * growth_gap + growth_right == page_width);
   // No events at all have a position left of the lowest rate.
   double least_rate = HUGE_VAL;
   for (const results::GrowthPoint& point : growth.by_rate) {
@@ -130,46 +133,39 @@ std::vector<GrowthPanel> panels_of(const results::CostGrowth& growth) {
   const auto conditions = [](const std::vector<results::GrowthPoint>& points, auto first, auto second) {
     return points.empty() ? std::string() : first(points.front()) + ", " + second(points.front());
   };
-  std::vector<GrowthPanel> panels{
-      {.label = "events per second",
-       .conditions = conditions(growth.by_rate, history_of, sensor_of),
-       .steps = steps_of(growth.by_rate,
-                         [&](const results::GrowthPoint& point) {
-                           return GrowthStep{point.events_per_s == 0 ? none_at : log_position(point.events_per_s),
-                                             short_number(point.events_per_s)};
-                         })},
-      {.label = "history t_h [ms]",
-       .conditions = conditions(growth.by_history, rate_of, sensor_of),
-       .steps = steps_of(growth.by_history,
-                         [](const results::GrowthPoint& point) {
-                           return GrowthStep{log_position(in_ms(point.history)), fmt::format("{:g}", in_ms(point.history))};
-                         })},
-      {.label = "pixels of the sensor",
-       .conditions = conditions(growth.by_resolution, history_of, rate_of),
-       .steps = steps_of(growth.by_resolution, [&](const results::GrowthPoint& point) {
-         return GrowthStep{log_position(static_cast<double>(point.sensor.width) * point.sensor.height), sensor_of(point)};
-       })}};
-  int begin = growth_left;
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    panels[i].left = begin, panels[i].width = widths[i];
-    begin += widths[i] + growth_gap;
-  }
-  return panels;
+  return {{.label = "events per second",
+           .conditions = conditions(growth.by_rate, history_of, sensor_of),
+           .steps = steps_of(growth.by_rate,
+                             [&](const results::GrowthPoint& point) {
+                               return GrowthStep{point.events_per_s == 0 ? none_at : log_position(point.events_per_s),
+                                                 short_number(point.events_per_s)};
+                             })},
+          {.label = "history t_h [ms]",
+           .conditions = conditions(growth.by_history, rate_of, sensor_of),
+           .steps = steps_of(growth.by_history,
+                             [](const results::GrowthPoint& point) {
+                               return GrowthStep{log_position(in_ms(point.history)), fmt::format("{:g}", in_ms(point.history))};
+                             })},
+          {.label = "pixels of the sensor",
+           .conditions = conditions(growth.by_resolution, history_of, rate_of),
+           .steps = steps_of(growth.by_resolution, [&](const results::GrowthPoint& point) {
+             return GrowthStep{log_position(static_cast<double>(point.sensor.width) * point.sensor.height), sensor_of(point)};
+           })}};
 }
 
 /// Tics at the steps: level where all labels fit, else at an angle.
 pictures::PlotAxis x_axis_of(const GrowthPanel& panel) {
   double first = HUGE_VAL, last = -HUGE_VAL;
   for (const GrowthStep& step : panel.steps) first = std::min(first, step.position), last = std::max(last, step.position);
-  const AxisRange range = range_around(first, last, std::log10(4), panel.width);
+  const AxisRange range = range_around(first, last, std::log10(4), growth_width);
   AxisTics level(range), at_an_angle(range, true);
   bool all_fit = true;
   for (const GrowthStep& step : panel.steps) {
-    // Labels must not reach into the next panel.
+    // Labels must not leave the figure.
     const double pixel = range.pixel_at(step.position);
     const double half = AxisTics::character * static_cast<double>(characters_in(step.label)) / 2;
     all_fit = level.add({{step.position, step.label}}) && pixel >= half - growth_gap / 2.0 &&
-              pixel + half <= panel.width + growth_gap / 2.0 && all_fit;
+              pixel + half <= growth_width + growth_gap / 2.0 && all_fit;
     if (!at_an_angle.add({{step.position, step.label}})) at_an_angle.add_bare(step.position);
   }
   return {.begin = range.begin,
@@ -178,13 +174,13 @@ pictures::PlotAxis x_axis_of(const GrowthPanel& panel) {
           .tic_style = all_fit ? "center" : "rotate by 45 right"};
 }
 
-void draw_panel(pictures::PlotScript& script, const GrowthPanel& panel, const pictures::PlotAxis& y) {
-  script.begin_panel({.left = panel.left, .top = growth_top, .right = panel.left + panel.width, .bottom = growth_bottom});
-  const double middle = panel.left + panel.width / 2.0;
-  script.text(panel.label, middle, growth_bottom + 84, "center font ',12'");
-  script.text(panel.conditions, middle, growth_bottom + 105, "center font ',11'", faint_ink);
-  if (panel.steps.empty())
-    script.text("not measured", middle, (growth_top + growth_bottom) / 2.0, "center font ',12'", faint_ink);
+void draw_panel(pictures::PlotScript& script, const GrowthPanel& panel, const pictures::PlotAxis& y, int top) {
+  const int bottom = top + growth_height;
+  script.begin_panel({.left = growth_left, .top = top, .right = growth_left + growth_width, .bottom = bottom});
+  const double middle = growth_left + growth_width / 2.0;
+  script.text(panel.label, middle, bottom + 60, "center font ',12'");
+  script.text(panel.conditions, middle, bottom + 80, "center font ',11'", faint_ink);
+  if (panel.steps.empty()) script.text("not measured", middle, (top + bottom) / 2.0, "center font ',12'", faint_ink);
   script.axes(x_axis_of(panel), y);
   std::vector<double> values;
   for (const GrowthStep& step : panel.steps) {
@@ -194,21 +190,18 @@ void draw_panel(pictures::PlotScript& script, const GrowthPanel& panel, const pi
     if (step.point->events_per_s <= 0) values.insert(values.end(), 5, NAN);
   }
   const std::string table = script.table(5, std::move(values));
-  const auto ours = pictures::figure_colours::network, dense = pictures::figure_colours::best;
-  script.plot({{table, "1:2", "linespoints", {.colour = ours, .width = 1.8, .mark = 7, .size = 0.8}},
-               {table, "1:3", "linespoints", {.colour = ours, .width = 1.4, .dashes = 2, .mark = 6, .size = 0.8}},
-               {table, "1:4", "linespoints", {.colour = dense, .width = 1.8, .mark = 5, .size = 0.8}},
-               {table, "1:5", "linespoints", {.colour = dense, .width = 1.4, .dashes = 2, .mark = 4, .size = 0.8}}});
+  script.plot({{table, "1:2", "linespoints", growth_lines[0].second},
+               {table, "1:3", "linespoints", growth_lines[1].second},
+               {table, "1:4", "linespoints", growth_lines[2].second},
+               {table, "1:5", "linespoints", growth_lines[3].second}});
 }
 
 }  // namespace
 
 pictures::Plot trade_growth_plot(const results::Trade& trade) {
-  constexpr int below = 124;
-  pictures::PlotScript script(titled(trade, "How the cost of a tick grows"), page_width, growth_bottom + below);
-  script.note("Blue circles: tactile, the whole tick; hollow and dashed: its rendering alone. Orange squares: the dense method,");
-  script.note("which computes every pixel and every output of the network.");
-  script.text("median time per tick [us]", 20, 100, "left font ',12'");
+  pictures::PlotHead head(titled(trade, "How the cost of a tick grows"), page_width);
+  head.note("Median time per tick [us]");
+  for (const auto& [words, style] : growth_lines) head.key(words, style);
   const results::CostGrowth growth = trade.growth.value_or(results::CostGrowth{});
   double most = -HUGE_VAL, least = HUGE_VAL;
   for (const auto* points : {&growth.by_rate, &growth.by_history, &growth.by_resolution}) {
@@ -222,8 +215,13 @@ pictures::Plot trade_growth_plot(const results::Trade& trade) {
   const AxisRange up = range_around(least, most, 1, growth_height);
   const AxisTics tics = decade_tics(up, false, true);
   const std::vector<GrowthPanel> panels = panels_of(growth);
-  for (const GrowthPanel& panel : panels)
-    draw_panel(script, panel, {.begin = up.begin, .end = up.end, .tics = tics.text(&panel == &panels.front())});
+  constexpr int panel_height = growth_height + growth_below;
+  int top = head.bottom() + 16;
+  pictures::PlotScript script(head, top + static_cast<int>(panels.size()) * panel_height);
+  for (const GrowthPanel& panel : panels) {
+    draw_panel(script, panel, {.begin = up.begin, .end = up.end, .tics = tics.text()}, top);
+    top += panel_height;
+  }
   return std::move(script).finished();
 }
 

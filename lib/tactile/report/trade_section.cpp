@@ -31,12 +31,12 @@ std::vector<results::TradedSetting> by_rank(std::vector<results::TradedSetting> 
 void add_table(ReportPage& page, const std::vector<results::TradedSetting>& settings) {
   HtmlTable table{
       .caption =
-          "Each setting by its difference from the usual one; below each figure its 95 % interval. Differences are paired over "
-          "trainings and runs. Probability: of being on the front, with trainings, objects and runs drawn again",
-      .head = {"setting", "trainings", "accuracy [%]", "difference [points]", "median delay [ms]", "difference [ms]", "p90 [ms]",
-               "missed or early [%]", "false alarms/min", "difference", "p50 [us]", "p99 [us]", "p99.9 [us]", "front",
-               "probability [%]: accuracy", "delay"},
-      .rows = {}};
+          "Each setting by its difference from the usual one; below each figure its 95 % interval. trade.json has more, also the "
+          "differences, which are paired over trainings and runs",
+      .head = {"setting", "accuracy [%]", "median delay [ms]", "missed or early [%]", "false alarms/min", "p50 [us]", "p99 [us]",
+               "on the front of"},
+      .rows = {},
+      .folded = fmt::format("The {} settings in figures", settings.size())};
   std::size_t left_out = 0;
   for (const results::TradedSetting& setting : settings) {
     const bool on_both = setting.on_accuracy_front && setting.on_delay_front;
@@ -45,27 +45,17 @@ void add_table(ReportPage& page, const std::vector<results::TradedSetting>& sett
       continue;
     }
     const results::TradeFigures& figures = setting.reported.figures;
-    const results::TradeDifference difference = setting.difference.value_or(results::TradeDifference{});
-    const auto probability_cell = [](const std::optional<double>& share) { return number_cell(100 * share.value_or(NAN), 0); };
     table.rows.push_back({{.text = setting.text},
-                          number_cell(static_cast<double>(setting.trainings), 0),
                           percent_cell(figures.accuracy),
-                          percent_cell(difference.accuracy),
                           figure_cell(figures.delay_median_us, 1e-3),
-                          figure_cell(difference.delay_us, 1e-3),
-                          figure_cell(figures.delay_p90_us, 1e-3),
                           percent_cell(figures.missed),
                           figure_cell(figures.episodes_per_min),
-                          figure_cell(difference.episodes_per_min),
                           figure_cell(figures.us_p50),
                           figure_cell(figures.us_p99),
-                          figure_cell(figures.us_p999),
                           {.text = on_both                     ? "accuracy, delay"
                                    : setting.on_accuracy_front ? "accuracy"
                                    : setting.on_delay_front    ? "delay"
-                                                               : ""},
-                          probability_cell(setting.front_probability.accuracy),
-                          probability_cell(setting.front_probability.delay)});
+                                                               : ""}});
   }
   page.html.table(table);
   if (left_out > 0) page.html.paragraph(fmt::format("{} more settings, on no front, are in trade.csv.", left_out));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "support/error_of.hpp"
+#include "support/temporary_folder.hpp"
+#include "tactile/core/truth.hpp"
 
 namespace tactile::study {
 namespace {
@@ -27,6 +29,26 @@ TEST(JudgedModels, DetectionsComeBackAsTheyWereWritten) {
   evaluation.at("runs")[0].at("intervals")[1].at("outcome") = "late";
   EXPECT_EQ(test::error_of([&] { detections_in(evaluation, "eval.json"); }),
             "eval.json: 'runs': 'intervals': 'outcome' is 'late'; expected detected, missed or early");
+}
+
+TEST(RunToShow, HasATruePressAndATrueSlip) {
+  const test::TemporaryFolder folder;
+  const auto run = [&](const std::string& object, const std::string& id, const std::vector<Touch>& touches) {
+    Truth truth;
+    for (const Touch touch : touches) {
+      const CameraTime start = camera_time(1'000'000 * static_cast<std::int64_t>(truth.intervals.size() + 1));
+      truth.intervals.push_back({.interval = {touch, start, after(start, 100ms)}});
+    }
+    const std::filesystem::path at = folder / object / id;
+    std::filesystem::create_directories(at);
+    write_truth(at / "truth.json", truth);
+    return RunFolder{at, object, id};
+  };
+  const std::vector<RunFolder> runs{run("fan", "02", {Touch::press, Touch::slip}), run("water-bottle", "02", {Touch::press}),
+                                    run("water-bottle", "03", {Touch::press, Touch::slip})};
+  EXPECT_EQ(run_to_show(runs), 2U) << "a firm lift has no slip";
+  EXPECT_EQ(run_to_show({runs[0], runs[1]}), 0U) << "else another object";
+  EXPECT_EQ(run_to_show({run("fan", "03", {Touch::slip}), runs[1]}), 1U) << "else the paper's object";
 }
 
 TEST(JudgedModels, AtTheFirstTickMeansWithoutDelayMissOrEarlyDetection) {

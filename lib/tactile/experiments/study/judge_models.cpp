@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <deque>
+#include <numeric>
 
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/evaluation/evaluation_table.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/training_step.hpp"
 #include "tactile/model/training/open_classifier.hpp"
@@ -23,7 +25,7 @@ using nlohmann::json;
 
 // With another number, what is kept is made again.
 constexpr int evaluation_form = 4;
-constexpr int run_form = 5;  ///< of the run over time
+constexpr int run_form = 6;  ///< of the run over time
 
 /// Null if one of them is missing.
 json hashes_of(std::initializer_list<fs::path> files) {
@@ -88,13 +90,14 @@ void evaluate_on(const StudyPlan& plan, const std::vector<StudyModel>& models, c
   evaluations.push_back({set.name, models, json_file, csv_file});
 }
 
-/// A run of the water bottle, as in the paper, or else the first one.
-std::uint32_t run_to_show(const StudyPlan& plan) {
-  const std::vector<std::uint32_t>& reported = plan.trainings.front().reported.runs;
-  for (const std::uint32_t run : reported) {
-    if (plan.dataset.runs()[run].object == "water-bottle") return run;
-  }
-  return reported.front();
+/// By the run's truth if it is simulated, else by its labels.
+bool has_press_and_slip(const RunFolder& run) {
+  const evaluation::RunTruth truth = evaluation::read_run_truth(run);
+  const std::vector<TouchInterval> touches = truth.has_truth ? truth.true_ones : truth.used();
+  const auto has = [&](Touch touch) {
+    return std::any_of(touches.begin(), touches.end(), [touch](const TouchInterval& one) { return one.touch == touch; });
+  };
+  return has(Touch::press) && has(Touch::slip);
 }
 
 void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_index, const fs::path& csv_file,
@@ -123,7 +126,12 @@ void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_i
 
 void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiments::StepRunner& runner, JudgedModels& judged) {
   const StudyOptions& options = plan.options;
-  const std::uint32_t shown = run_to_show(plan);
+  std::vector<RunFolder> reported;
+  for (const std::uint32_t index : plan.trainings.front().reported.runs) {
+    const windows::DatasetRun& of = plan.dataset.runs()[index];
+    reported.push_back({plan.dataset.run_folder(index), of.object, of.run});
+  }
+  const std::uint32_t shown = plan.trainings.front().reported.runs[run_to_show(reported)];
   const windows::DatasetRun& run = plan.dataset.runs()[shown];
   judged.full_run = name_of(run);
   judged.full_run_file = options.out / "runs" / (run.object + "-" + run.run + ".csv");
@@ -147,6 +155,14 @@ void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiment
 }
 
 }  // namespace
+
+std::size_t run_to_show(const std::vector<RunFolder>& runs) {
+  std::vector<std::size_t> order(runs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return runs[i].object == "water-bottle"; });
+  const auto shown = std::find_if(order.begin(), order.end(), [&](std::size_t i) { return has_press_and_slip(runs[i]); });
+  return shown == order.end() ? order.front() : *shown;
+}
 
 const EvaluatedModels& JudgedModels::evaluation(const std::string& id) const {
   return *std::find_if(evaluations.begin(), evaluations.end(), [&](const EvaluatedModels& one) { return one.id == id; });

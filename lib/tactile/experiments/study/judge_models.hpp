@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/experiments/step_runner.hpp"
 #include "tactile/experiments/study/train_models.hpp"
@@ -27,6 +28,11 @@ struct JudgedModels {
 
   const EvaluatedModels& evaluation(const std::string& id) const;  ///< one that exists
 };
+
+/// The index of the run that is shown over time: the first of the water bottle, as in the paper, that has a press and a slip, by
+/// its truth if it is simulated; else the first of any object that has both; else the first. @param runs  not empty
+/// @throws Error  if labels or truth of a run are damaged
+std::size_t run_to_show(const std::vector<RunFolder>& runs);
 
 /// Fourth stage of a study: evaluates each training with its chosen history on its reported runs, and with the paper's on all its
 /// test runs, and predicts one run over time as in the paper's figure 10. @throws Error  if a step fails
