@@ -79,5 +79,14 @@ TEST(ReadText, NamesALinkThatLeadsToItself) {
             (folder / "labels.json").string() + ": cannot be read (Too many levels of symbolic links); expected a readable file");
 }
 
+TEST(SentenceOf, NamesTheOutputAndNotTheHiddenFolderInWhichItIsMade) {
+  const auto sentence = [](const std::string& text) { return sentence_of(Error(text)); };
+  EXPECT_EQ(sentence("data/.01.part-Ab3Xyz/01/events.aedat4: full"), "data/01/events.aedat4: full");
+  EXPECT_EQ(sentence(".a.csv.part-Ab3Xyz/a.csv: full, as './.b.part-Ab3Xyw/b'"), "a.csv: full, as './b'");
+  EXPECT_EQ(sentence("my.part-7/a.csv: full"), "my.part-7/a.csv: full");
+  EXPECT_EQ(sentence("my.part-Ab3Xyz/a.csv: full"), "my.part-Ab3Xyz/a.csv: full");
+  EXPECT_EQ(sentence(".a.part-Ab3Xyz: full"), ".a.part-Ab3Xyz: full");
+}
+
 }  // namespace
 }  // namespace tactile

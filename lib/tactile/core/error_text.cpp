@@ -21,6 +21,19 @@ std::string_view between(std::string_view text, std::string_view before, std::st
   return end == std::string_view::npos ? std::string_view() : text.substr(from, end - from);
 }
 
+/// Without the hidden folder in which a file is made (`PartFolder`): "data/.a.csv.part-Ab3Xyz/a.csv" is "data/a.csv".
+std::string without_part_folders(std::string text) {
+  constexpr std::string_view mark = ".part-";
+  constexpr std::size_t random_letters = 6;
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) {
+    const std::size_t slash = text.find('/', at), begin = text.find_last_of("/ '", at) + 1;  // 0 if there is none
+    if (slash != at + mark.size() + random_letters || text[begin] != '.') continue;
+    text.erase(begin, slash + 1 - begin);
+    at = begin;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string kind_in_words(std::string_view name) {
@@ -49,7 +62,7 @@ std::string plain_words(std::string_view text) {
 }
 
 std::string sentence_of(const std::exception& error, std::string_view about) {
-  if (dynamic_cast<const Error*>(&error) != nullptr) return error.what();
+  if (dynamic_cast<const Error*>(&error) != nullptr) return without_part_folders(error.what());
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     return file->path1().string() + ": cannot be used (" + file->code().message() +
            "); expected a file or folder that can be read, and written if it is an output";

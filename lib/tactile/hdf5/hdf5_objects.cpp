@@ -122,9 +122,10 @@ void fail(const std::string& where, const std::string& what) {
 
 void fail_writing(const std::string& where, const std::string& what) {
   const std::string reason = last_error();
-  if (reason.find("errno = " + std::to_string(ENOSPC)) != std::string::npos ||
-      reason.find("errno = " + std::to_string(EDQUOT)) != std::string::npos)
-    throw Error(where + ": " + what + " (no space is left); expected a place with room");
+  for (const int full : {ENOSPC, EDQUOT, EFBIG}) {
+    if (reason.find("errno = " + std::to_string(full) + ',') != std::string::npos)
+      throw Error(where + ": " + what + " (" + std::strerror(full) + "); expected a place with room");
+  }
   throw Error(where + ": " + what + " (" + reason + "); expected a sound HDF5 file in a place with room");
 }
 

@@ -39,7 +39,7 @@ struct Group {
 std::optional<std::string> session_of(const RunFolder& run) {
   try {
     if (const std::string session = read_run_info(run).session; !session.empty()) return session;
-    return camera_session_of(events::RecordingReader(run.events()));
+    return camera_session_of(events::event_stream(events::RecordingReader(run.events())));
   } catch (const std::exception&) {  // the error appears when the run is read
   }
   return std::nullopt;

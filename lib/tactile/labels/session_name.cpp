@@ -2,8 +2,8 @@
 
 namespace tactile::labels {
 
-std::optional<std::string> camera_session_of(const events::RecordingReader& recording) {
-  for (const auto& [name, value] : events::event_stream(recording).info) {
+std::optional<std::string> camera_session_of(const events::Stream& stream) {
+  for (const auto& [name, value] : stream.info) {
     if (name == "tsOffset") return "camera started at " + value;
   }
   return std::nullopt;

@@ -51,7 +51,7 @@ class Descriptor {
 };
 
 [[noreturn]] void fail_to_run(int error) {
-  throw Error(fmt::format("gnuplot: cannot be run ({}); expected a system with free processes and files",
+  throw Error(fmt::format("gnuplot: cannot be run ({}); expected free processes and files, and room for files",
                           std::error_code(error, std::generic_category()).message()));
 }
 

@@ -12,6 +12,7 @@
 #include "tactile/alignment/run_signals.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/table_file.hpp"
+#include "tactile/events/camera_streams.hpp"
 #include "tactile/labels/labels.hpp"
 #include "tactile/robot/robot_log.hpp"
 
@@ -42,14 +43,14 @@ DeviceClock by_label(const alignment::FittedClock& fitted) {
 
 /// By the motions in log and recording.
 DeviceClockSearch by_motion(const robot::RobotLog& log, const std::vector<alignment::MotionPhase>& motions,
-                            events::RecordingReader& recording, const alignment::EventRate& rate,
+                            events::RecordingReader& recording, std::int32_t event_stream, const alignment::EventRate& rate,
                             const alignment::QuietRate& quiet) {
   if (between(rate.begin, rate.last) > longest_related) {
     return {.clock = {},
             .why_not =
                 fmt::format("the recording is longer than {} h and has no host times", longest_related / std::chrono::hours(1))};
   }
-  const std::vector<events::ImuSample> imu = imu_of(recording);
+  const std::vector<events::ImuSample> imu = imu_of(recording, event_stream);
   const alignment::FoundAnchors found = alignment::clock_anchors(
       {.robot = log, .motions = motions, .rate = rate, .quiet = quiet, .imu = imu, .host_from_camera = {}, .coarse = {}});
   if (found.anchors.empty())
@@ -84,10 +85,14 @@ void add_moves(const robot::RobotLog& log, const std::vector<alignment::MotionPh
 
 }  // namespace
 
-std::vector<events::ImuSample> imu_of(events::RecordingReader& recording) {
+std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::int32_t event_stream) {
+  const std::vector<events::Stream> streams = events::camera_streams(recording.streams(), recording.stream(event_stream));
   std::vector<events::ImuSample> all;
   for (const events::PacketRecord& packet : recording.packets()) {
-    if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
+    const bool is_of_imu = std::any_of(streams.begin(), streams.end(), [&](const events::Stream& stream) {
+      return stream.id == packet.stream_id && stream.type == events::StreamType::imu;
+    });
+    if (!is_of_imu) continue;
     const std::vector<events::ImuSample> samples = recording.read_imu(packet);
     all.insert(all.end(), samples.begin(), samples.end());
   }
@@ -115,7 +120,7 @@ CameraTime DeviceClock::camera_at(std::int64_t us) const {
   return after(nearest->camera, microseconds{saturating_subtract(us, us_of(nearest->host))});
 }
 
-DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording,
+DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording, std::int32_t event_stream,
                                    const alignment::EventRate& rate, const alignment::QuietRate& quiet) {
   const robot::RobotLogFile log = robot::read_robot_log(*source.robot, {.arm = {}, .columns = source.robot_columns});
   if (log.pieces.empty()) return {.clock = {}, .why_not = "the log has no row"};
@@ -130,7 +135,7 @@ DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingR
   } else if (labels && labels->robot_clocks.size() == 1) {
     found.clock = by_label(labels->robot_clocks.front());
   } else {
-    found = by_motion(log.pieces.front(), motions.front(), recording, rate, quiet);
+    found = by_motion(log.pieces.front(), motions.front(), recording, event_stream, rate, quiet);
   }
   if (!found.clock) return found;
   found.lifts.emplace();

@@ -39,15 +39,15 @@ struct DeviceClockSearch {
   std::optional<std::vector<labels::ArmMove>> lifts = {}, taps = {};
 };
 
-/// All samples of the camera's IMU, by time.
-std::vector<events::ImuSample> imu_of(events::RecordingReader& recording);
+/// All samples of the IMU of an event stream's camera, by time.
+std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::int32_t event_stream);
 
 /// The robot's clock, and the arm's motions. In this order: host times of log and camera; labels that were made of the whole
 /// recording; the log's motions against the recording, as `tactile label` relates them (`clock_anchors`). A log whose clock
 /// restarts is related by host times only.
-/// @param rate, quiet  of the recording
+/// @param rate, quiet  of the event stream
 /// @throws Error  if the log cannot be read
-DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording,
+DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording, std::int32_t event_stream,
                                    const alignment::EventRate& rate, const alignment::QuietRate& quiet);
 
 /// The film's clock: by host times, or by labels of the whole recording.

@@ -80,7 +80,7 @@ class Grouping {
     Bursts all;
     for (const RunGroup& run : runs) all.insert(all.end(), run.bursts.begin(), run.bursts.end());
     std::vector<labels::Brightening> changes = labels::brightenings_of(recording, stream, rate, all);
-    if (!robot.lifts) imu_ = imu_of(recording);
+    if (!robot.lifts) imu_ = imu_of(recording, stream);
     auto next = changes.begin();
     for (RunGroup& group : runs) {
       Run& run = runs_.emplace_back(Run{.group = std::move(group), .changes = {}});

@@ -76,7 +76,7 @@ EventRate rate_of(events::RecordingReader& recording, std::int32_t stream, const
 
 void find_clocks(SplitProposal& proposal, const SplitSource& source, events::RecordingReader& recording, const EventRate& rate,
                  const alignment::QuietRate& quiet) {
-  if (source.robot) proposal.robot = find_robot_clock(source, recording, rate, quiet);
+  if (source.robot) proposal.robot = find_robot_clock(source, recording, proposal.event_stream, rate, quiet);
   if (source.video) proposal.film = find_film_clock(source);
 }
 

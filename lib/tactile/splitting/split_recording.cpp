@@ -50,15 +50,6 @@ nlohmann::json hash_or_null(const std::optional<fs::path>& file) {
   return file ? nlohmann::json(sha256_of_file(*file)) : nlohmann::json();
 }
 
-/// The event stream with the others of its camera; all streams if no other one has events.
-std::vector<events::Stream> streams_of_run(std::span<const events::Stream> all, const events::Stream& chosen) {
-  std::vector<events::Stream> kept(all.begin(), all.end());
-  const auto has_events = [](const events::Stream& stream) { return stream.type == events::StreamType::events; };
-  if (std::count_if(all.begin(), all.end(), has_events) > 1)
-    std::erase_if(kept, [&](const events::Stream& stream) { return !events::belongs_to(stream, chosen); });
-  return kept;
-}
-
 /// What makes two pieces the same: the member `split` of run.json, without the piece's times.
 /// @param stream  null if all streams are in the pieces
 nlohmann::json origin_of(const SplitSource& source, const SplitResult& result, const std::string& sha256, std::uint64_t bytes,
@@ -183,7 +174,7 @@ class Splitting {
         proposal_(proposal),
         options_(options),
         runs_(runs_of(proposal)),
-        kept_(streams_of_run(recording.streams(), recording.stream(proposal.event_stream))) {}
+        kept_(events::camera_streams(recording.streams(), recording.stream(proposal.event_stream))) {}
 
   SplitResult run(const ProgressCallback& progress) {
     const std::vector<std::string> objects = objects_of(options_, runs_.size());
@@ -193,7 +184,8 @@ class Splitting {
     const std::string sha256 = sha256_of_file(source_.recording, [&](std::uint64_t bytes) {
       report_progress(progress, hashed += bytes, recording_.file_size(), "hashing " + source_.recording.filename().string());
     });
-    result_.session = options_.session.empty() ? session_of(source_, recording_, sha256) : options_.session;
+    result_.session =
+        options_.session.empty() ? session_of(source_, recording_.stream(proposal_.event_stream), sha256) : options_.session;
     const nlohmann::json stream =
         kept_.size() < recording_.streams().size() ? nlohmann::json(proposal_.event_stream) : nlohmann::json();
     place_pieces(objects, origin_of(source_, result_, sha256, recording_.file_size(), stream),

@@ -120,9 +120,9 @@ void set_video(SplitSource& source, const fs::path& video) {
   source.video_times = has_film_times(times) ? std::optional(times) : std::nullopt;
 }
 
-std::string session_of(const SplitSource& source, const events::RecordingReader& recording, const std::string& sha256) {
+std::string session_of(const SplitSource& source, const events::Stream& stream, const std::string& sha256) {
   if (source.info && !source.info->session.empty()) return source.info->session;
-  if (const auto start = labels::camera_session_of(recording)) return *start;
+  if (const auto start = labels::camera_session_of(stream)) return *start;
   return fs::path(source.origin).stem().string() + "-" + sha256.substr(0, 8);
 }
 

@@ -34,6 +34,6 @@ void set_video(SplitSource& source, const std::filesystem::path& video);
 
 /// The session of all pieces: that of run.json; else the start of the camera, if the recording has it; else one made of the
 /// recording's name and hash. So the pieces share their clocks. @param sha256  of the recording
-std::string session_of(const SplitSource& source, const events::RecordingReader& recording, const std::string& sha256);
+std::string session_of(const SplitSource& source, const events::Stream& stream, const std::string& sha256);
 
 }  // namespace tactile::splitting
