@@ -24,7 +24,7 @@ class UnfinishedOutput : public testing::Test {
   static void SetUpTestSuite() {
     made = std::make_unique<test::TemporaryFolder>();
     for (const char* command :
-         {"simulate --preset tiny --objects fan --runs 1", "label --no-pictures", "windows", "heatmaps --th 40"})
+         {"simulate --preset tiny --objects fan --runs 2", "label --no-pictures", "windows", "heatmaps --th 40"})
       ASSERT_EQ(test::run_tactile(command, made->path()).exit_code, 0) << command;
   }
   static void TearDownTestSuite() { made.reset(); }
@@ -56,8 +56,8 @@ TEST_F(UnfinishedOutput, IsNotLeftWhereAFileMayNotBecomeAsLarge) {
        {"windows --out other.h5", "heatmaps --th 20", "heatmaps --th 40 --png pictures", "convert data/fan/01 a.csv",
         "convert data/fan/01 run.h5", "simulate other --preset tiny --objects usb-hub", "view data/fan/01 --out film.mp4",
         "view data/fan/01 --out still.png", "split data/fan/01 --at 1.2 --object mug --out pieces",
-        "import data/fan/01/events.aedat4 --object mug --out imported",
-        "repair data/fan/01/events.aedat4 repaired.aedat4 --rewrite", "train --epochs 1 --width 0.25 --name small --th 40"}) {
+        "import data/fan/01/events.aedat4 --object mug --out imported", "repair data/fan/01/events.aedat4 repaired.aedat4",
+        "train --epochs 1 --width 0.25 --name small --th 40"}) {
     const auto result =
         test::run_shell(fmt::format("ulimit -f 8; exec '{}' {} --quiet", test::tactile_binary, arguments), folder.path());
     EXPECT_EQ(result.exit_code, 1) << arguments << "\n" << result.err;

@@ -24,7 +24,7 @@ std::string log_with(const Factors& factors, bool of_joints = false) {
   }
   text += "\n";
   for (int row = 0; row < 250; ++row) {
-    const double t = 0.008 * row, lifting = t > 1 && t < 1.5 ? 0.1 : 0, far = row == 0 ? 1000 : 1;
+    const double t = 0.008 * row, lifting = t > 1 && t < 1.5 ? 0.1 : 0, far = row == 0 ? 100 : 1;
     const std::array<double, 6> pose =
         of_joints ? std::array{0.1, -1.5, 1.8, -1.9, -1.57, 40.0} : std::array{-0.4, 0.1, 0.2 + 0.05 * t, 0.0, 3.1, 0.1};
     text += fmt::format("{:.6f}", factors.time * (500 + t));

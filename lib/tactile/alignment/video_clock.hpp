@@ -28,13 +28,17 @@ struct VideoClockFit {
   double likeness = 0;               ///< at the best offset, -1 to 1
   double ambiguity = 0;              ///< best likeness over the next best; 99 where there is no other
   std::vector<ClockAnchor> anchors;  ///< the middle of each motion, or its start or end
+  std::string remark = {};           ///< a sentence on the film's times, empty if there is none
 };
 
 /// Sets the ratio of the best to the second-best score. @return why it is refused; empty if it is not
 std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options);
 
 /// Fits the line through the anchors, `fit_clock`. One run's film allows no drift: it is 0, unless four motions over 60 s and
-/// more allow a line.
-VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
+/// more allow a line. The 95 % interval holds over the whole film: at the end that is farther from the anchors. It includes a
+/// drift with the standard deviation of a usual crystal, of `drift_ppm`, and, if the times count frames, of what cameras do:
+/// their rate is off by up to 0.5 %, and a frame in a hundred is lost.
+/// @param drift_ppm  that the motions in the film show, in any direction, >= 0
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy, double drift_ppm = 0);
 
 }  // namespace tactile::alignment

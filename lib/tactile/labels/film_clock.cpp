@@ -42,7 +42,13 @@ alignment::VideoClockFit fit_film_clock(const alignment::RunSignals& signals, co
                                         const alignment::VideoClockOptions& options) {
   // A film without its end may show one motion where another is expected.
   if (10 * signals.video->rows_without_frame > signals.video->frames)
-    return {.clock = {}, .refused = "the film lacks frames", .contradiction = {}, .likeness = 0, .ambiguity = 0, .anchors = {}};
+    return {.clock = {},
+            .refused = "the film lacks frames",
+            .contradiction = {},
+            .likeness = 0,
+            .ambiguity = 0,
+            .anchors = {},
+            .remark = {}};
   const bool moves = std::any_of(signals.robot.begin(), signals.robot.end(),
                                  [](const alignment::RobotPiece& piece) { return !piece.phases.empty(); });
   const std::optional<alignment::SeenMotion> seen_arm = arm_in_film(signals, clocks);

@@ -260,6 +260,7 @@ class Labeller {
       return;
     }
     labels_.video_clock = std::move(fit.clock);
+    if (!fit.remark.empty()) labels_.remarks.push_back(std::move(fit.remark));
     if (const auto later = skin_in_film_disagrees(signals_, clocks_, *labels_.video_clock, options_.video_clock,
                                                   options_.longest_disagreement)) {
       flag(doubt("film-unlike-skin",

@@ -1,5 +1,7 @@
 #include "tactile/pictures/picture_folder.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <string>
@@ -74,7 +76,9 @@ void PictureFolder::write(const std::string& name, const cv::Mat& picture) const
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   out.close();
-  if (!out) throw Error((target_ / name).string() + ": cannot be written; expected a writable place with room");
+  if (!out)
+    throw Error((target_ / name).string() + ": cannot be written (" + std::strerror(errno) +
+                "); expected a writable place with room");
 }
 
 void PictureFolder::commit() {
