@@ -103,8 +103,10 @@ TEST(DetectCommand, PrintsWhereEachEpisodeEnds) {
     const bool begins = line.find(" at ") != std::string::npos;
     EXPECT_NE(begins, line.find(" until ") != std::string::npos) << line;
     EXPECT_EQ(begins, begun.empty()) << line;
-    if (!begins) EXPECT_EQ(line.substr(0, 5), begun.substr(0, 5));
-    ended += begins ? 0 : 1;
+    if (!begins) {
+      EXPECT_EQ(line.substr(0, 5), begun.substr(0, 5));
+      ++ended;
+    }
     begun = begins ? line : "";
   }
   EXPECT_GE(ended, 2);
