@@ -37,7 +37,7 @@ TEST(RunToShow, HasATruePressAndATrueSlip) {
     Truth truth;
     for (const Touch touch : touches) {
       const CameraTime start = camera_time(1'000'000 * static_cast<std::int64_t>(truth.intervals.size() + 1));
-      truth.intervals.push_back({.interval = {touch, start, after(start, 100ms)}});
+      truth.intervals.push_back({{touch, start, after(start, 100ms)}, {}, {}});
     }
     const std::filesystem::path at = folder / object / id;
     std::filesystem::create_directories(at);
