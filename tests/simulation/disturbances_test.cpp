@@ -73,7 +73,7 @@ TEST(Disturbances, AreAllInTheTruth) {
       SCOPED_TRACE(object.name);
       Random random(3);
       const RunPlan plan = draw_run_plan(object, special, random);
-      expect_true_to_poses(move_skin(plan, view, 200us, random));
+      expect_true_to_poses(move_skin(plan, view, 200us, random, any_motion_px));
     }
   }
 }

@@ -205,6 +205,23 @@ TEST(SkinMotion, HasNoSlipWithoutContact) {
   EXPECT_EQ(pose_at(motion, 0.7), skin_at_rest(view));
 }
 
+TEST(SkinMotion, ListsUnlabelledMotionOnlyUntilItHasLastCausedEvents) {
+  RunPlan plan = plain_plan();
+  plan.presses[0].relaxation_share = 0.02;
+  plan.presses[0].relaxation_s = 0.1;
+  for (std::size_t m = 1; m < marker_count; ++m) plan.presses[0].markers[m].gap_mm = 5;  // one tip is touched
+  const SkinMotion all = moved(plan);
+  const MarkerMotion press = motions_named(all, "press").at(0);
+  const double end_s = 1e-6 * static_cast<double>(press.end.count());
+  // The tips creep by c (1 - exp(-t / 0.1 s)), of which half a time constant shows the share 0.39.
+  const double c_px = distance_px(pose_at(all, end_s), pose_at(all, end_s + 0.05)) / (1 - std::exp(-0.5));
+  const std::vector<MarkerMotion> creeping = motions_named(moved(plan, view, 0.6 * c_px), "relaxation");
+  ASSERT_EQ(creeping.size(), 1U);
+  EXPECT_EQ(creeping[0].start, press.end);
+  EXPECT_NEAR(static_cast<double>((creeping[0].end - press.end).count()), -1e5 * std::log(1 - 0.6), 800);
+  EXPECT_TRUE(motions_named(moved(plan, view, c_px), "relaxation").empty());
+}
+
 TEST(SkinMotion, MovesHalfAsManyPixelsInHalfAsLargeAnImage) {
   RunPlanOptions options = short_runs();
   options.after.micro_slips_per_s = 2;
@@ -246,7 +263,7 @@ TEST(SkinMotion, KeepsTheRulesOfLabelsForEveryObjectAndKindOfRun) {
         SCOPED_TRACE(kind + " of " + object.name + " " + std::to_string(seed));
         Random random(seed);
         const RunPlan plan = draw_run_plan(object, options, random);
-        const SkinMotion motion = move_skin(plan, view, 200us, random);
+        const SkinMotion motion = move_skin(plan, view, 200us, random, any_motion_px);
         expect_true_to_poses(motion);
         const std::vector<MarkerMotion> presses = motions_named(motion, "press"), slips = motions_named(motion, "slip");
         ASSERT_EQ(presses.size(), kind == "two presses" ? 2U : kind == "without press" ? 0U : 1U);
@@ -310,7 +327,7 @@ TEST(SkinMotion, MovesTipsTogetherInASlipAndTowardsEachOtherInAPress) {
   for (const ObjectModel& object : default_physics().objects) {
     for (std::uint64_t seed = 0; seed < 10; ++seed, ++runs) {
       Random random(seed);
-      const SkinMotion motion = move_skin(draw_run_plan(object, short_runs(), random), view, 200us, random);
+      const SkinMotion motion = move_skin(draw_run_plan(object, short_runs(), random), view, 200us, random, any_motion_px);
       const MarkerMotion pressed = motions_named(motion, "press").at(0), slipped = motions_named(motion, "slip").at(0);
       press += unison(motion, pressed.start, pressed.end);
       slip += unison(motion, slipped.start, *slipped.gross);
