@@ -80,17 +80,22 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
   }
 }
 
-TEST(DetectCommand, IsCalmByDefault) {
-  const auto episodes = [](const std::string& options) {
+TEST(DetectCommand, DecidesByTwoThresholdsUnlessAnotherDecisionIsGiven) {
+  const auto summary = [](const std::string& options) {
     const auto result =
         run_tactile("detect --json --quiet --model small --from file:data/fan/02 --speed 0" + options, trained().folder.path());
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const auto json = nlohmann::json::parse(result.out, nullptr, false);
-    return json.at("episodes").at("press").get<int>() + json.at("episodes").at("slip").get<int>();
+    return nlohmann::json::parse(result.out, nullptr, false);
   };
-  EXPECT_GE(episodes(""), 2) << "the run has a press and a slip";
-  EXPECT_LE(3 * episodes(""), episodes(" --confirm 1/1"));
-  EXPECT_EQ(episodes(" --thresholds off"), episodes(" --confirm 1/1"));
+  const nlohmann::json usual = summary(""), single = summary(" --confirm 1/1");
+  EXPECT_EQ(usual.at("thresholds"), "1.4:-2.6:20");
+  EXPECT_TRUE(single.at("thresholds").is_null());
+  EXPECT_EQ(summary(" --thresholds off").at("episodes"), single.at("episodes"));
+  // A verdict holds until the log-odds were low for 20 ms: an episode ends later than by single ticks.
+  const auto last_end = [](const nlohmann::json& of) {
+    return of.at("episodes").at("first").back().at("last_us").get<std::int64_t>();
+  };
+  EXPECT_GE(last_end(usual), last_end(single) + 10'000);
 }
 
 TEST(DetectCommand, PrintsWhereEachEpisodeEnds) {

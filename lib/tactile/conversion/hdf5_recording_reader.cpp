@@ -219,6 +219,15 @@ struct OpenRecording {
     return {static_cast<int>(*width), static_cast<int>(*height)};
   }
 
+  /// @throws Error  if another program wrote the events
+  static void check_columns(const h5::Id& group, const std::string& where) {
+    if (h5::has_member(group, "t_us")) return;
+    check_all_filters(group, where);
+    throw Error(
+        fmt::format("{}: has the columns of another program, {}; expected those that 'tactile convert' writes: t_us, x, y and on",
+                    where, names_of(h5::members_of(group))));
+  }
+
   void add(events::StreamType type, const std::string& member, std::optional<events::SensorSize> size,
            const std::optional<std::string>& source) {
     const std::string where = name + ": /" + member;
@@ -254,13 +263,7 @@ struct OpenRecording {
       for (const auto& [key, value] : info.items())
         in.stream.info.emplace_back(key, value.is_string() ? value.get<std::string>() : value.dump());
     }
-    if (type == events::StreamType::events && !h5::has_member(group, "t_us")) {
-      check_all_filters(group, where);
-      throw Error(
-          fmt::format("{}: has the columns of another program, {}; expected those that 'tactile convert' writes: t_us, "
-                      "x, y and on",
-                      where, names_of(h5::members_of(group))));
-    }
+    if (type == events::StreamType::events) check_columns(group, where);
     in.t.open(group, "t_us", 1, where);
     in.rows = in.t.rows();
     const auto open = [&](auto& column, const char* called, hsize_t width) {

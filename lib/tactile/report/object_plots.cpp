@@ -52,10 +52,7 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
     }
   }
   const double longest = histories.empty() ? 50 : *histories.rbegin();
-  std::string tics;
-  if (histories.size() <= 8) {
-    for (const double history : histories) tics += fmt::format("{}{:g}", tics.empty() ? "" : ", ", history);
-  }
+  const std::string tics = histories.size() <= 8 ? fmt::format("{:g}", fmt::join(histories, ", ")) : "";
   const pictures::LineStyle own_line{.colour = pictures::figure_colours::network, .width = 2.2, .mark = 7, .size = 0.7};
   const pictures::LineStyle best_mark{.colour = pictures::figure_colours::best, .width = 0, .mark = 13, .size = 1.5};
   pictures::PlotHead head(title, page_width);

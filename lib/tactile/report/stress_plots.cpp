@@ -128,6 +128,16 @@ std::string_view unit_of(StressMeasure measure, bool of_quiet) {
   return "";
 }
 
+Whiskers whiskers_of(const results::Stress& stress, const std::vector<Line>& lines, StressMeasure measure, bool of_quiet) {
+  Whiskers whiskers;
+  for (const Line& line : lines) {
+    for (const results::StressCurve& curve : curves_of(stress.models[line.model], of_quiet)) {
+      for (const results::StressPoint& point : curve.points) whiskers.include(figure_of(point, measure, line.touch));
+    }
+  }
+  return whiskers;
+}
+
 }  // namespace
 
 pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure, bool of_quiet) {
@@ -142,12 +152,7 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
   pictures::PlotHead head(title, page_width);
   head.note(first_of(curves.size(), shown) + "Severity 0 is the unchanged recording.");
   for (const Line& line : lines) head.key(line.words, line.style);
-  Whiskers whiskers;
-  for (const Line& line : lines) {
-    for (const results::StressCurve& curve : curves_of(stress.models[line.model], of_quiet)) {
-      for (const results::StressPoint& point : curve.points) whiskers.include(figure_of(point, measure, line.touch));
-    }
-  }
+  const Whiskers whiskers = whiskers_of(stress, lines, measure, of_quiet);
   whiskers.explain(head);
   if (whiskers.any()) head.key("it leaves the panel", {.colour = colours::ink, .width = 0, .mark = 9, .size = 0.9});
   const int top = head.bottom() + 64;
