@@ -44,6 +44,10 @@ void refuse_magic(std::string_view start, const std::string& name) {
               "; expected the line #!AER-DAT4.0 of an AEDAT4 recording, or '% ' of a Prophesee RAW file");
 }
 
+Error shorter(const std::string& name) {
+  return Error(name + ": became shorter while it was read; expected it to stay as it is");
+}
+
 }  // namespace
 
 RecordingFile::RecordingFile(const fs::path& path)
@@ -57,17 +61,19 @@ RecordingFile::RecordingFile(const fs::path& path)
   written_ = status.st_mtim;
 }
 
-bool RecordingFile::has_changed() const {
+void RecordingFile::check_unchanged(std::uint64_t offset) const {
   struct stat status {};
-  return ::fstat(file_.number(), &status) != 0 || static_cast<std::uint64_t>(status.st_size) < size_ ||
-         status.st_mtim.tv_sec != written_.tv_sec || status.st_mtim.tv_nsec != written_.tv_nsec;
+  if (::fstat(file_.number(), &status) != 0 || static_cast<std::uint64_t>(status.st_size) < size_) throw shorter(name_);
+  if (status.st_mtim.tv_sec == written_.tv_sec && status.st_mtim.tv_nsec == written_.tv_nsec) return;
+  throw Error(fmt::format(
+      "{}: was written to while it was read: the packet at byte {} is no longer the one listed; expected it to stay as it is",
+      name_, offset));
 }
 
 void RecordingFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   const std::ptrdiff_t got = file_.read_at(offset, bytes);
   if (got < 0) throw Error(name_ + ": cannot be read (" + std::strerror(errno) + "); expected a readable file");
-  if (static_cast<std::size_t>(got) != bytes.size())
-    throw Error(name_ + ": became shorter while it was read; expected it to stay as it is");
+  if (static_cast<std::size_t>(got) != bytes.size()) throw shorter(name_);
 }
 
 std::optional<RawHeader> raw_header_of(const RecordingFile& file) {

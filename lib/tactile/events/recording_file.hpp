@@ -25,7 +25,8 @@ class RecordingFile {
 
   const std::string& name() const { return name_; }  ///< for errors
   std::uint64_t size() const { return size_; }
-  bool has_changed() const;  ///< since it was opened: it was written to, or cut
+  /// For a packet at byte `offset` that is not as it was listed. @throws Error  if the file was cut or written to meanwhile
+  void check_unchanged(std::uint64_t offset) const;
   int descriptor() const { return file_.number(); }
   FileParts& parts() const { return parts_; }  ///< for several threads
   /// Fills `bytes` from `offset` on. @throws Error if they cannot be read, or the file has become shorter
