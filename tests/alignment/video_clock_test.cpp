@@ -32,6 +32,8 @@ struct MadeFilm {
   double ends_s = 5;
   double rate_hz = 30;
   double drift_ppm = 0;
+  double jitter = 0.05;        ///< of the times, in frames; 0: they count frames
+  int repeats = 0;             ///< one time in so many repeats the one before, and its frame is dropped
   double gain_scatter = 0.03;  ///< of what a step shows of the displacement, relative
   std::uint64_t seed = 1;
 
@@ -48,7 +50,8 @@ MotionEnergy film_of(const MadeFilm& made) {
   VideoTime last{};
   const double camera_per_video = 1 + 1e-6 * made.drift_ppm;
   for (int i = 1;; ++i) {
-    const VideoTime next{microseconds{std::llround(1e6 * (i + 0.05 * random.normal()) / made.rate_hz)}};
+    const VideoTime next{microseconds{std::llround(1e6 * (i + made.jitter * random.normal()) / made.rate_hz)}};
+    if (made.repeats > 0 && i % made.repeats == 0) continue;
     const auto camera_s = [&](VideoTime t) { return made.begins_s + camera_per_video * 1e-6 * static_cast<double>(us_of(t)); };
     if (camera_s(next) > made.ends_s) break;
     double travel = 0;
@@ -101,6 +104,32 @@ TEST(VideoClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
     EXPECT_EQ(fit.clock->relation.reference_us, 0);
   }
   EXPECT_GE(covered, films * 9 / 10);
+}
+
+TEST(VideoClock, AllowsForTimesThatDriftOrCountFrames) {
+  constexpr double ms_23_in_4_s = 5'750;
+  const auto within = [](const FittedClock& clock, const MadeFilm& made, VideoTime t) {
+    return std::abs(error_ms(clock, made, t)) <= 1e-3 * static_cast<double>(clock.uncertainty_at(clock.relation.camera_from(t)).count());
+  };
+  for (const MadeFilm& kind : {MadeFilm{.drift_ppm = ms_23_in_4_s}, MadeFilm{.drift_ppm = -ms_23_in_4_s},
+                               MadeFilm{.drift_ppm = -ms_23_in_4_s, .jitter = 0},  // a camera of 30.17 frames/s, times of 30
+                               MadeFilm{.drift_ppm = ms_23_in_4_s, .jitter = 0, .repeats = 2}, MadeFilm{.repeats = 5}}) {
+    int films = 0, covered = 0;
+    for (; films < 20; ++films) {
+      MadeFilm made = kind;
+      made.motions = {closing, arm_lift};
+      made.begins_s = -1.4 + 0.0317 * films;
+      made.seed = static_cast<std::uint64_t>(films + 1);
+      const MotionEnergy film = film_of(made);
+      const VideoClockFit fit = fit_video_clock(film, seen_of({arm_lift}));
+      ASSERT_TRUE(fit.clock) << fit.refused;
+      EXPECT_NEAR(static_cast<double>(fit.clock->found_at_us), 1e6 * (2.465 - made.begins_s), 30'000);
+      const VideoTime lift{microseconds{fit.clock->found_at_us}};
+      covered += within(*fit.clock, made, film.begin()) && within(*fit.clock, made, lift) && within(*fit.clock, made, film.end()) ? 1 : 0;
+      EXPECT_EQ(fit.remark.starts_with("the times of the film are even"), made.jitter == 0) << fit.remark;
+    }
+    EXPECT_GE(covered, films * 9 / 10) << kind.drift_ppm << " ppm, jitter " << kind.jitter << ", repeats " << kind.repeats;
+  }
 }
 
 TEST(VideoClock, IsNoMoreCertainThanTheMotionItIsFoundFrom) {
@@ -293,6 +322,20 @@ TEST(VideoMotions, StartAndEndWithinTheirIntervals) {
   }
   EXPECT_GE(starts, films * 9 / 10);
   EXPECT_GE(ends, films * 9 / 10);
+}
+
+TEST(VideoMotions, AreLessCertainAwayFromWhereTheClockWasFound) {
+  const MadeFilm made{.motions = {closing, arm_lift}};
+  FittedClock clock = clock_of(made);
+  const auto width_of_closing = [&] {
+    const UncertainTime end = video_motions(film_of(made), clock).front().end;
+    return between(end.low, end.high);
+  };
+  const microseconds without = width_of_closing();
+  clock.found_at_us = us_of(VideoTime{3'165ms});  // the lift's middle, 1.6 s after the closing ends
+  clock.drift_within_ppm = 10'000;
+  EXPECT_GT(width_of_closing(), 2 * 14ms);
+  EXPECT_GT(width_of_closing(), without);
 }
 
 TEST(VideoMotions, GiveNoStartThatTheFilmDoesNotShow) {

@@ -202,13 +202,13 @@ std::vector<FilmedMotion> filmed_motions(const MotionEnergy& energy, std::size_t
 }
 
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock) {
-  const double clock_us = 0.5 * static_cast<double>(saturating_subtract(clock.offset_high_us, clock.offset_low_us));
   // The error of the clock and that of the film are independent.
   const auto uncertain = [&](const VideoSpan& span) {
+    const CameraTime at = clock.relation.camera_from(span.at);
+    const auto clock_us = static_cast<double>(clock.uncertainty_at(at).count());
     const auto reach = [&](microseconds own) {
       return microseconds{std::llround(std::hypot(static_cast<double>(own.count()), clock_us))};
     };
-    const CameraTime at = clock.relation.camera_from(span.at);
     return UncertainTime{at, before(at, reach(span.at - span.low)), after(at, reach(span.high - span.at))};
   };
   std::vector<VideoMotion> motions;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "tactile/alignment/film_motions.hpp"
-#include "tactile/core/straight_line.hpp"
 
 namespace tactile::alignment {
 namespace {
@@ -268,16 +267,11 @@ std::optional<OffsetFit> fit_offset(const std::vector<FilmStep>& steps, const Sp
                    std::sqrt(2 * variance / curvature)};
 }
 
-/// By what share of a frame the film shows starts late and stops early, because slow motion hardly changes it: 1.2 ms, with a
-/// standard deviation of 0.7 ms, in simulated films.
-constexpr double seen_late = 0.035;
-
 /// The offset at which the film shows a motion.
 struct MotionFit {
   double speed_time = 0;  ///< of the motion [us] from the speed's first value
   double offset = 0, sigma = 0;
-  double apart = 0;                      ///< of the offsets of start and stop
-  std::vector<WeightedPoint> ends = {};  ///< time and offset of start and stop, without what the film shows late and early
+  double apart = 0;  ///< of the offsets of start and stop
 };
 
 std::optional<MotionFit> fit_motion(const std::vector<FilmStep>& steps, const SpeedCurve& speed, const Motion& motion,
@@ -288,14 +282,11 @@ std::optional<MotionFit> fit_motion(const std::vector<FilmStep>& steps, const Sp
   const std::optional<OffsetFit> start = fitted(motion.start), stop = fitted(motion.stop);
   if (start && stop) {
     const double half = 0.5 * (start->offset - stop->offset), usual = frame / 32;
-    const double late = seen_late * frame;
     const double misfit = (half * half + 2 * usual * usual) / 3;
-    return MotionFit{
-        .speed_time = 0.5 * (motion.start->middle() + motion.stop->middle()),
-        .offset = 0.5 * (start->offset + stop->offset),
-        .sigma = std::sqrt(0.25 * (start->sigma * start->sigma + stop->sigma * stop->sigma) + misfit),
-        .apart = 2 * std::abs(half),
-        .ends = {{motion.start->middle(), start->offset + late, 1}, {motion.stop->middle(), stop->offset - late, 1}}};
+    return MotionFit{.speed_time = 0.5 * (motion.start->middle() + motion.stop->middle()),
+                     .offset = 0.5 * (start->offset + stop->offset),
+                     .sigma = std::sqrt(0.25 * (start->sigma * start->sigma + stop->sigma * stop->sigma) + misfit),
+                     .apart = 2 * std::abs(half)};
   }
   if (!start && !stop) return std::nullopt;
   const OffsetFit& only = start ? *start : *stop;
@@ -354,17 +345,14 @@ class ArmMatch {
                        std::max(fit.likeness, 0.0), options_.least_likeness);
   }
 
-  /// Adds an anchor per motion. @param drift_ppm  gets the drift of their starts and stops. @return why they are refused; empty
-  /// if they are not
-  std::string add_anchors(VideoClockFit& fit, double& drift_ppm) const {
+  /// Adds an anchor per motion. @return why they are refused; empty if they are not
+  std::string add_anchors(VideoClockFit& fit) const {
     std::vector<MotionFit> motions;
-    std::vector<WeightedPoint> ends;
     double apart = 0;
     for (const Motion& motion : motions_in(speed_)) {
       const std::optional<MotionFit> found = fit_motion(steps_, speed_, motion, offset_, frame_);
       if (!found) continue;
       motions.push_back(*found);
-      ends.insert(ends.end(), found->ends.begin(), found->ends.end());
       apart = std::max(apart, found->apart);
     }
     if (motions.empty()) return "the film shows neither start nor stop of the arm's motion";
@@ -376,7 +364,6 @@ class ArmMatch {
                 1e-3 * apart);
       return fit.contradiction.words;
     }
-    drift_ppm = 1e6 * std::abs(line_through(ends).gradient);
     for (const MotionFit& motion : motions) {
       const std::int64_t at_us = std::llround(motion.speed_time);
       fit.anchors.push_back({.clock_us = saturating_add(us_of(energy_.begin()), at_us - std::llround(motion.offset)),
@@ -437,9 +424,8 @@ VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen
   if (!fit.refused.empty()) return fit;
   ArmMatch match(energy, seen, std::move(steps), options);
   fit.refused = match.match(fit);
-  double drift_ppm = 0;
-  if (fit.refused.empty()) fit.refused = match.add_anchors(fit, drift_ppm);
-  return fit.refused.empty() ? with_clock(std::move(fit), energy, drift_ppm) : fit;
+  if (fit.refused.empty()) fit.refused = match.add_anchors(fit);
+  return fit.refused.empty() ? with_clock(std::move(fit), energy) : fit;
 }
 
 }  // namespace tactile::alignment

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,8 +23,11 @@ struct UncertainTime {
 struct FittedClock {
   ClockRelation relation;
   double residual_us = 0;          ///< robust standard deviation at the anchors
-  std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`, in the run's middle
+  std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`; the robot's in the run's middle, the film's at
+                                   ///< `found_at_us`
   std::int64_t offset_high_us = 0;
+  std::int64_t found_at_us = 0;  ///< on the film's clock: the middle of the motions that give it
+  double drift_within_ppm = 0;   ///< 95 % of a drift that is not estimated is within; the film's grows from `found_at_us` on
   int anchors = 0;
   std::string method;
   std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that restarts within the run
@@ -32,6 +36,12 @@ struct FittedClock {
   microseconds uncertainty() const {
     return microseconds{std::max({saturating_subtract(relation.offset_us, offset_low_us),
                                   saturating_subtract(offset_high_us, relation.offset_us), std::int64_t{0}})};
+  }
+
+  /// The same at a time, with the drift since `found_at_us`.
+  microseconds uncertainty_at(CameraTime t) const {
+    const auto since_us = static_cast<double>(saturating_subtract(relation.clock_us_from(t), found_at_us));
+    return microseconds{std::llround(std::hypot(static_cast<double>(uncertainty().count()), 1e-6 * drift_within_ppm * since_us))};
   }
 };
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -32,26 +31,29 @@ std::string set_ambiguity(VideoClockFit& fit, double best, double second, const 
                      options.least_ambiguity);
 }
 
-VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy, double drift_ppm) {
-  constexpr double of_counted_frames_ppm = 15'000;
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
+  constexpr double of_rates_ppm = 5'000, of_lost_frames_ppm = 14'000;
   const bool counted = counts_frames(energy);
-  const auto distance_us = [&](VideoTime t) {
-    std::int64_t least = std::numeric_limits<std::int64_t>::max();
-    for (const ClockAnchor& anchor : fit.anchors)
-      least = std::min(least, std::abs(saturating_subtract(anchor.clock_us, us_of(t))));
-    return least;
-  };
-  const VideoTime farthest = distance_us(energy.begin()) > distance_us(energy.end()) ? energy.begin() : energy.end();
-  ClockFitOptions options{.middle_us = us_of(farthest)};
-  options.usual_drift_ppm = std::hypot(options.usual_drift_ppm, drift_ppm, counted ? of_counted_frames_ppm : 0.0);
+  ClockFitOptions options;
+  const auto [first, last] = std::minmax_element(fit.anchors.begin(), fit.anchors.end(),
+                                                 [](const auto& a, const auto& b) { return a.clock_us < b.clock_us; });
+  const std::int64_t span_us = saturating_subtract(last->clock_us, first->clock_us);
+  const std::int64_t found_at_us = saturating_add(first->clock_us, span_us / 2);
+  options.middle_us = found_at_us;
+  // Motions over a minute show the drift themselves.
+  if (span_us < options.drift_needs_span.count())
+    options.usual_drift_ppm = std::hypot(of_rates_ppm, counted ? of_lost_frames_ppm : 0.0);
   ClockFit line = fit_clock(fit.anchors, us_of(energy.begin()), options);
   fit.clock = std::move(line.clock);
   fit.refused = std::move(line.refused);
-  if (counted && fit.clock) {
+  if (!fit.clock) return fit;
+  fit.clock->found_at_us = found_at_us;
+  if (fit.clock->relation.drift_ppm == 0) fit.clock->drift_within_ppm = normal_95 * options.usual_drift_ppm;
+  if (counted) {
+    const auto within = [&](VideoTime t) { return fit.clock->uncertainty_at(fit.clock->relation.camera_from(t)); };
     fit.remark = fmt::format(
-        "the times of the film are even: they count its frames, and do not say when one was taken; its clock may be off by "
-        "{:.0f} ms",
-        1e-3 * static_cast<double>(fit.clock->uncertainty().count()));
+        "the times of the film are even: they count its frames, and do not say when one was taken; they may be off by {:.0f} ms",
+        1e-3 * static_cast<double>(std::max(within(energy.begin()), within(energy.end())).count()));
   }
   return fit;
 }

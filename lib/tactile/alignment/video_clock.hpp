@@ -35,10 +35,8 @@ struct VideoClockFit {
 std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options);
 
 /// Fits the line through the anchors, `fit_clock`. One run's film allows no drift: it is 0, unless four motions over 60 s and
-/// more allow a line. The 95 % interval holds over the whole film: at the end that is farther from the anchors. It includes a
-/// drift with the standard deviation of a usual crystal, of `drift_ppm`, and, if the times count frames, of what cameras do:
-/// their rate is off by up to 0.5 %, and a frame in a hundred is lost.
-/// @param drift_ppm  that the motions in the film show, in any direction, >= 0
-VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy, double drift_ppm = 0);
+/// more allow a line. The interval of the offset holds where the anchors are. From there the clock may drift: the rates of films
+/// are off by 0.5 % (standard deviation), and films whose times count frames also lack one frame in a hundred.
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
 
 }  // namespace tactile::alignment

@@ -91,6 +91,10 @@ json json_of(const alignment::FittedClock& clock) {
   object["residual_us"] = clock.residual_us;
   object["offset_low_us"] = clock.offset_low_us;
   object["offset_high_us"] = clock.offset_high_us;
+  if (clock.drift_within_ppm > 0) {
+    object["found_at_us"] = clock.found_at_us;
+    object["drift_within_ppm"] = clock.drift_within_ppm;
+  }
   object["anchors"] = clock.anchors;
   object["method"] = clock.method;
   if (clock.from) object["from_us"] = us_of(*clock.from);
@@ -122,6 +126,10 @@ alignment::FittedClock clock_in(const json& object, const std::string& where) {
       object.contains("offset_low_us") ? member<std::int64_t>(object, "offset_low_us", where) : clock.relation.offset_us;
   clock.offset_high_us =
       object.contains("offset_high_us") ? member<std::int64_t>(object, "offset_high_us", where) : clock.relation.offset_us;
+  if (object.contains("drift_within_ppm")) {
+    clock.found_at_us = member<std::int64_t>(object, "found_at_us", where);
+    clock.drift_within_ppm = member<double>(object, "drift_within_ppm", where);
+  }
   return clock;
 }
 

@@ -14,10 +14,10 @@ Deviation deviation_of(const alignment::UncertainTime& labelled, CameraTime trul
 /// At a moment that is `truly` there by the camera's clock.
 Deviation deviation_of(const alignment::FittedClock& found, const ClockRelation& clock, CameraTime truly) {
   const microseconds error = between(truly, found.relation.camera_from(clock.clock_us_from(truly)));
-  const std::int64_t true_offset_us = saturating_subtract(found.relation.offset_us, error.count());
+  const microseconds within = found.uncertainty_at(truly);
   return {.error = error,
-          .covered = found.offset_low_us <= true_offset_us && true_offset_us <= found.offset_high_us,
-          .width = microseconds{saturating_subtract(found.offset_high_us, found.offset_low_us)}};
+          .covered = std::chrono::abs(error) <= within,
+          .width = 2 * within};
 }
 
 /// The label of its class that overlaps the true interval most.

@@ -32,10 +32,12 @@ constexpr std::size_t line_characters = 215, most_lines = 40;
 
 std::string clock_words(std::string_view whose, const alignment::FittedClock& clock) {
   const auto offset = static_cast<double>(clock.relation.offset_us);
-  return fmt::format("{} clock: {}, {} anchor{}; offset {} to {} ms (95 %), residual {:.1f} ms.", whose,
+  const std::string drift =
+      clock.drift_within_ppm > 0 ? fmt::format(" where it was found, drift within ±{:.1f} %", 1e-4 * clock.drift_within_ppm) : "";
+  return fmt::format("{} clock: {}, {} anchor{}; offset {} to {} ms (95 %){}, residual {:.1f} ms.", whose,
                      clock.method.empty() ? "unknown method" : clock.method, clock.anchors, clock.anchors == 1 ? "" : "s",
                      signed_ms(1e-3 * (static_cast<double>(clock.offset_low_us) - offset)),
-                     signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), 1e-3 * clock.residual_us);
+                     signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), drift, 1e-3 * clock.residual_us);
 }
 
 /// A sentence of labels.json with its camera times as the axis counts them: "at 1706024628624000 us" is "at 1.2275 s".
