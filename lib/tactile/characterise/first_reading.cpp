@@ -123,20 +123,6 @@ OpenRecording::OpenRecording(const std::filesystem::path& file, const Characteri
   }
 }
 
-void OpenRecording::for_packets(const QuietStretch& stretch, const std::function<void(std::span<const events::Event>)>& use,
-                                const ProgressCallback& progress) {
-  std::vector<events::Event> inside;
-  for_packets(
-      [&](std::span<const events::Event> events) {
-        const auto is_inside = [&](const events::Event& event) { return stretch.begin <= event.t && event.t < stretch.end; };
-        if (std::all_of(events.begin(), events.end(), is_inside)) return use(events);
-        inside.clear();
-        std::copy_if(events.begin(), events.end(), std::back_inserter(inside), is_inside);
-        if (!inside.empty()) use(inside);
-      },
-      progress);
-}
-
 microseconds FirstReading::shortest() const {
   microseconds shortest = microseconds::max();
   for (const ReadRecording& recording : recordings) shortest = std::min(shortest, between(recording.first, recording.last));
@@ -145,9 +131,24 @@ microseconds FirstReading::shortest() const {
 
 void OpenRecording::for_packets(const std::function<void(std::span<const events::Event>)>& use,
                                 const ProgressCallback& progress) {
+  for_packets({CameraTime::min(), CameraTime::max()}, use, progress);
+}
+
+void OpenRecording::for_packets(const QuietStretch& stretch, const std::function<void(std::span<const events::Event>)>& use,
+                                const ProgressCallback& progress) {
+  const auto is_inside = [&](const events::Event& event) { return stretch.begin <= event.t && event.t < stretch.end; };
+  std::vector<events::Event> inside;
   for (const events::PacketRecord& packet : reader_.packets()) {
     report_progress(progress, packet.payload_offset, reader_.file_size(), reader_.file().filename().string());
-    if (packet.stream_id == stream_.id) use(reader_.read_events(packet));
+    if (packet.stream_id != stream_.id || packet.last < stretch.begin || packet.first >= stretch.end) continue;
+    const std::span<const events::Event> events = reader_.read_events(packet);
+    if (std::all_of(events.begin(), events.end(), is_inside)) {
+      use(events);
+      continue;
+    }
+    inside.clear();
+    std::copy_if(events.begin(), events.end(), std::back_inserter(inside), is_inside);
+    if (!inside.empty()) use(inside);
   }
 }
 
