@@ -40,9 +40,10 @@ class Run:
         self.truth, self.unlabelled = None, []
         file = os.path.join(data, name, "truth.json")
         if os.path.exists(file):
-            true = [(i["labelled"], (i["class"], i["start_us"], i["end_us"])) for i in json.load(open(file))["intervals"]]
-            self.truth = [interval for labelled, interval in true if labelled]
-            self.unlabelled = [interval for labelled, interval in true if not labelled]
+            true = json.load(open(file))["intervals"]
+            self.truth = [(i["class"], i["start_us"], i["end_us"]) for i in true if i["labelled"]]
+            self.unlabelled = [(i["class"], i["start_us"], i["end_us"]) for i in true
+                               if not i["labelled"] and i["first_event_us"] is not None]
 
 
 def inside(t, interval):

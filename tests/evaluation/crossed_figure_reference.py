@@ -81,10 +81,10 @@ def main():
     for training in range(3):
         gaps[training, training] = np.nan  # training k learned from run k
     print("with gaps, a share:", bounds(np.nanmean(gaps), half_width(*by_jackknife(gaps), 4, 3), True))
-    one_miss = np.zeros(10)
-    one_miss[3] = 1 / 30
-    half = stats.t.ppf((1 + CONFIDENCE) / 2, 9) * one_miss.std(ddof=1) / np.sqrt(10)
-    print("one miss of 300 in ten objects:", bounds(one_miss.mean(), half, True))
+    for missed in ([1], [6], [1] * 6):
+        shares = np.array(missed + [0] * (10 - len(missed))) / 52
+        half = stats.t.ppf((1 + CONFIDENCE) / 2, 9) * shares.std(ddof=1) / np.sqrt(10)
+        print("missed in ten objects of 52 each:", missed, bounds(shares.mean(), half, True))
 
     print("these objects:", of_these_objects([one, np.vstack([COMPLETE[2].T, COMPLETE[3].T])]))
 

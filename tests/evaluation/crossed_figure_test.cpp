@@ -223,24 +223,32 @@ TEST(CrossedFigureOverObjects, OfDelaysStaysBelowTheirLimit) {
   EXPECT_LE(*figure.high, 500);
 }
 
-/// Ten objects with three runs of ten touches each; of each object a number of touches that are missed, all in its first run.
-results::Figure missed_of_300(const std::vector<double>& missed) {
-  std::vector<double> shares(30, 0.0);
-  for (std::size_t object = 0; object < missed.size(); ++object) shares[3 * object] = missed[object] / 10;
-  return figure_over_objects(all_cells_of(10, 1, 3), mean_of_objects(shares), {}, {0, 1, 0.1});
+/// Ten objects with four runs of 13 touches each; of each object a number of touches that are missed, all in its first run.
+results::Figure missed_of_520(const std::vector<double>& missed) {
+  std::vector<double> shares(40, 0.0);
+  for (std::size_t object = 0; object < missed.size(); ++object) shares[4 * object] = missed[object] / 13;
+  return figure_over_objects(all_cells_of(10, 1, 4), mean_of_objects(shares), {}, {0, 1, 1.0 / 13});
 }
 
 TEST(CrossedFigureOverObjects, OfFewEventsIsThatOfAsManyTrials) {  // crossed_figure_reference.py
-  const results::Figure none = missed_of_300({}), one = missed_of_300({1}), six = missed_of_300({6}),
-                        apart = missed_of_300({1, 1, 1, 1, 1, 1});
+  const results::Figure none = missed_of_520({}), one = missed_of_520({1}), six = missed_of_520({6}),
+                        apart = missed_of_520({1, 1, 1, 1, 1, 1});
   EXPECT_DOUBLE_EQ(*none.low, 0);
-  EXPECT_NEAR(*none.high, 1 - std::pow(0.025, 1 / 300.0), 1e-9) << "the exact one of 0 of 300";
-  EXPECT_NEAR(*one.low, 4.821419960304594e-06, 1e-10);
-  EXPECT_NEAR(*one.high, 0.029312565029516763, 1e-9);
-  EXPECT_GT(*six.high, 0.1) << "six in one object are one event of which no other object tells";
-  EXPECT_LT(*six.high, 0.2);
-  EXPECT_LT(*apart.high, 0.5 * *six.high);
-  EXPECT_GT(*apart.low, *six.low);
+  EXPECT_NEAR(*none.high, 1 - std::pow(0.025, 1 / 520.0), 1e-9) << "the exact one of 0 of 520";
+  EXPECT_NEAR(*one.low, 2.807975186105043e-06, 1e-10);
+  EXPECT_NEAR(*one.high, 0.016986598693895242, 1e-9);
+  EXPECT_NEAR(*six.low, 1.5788078165530037e-05, 1e-10);
+  EXPECT_NEAR(*six.high, 0.09886058396385305, 1e-9) << "six in one object are one event of which no other object tells";
+  EXPECT_NEAR(*apart.low, 0.004691942610184505, 1e-9);
+  EXPECT_NEAR(*apart.high, 0.02350333511902518, 1e-9);
+}
+
+TEST(CrossedFigureOverObjects, StaysAtTheMiddleWhereNothingVaries) {
+  // A difference of 0 in each of ten runs of 100 samples leaves room for 3.69 samples of 1000.
+  const results::Figure same =
+      figure_over_objects(all_cells_of(10, 1, 1), mean_of_objects(std::vector<double>(10, 0.0)), {}, {-1, 1, 0.01});
+  EXPECT_NEAR(*same.high, 0.00369, 1e-4);
+  EXPECT_NEAR(*same.low, -*same.high, 1e-9);
 }
 
 TEST(CrossedFigureOverObjects, HasNoBoundsWhereAllGiveTheSameUnlessTheStepIsKnown) {

@@ -157,10 +157,10 @@ TEST(DetectionDelay, CountedFromALaterOnsetMayBeNegative) {
 }
 
 results::Detection detected(Touch touch, microseconds delay) {
-  return {{touch, {}, {}}, results::DetectionOutcome::detected, delay, {}, {}};
+  return {{touch, {}, {}}, results::DetectionOutcome::detected, delay, {}, {}, 500ms};
 }
 results::Detection without_delay(Touch touch, results::DetectionOutcome outcome) {
-  return {{touch, {}, {}}, outcome, 0us, {}, {}};
+  return {{touch, {}, {}}, outcome, 0us, {}, {}, 500ms};
 }
 
 TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
@@ -200,9 +200,31 @@ TEST(DelayTable, HasAnIntervalAboveZeroUnlessADelayIsZero) {
       {{"fan"}, {detected(Touch::slip, 0ms)}}, {{"box"}, {detected(Touch::slip, 2ms)}}, {{"hub"}, {detected(Touch::slip, 4ms)}}};
   const results::Figure any = delay_summary(from_a_later_onset, Touch::slip).mean_ms;
   ASSERT_TRUE(any.has_interval());
-  // The jackknife's deviation is 1.15 ms, and t of two degrees of freedom is 5.2.
-  EXPECT_LT(*any.low, 0) << "such delays may be negative";
-  EXPECT_GT(*any.high, 4);
+  // The standard error is 2 / sqrt(3) ms, and t of two degrees of freedom 6.2.
+  EXPECT_NEAR(*any.low, 2 - 6.2053468166 * 2 / std::sqrt(3), 1e-6) << "such delays may be negative";
+  EXPECT_NEAR(*any.high, 2 + 6.2053468166 * 2 / std::sqrt(3), 1e-6);
+}
+
+TEST(DelayTable, HasNoIntervalBeyondTheLimit) {
+  // One of ten presses of an object is late in one object, and six are missed in two others.
+  std::vector<results::RunDetections> runs;
+  for (const auto& [object, late, misses] :
+       {std::tuple("fan", 1, 0), std::tuple("box", 0, 6), std::tuple("hub", 0, 6), std::tuple("jar", 0, 0)}) {
+    runs.push_back({{object}, {}});
+    for (int i = 0; i < 10; ++i) {
+      runs.back().detections.push_back(i < misses ? without_delay(Touch::press, results::DetectionOutcome::missed)
+                                                  : detected(Touch::press, i < misses + late ? 480ms : 4ms));
+    }
+  }
+  const results::DelaySummary all = delay_summary(runs, Touch::press);
+  EXPECT_DOUBLE_EQ(all.quantile_of_all_ms.ms.value, 500);
+  EXPECT_TRUE(all.quantile_of_all_ms.is_lower_bound);
+  for (const results::Figure* figure :
+       {&all.mean_ms, &all.median_ms, &all.median_of_all_ms.ms, &all.quantile_of_all_ms.ms, &all.missed}) {
+    ASSERT_TRUE(figure->has_interval());
+    EXPECT_GE(*figure->low, 0);
+    EXPECT_LE(*figure->high, figure == &all.missed ? 1 : 500);
+  }
 }
 
 TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {

@@ -289,11 +289,22 @@ TEST(FalseAlarmTable, KeepsTheIntervalOfAShareBetweenNothingAndAll) {
   const results::Figure share = false_alarm_table(runs).none_in_alarm_share;
   EXPECT_DOUBLE_EQ(share.value, 0.2);
   ASSERT_TRUE(share.has_interval());
-  // Without limits it would be 0.2 -+ 0.3: the jackknife's deviation is 0.058, and t of two degrees of freedom is 5.2.
+  // Without limits it would be 0.2 -+ 0.36: the jackknife's deviation is 0.058, and t of two degrees of freedom is 6.2.
   EXPECT_GT(*share.low, 0);
   EXPECT_LT(*share.low, 0.1);
   EXPECT_GT(*share.high, 0.5);
   EXPECT_LT(*share.high, 1);
+}
+
+TEST(FalseAlarmTable, HasNoMoreThanAnAlarmInEachTick) {
+  // One object has all alarms: without a limit, the interval would end at several hundred thousand a minute.
+  auto runs = alike({"fan", "box", "hub"}, 1, 0, 60s);
+  runs[0].counts.alarms = 10'000;
+  for (RunFalseAlarms& run : runs) run.counts.tick = 2ms;
+  const results::Figure per_min = false_alarm_table(runs).per_min;
+  ASSERT_TRUE(per_min.has_interval());
+  EXPECT_GT(*per_min.high, 10'000);
+  EXPECT_LE(*per_min.high, 30'000);
 }
 
 TEST(FalseAlarmTable, HasNoIntervalOfTwoRuns) {

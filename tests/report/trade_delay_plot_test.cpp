@@ -30,14 +30,5 @@ TEST(TradeDelayPlot, ShowsDelaysOfMillisecondsBesideAnIntervalOfSeconds) {
   EXPECT_TRUE(contains(drawn(plot), ">3000<")) << "a tic";
 }
 
-TEST(TradeDelayPlot, LeavesOutAnIntervalWithoutMeaningfulBounds) {
-  results::Trade trade;
-  trade.points = {setting_with(9, 3000, 4000), setting_with(4, 3000, 4000)};
-  trade.points[1].reported.figures.delay_median_us = {3000, 1e-3, 1e15, 10};
-  const pictures::Plot plot = trade_delay_plot(trade);
-  EXPECT_TRUE(has_row(plot, {1, std::log10(4), std::log10(3), std::log10(5)}));
-  EXPECT_TRUE(has_row(plot, {std::log10(5), std::log10(4), std::log10(4), std::log10(4)}));
-}
-
 }  // namespace
 }  // namespace tactile::report

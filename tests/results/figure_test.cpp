@@ -69,7 +69,8 @@ TEST(Figure, WithoutAnIntervalIsExplainedOnceForAll) {
   const Figure bare{.value = 4.0, .low = {}, .high = {}, .n = 2};
   EXPECT_EQ(note_on_intervals({whole, unmeasured}), "") << "unknown says enough";
   EXPECT_EQ(note_on_intervals({bare, whole, bare}),
-            "A value without brackets has no 95 % interval: that needs three objects, or three runs of one object.");
+            "A value without brackets has no 95 % interval: that needs three objects, or three runs of one object, and not "
+            "two trainings.");
 }
 
 }  // namespace

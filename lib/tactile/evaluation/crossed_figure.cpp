@@ -215,12 +215,12 @@ void set_bounds(results::Figure& figure, double square, double least, const Rang
   const double highest =
       std::isfinite(range.highest) ? range.highest : range.lowest + unlimited * std::max(value - range.lowest, least);
   const double width = highest - range.lowest, share = (value - range.lowest) / width;
-  const bool is_share = std::isfinite(width) && share >= 0 && share <= 1 && !(varies && (share == 0 || share == 1));
+  const bool is_at_limit = std::abs(std::min(share, 1 - share)) < 1e-12;
   double low = value - half, high = value + half;
-  if (is_share) {
-    const double z = normal_quantile(confidence);
-    const double trials = varies ? share * (1 - share) * width * width * z * z / square : width / least;
-    std::tie(low, high) = binomial_bounds(share * trials, trials, confidence);
+  if (std::isfinite(width) && (is_at_limit ? !varies : share > 0 && share < 1)) {
+    const double z_width = normal_quantile(confidence) * width;
+    const double trials = is_at_limit ? width / least : share * (1 - share) * z_width * z_width / (half * half);
+    std::tie(low, high) = binomial_bounds((is_at_limit ? std::round(share) : share) * trials, trials, confidence);
     low = range.lowest + width * low;
     high = range.lowest + width * high;
   }

@@ -75,10 +75,11 @@ struct Range {
 ///
 ///   N = p (1 - p) (highest - lowest)^2 (z / h)^2,   z: the quantile of the normal distribution
 ///
-/// and the bounds are those of p N successes in N trials, by `binomial_bounds`, which take any real number. Where all results
-/// give the same, h is not known; N is then the number of events that could be seen, runs (highest - lowest) / step. Without a
-/// highest value, 1000 times the value takes its place. A figure without limits, and a median at one of them, has the bounds
-/// value -+ h.
+/// and the bounds are those of p N successes in N trials, by `binomial_bounds`, which take any real number. Without a highest
+/// value, 1000 times the value takes its place. A figure without limits, and a median at one of them, has the bounds value -+ h.
+///
+/// Where all results give the same, h is not known. Of n equal runs at most 3.69 / n are different by a step (Garwood's bound for
+/// none, at 95 %), which is h then; at a limit, N = n (highest - lowest) / step, the number of events that could be seen.
 ///
 /// The interval contains the value. It has no bounds where there are fewer than three runs or two trainings, where more than half
 /// of the draws give nothing, and where all results give the same and the step is not known. Figures with the same cells are

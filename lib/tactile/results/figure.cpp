@@ -29,10 +29,9 @@ std::string text_of(const Figure& figure, std::string_view unit, std::string_vie
 std::string note_on_intervals(std::initializer_list<Figure> figures) {
   const bool lacks_one = std::any_of(figures.begin(), figures.end(),
                                      [](const Figure& figure) { return std::isfinite(figure.value) && !figure.has_interval(); });
-  return lacks_one ? "A value without brackets has no 95 % interval: that needs three objects or three runs of one object, and "
-                     "one training or "
-                     "three."
-                   : "";
+  if (!lacks_one) return "";
+  return "A value without brackets has no 95 % interval: that needs three objects, or three runs of one object, and not two "
+         "trainings.";
 }
 
 nlohmann::json number_or_null(double number) { return std::isfinite(number) ? nlohmann::json(number) : nlohmann::json(); }
