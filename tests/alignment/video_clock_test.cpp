@@ -109,7 +109,8 @@ TEST(VideoClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
 TEST(VideoClock, AllowsForTimesThatDriftOrCountFrames) {
   constexpr double ms_23_in_4_s = 5'750;
   const auto within = [](const FittedClock& clock, const MadeFilm& made, VideoTime t) {
-    return std::abs(error_ms(clock, made, t)) <= 1e-3 * static_cast<double>(clock.uncertainty_at(clock.relation.camera_from(t)).count());
+    return std::abs(error_ms(clock, made, t)) <=
+           1e-3 * static_cast<double>(clock.uncertainty_at(clock.relation.camera_from(t)).count());
   };
   for (const MadeFilm& kind : {MadeFilm{.drift_ppm = ms_23_in_4_s}, MadeFilm{.drift_ppm = -ms_23_in_4_s},
                                MadeFilm{.drift_ppm = -ms_23_in_4_s, .jitter = 0},  // a camera of 30.17 frames/s, times of 30
@@ -125,7 +126,9 @@ TEST(VideoClock, AllowsForTimesThatDriftOrCountFrames) {
       ASSERT_TRUE(fit.clock) << fit.refused;
       EXPECT_NEAR(static_cast<double>(fit.clock->found_at_us), 1e6 * (2.465 - made.begins_s), 30'000);
       const VideoTime lift{microseconds{fit.clock->found_at_us}};
-      covered += within(*fit.clock, made, film.begin()) && within(*fit.clock, made, lift) && within(*fit.clock, made, film.end()) ? 1 : 0;
+      covered += within(*fit.clock, made, film.begin()) && within(*fit.clock, made, lift) && within(*fit.clock, made, film.end())
+                     ? 1
+                     : 0;
       EXPECT_EQ(fit.remark.starts_with("the times of the film are even"), made.jitter == 0) << fit.remark;
     }
     EXPECT_GE(covered, films * 9 / 10) << kind.drift_ppm << " ppm, jitter " << kind.jitter << ", repeats " << kind.repeats;

@@ -8,6 +8,7 @@ Exits with 1 if a goal is missed.
 import argparse
 import collections
 import json
+import math
 import pathlib
 import re
 import subprocess
@@ -59,7 +60,9 @@ def judge_clocks(folder, truth, labels, flags):
         middle = middle_of_clock(folder / table, column)
         for clock in stated if isinstance(stated, list) else [stated]:
             at = lambda c: c["offset_us"] + c["drift_ppm"] * 1e-6 * (middle - c["reference_us"])
-            low, high = clock["offset_low_us"] - clock["offset_us"], clock["offset_high_us"] - clock["offset_us"]
+            drift = clock.get("drift_within_ppm", 0) * 1e-6 * (middle - clock.get("found_at_us", middle))
+            low = -math.hypot(clock["offset_low_us"] - clock["offset_us"], drift)
+            high = math.hypot(clock["offset_high_us"] - clock["offset_us"], drift)
             name = "film" if key == "video" else "IMU" if "IMU" in clock["method"] else "robot"
             named = any(word in remark for remark in labels["remarks"] for word in CLOCK_WORDS[name])
             error = at(clock) - at(true)

@@ -41,6 +41,9 @@ TEST(Labels, SurviveTheirFile) {
   labels.intervals[1].evidence.robot = camera_time(2'990);
   labels.intervals[1].confirmed = true;
   labels.robot_clocks = {clock_of(5)};
+  labels.video_clock = clock_of(6);
+  labels.video_clock->found_at_us = 2'000;
+  labels.video_clock->drift_within_ppm = 9'800;
   labels.rejected = {{Touch::press, camera_time(7'000), camera_time(8'000)}};
   labels.releases = {{Touch::none, camera_time(9'000), camera_time(9'500)}};
   labels.flags = {{.interval_index = 1, .reason = "look", .confirmed = false, .key = "onset-width 45"},
@@ -60,7 +63,10 @@ TEST(Labels, SurviveTheirFile) {
   EXPECT_EQ(read.robot_clocks[0].relation.drift_ppm, 1.5);
   EXPECT_EQ(read.robot_clocks[0].offset_low_us, 2);
   EXPECT_EQ(read.robot_clocks[0].offset_high_us, 9);
-  EXPECT_FALSE(read.video_clock.has_value());
+  EXPECT_EQ(read.robot_clocks[0].drift_within_ppm, 0);
+  ASSERT_TRUE(read.video_clock.has_value());
+  EXPECT_EQ(read.video_clock->found_at_us, 2'000);
+  EXPECT_EQ(read.video_clock->drift_within_ppm, 9'800);
   ASSERT_EQ(read.releases.size(), 1U);
   EXPECT_EQ(read.releases[0].touch, Touch::none);
   EXPECT_EQ(read.releases[0].start, camera_time(9'000));

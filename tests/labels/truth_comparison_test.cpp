@@ -95,6 +95,12 @@ TEST(TruthComparison, ComparesTheLiftThroughTheFittedClocks) {
   EXPECT_EQ(comparison.robot_clock, (Deviation{.error = 30us, .covered = true, .width = 100us}));
   EXPECT_EQ(comparison.video_clock, (Deviation{.error = -10us, .covered = false, .width = 80us}));
   EXPECT_TRUE(comparison.robot_clock_sought);
+  // The film's clock was found 4 ms before the lift, and drifts by up to a hundredth: 40 us as 30 us already, 50 us.
+  labels.video_clock = clock_found(500, 470, 530);
+  labels.video_clock->found_at_us = 500;
+  labels.video_clock->drift_within_ppm = 10'000;
+  truth.video_clock->offset_us = 545;
+  EXPECT_EQ(compare_with_truth(labels, truth).video_clock, (Deviation{.error = -45us, .covered = true, .width = 100us}));
 }
 
 TEST(TruthComparison, ComparesClocksAtTheFirstTouchWhereThereIsNoLift) {

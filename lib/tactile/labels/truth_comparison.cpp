@@ -14,10 +14,13 @@ Deviation deviation_of(const alignment::UncertainTime& labelled, CameraTime trul
 /// At a moment that is `truly` there by the camera's clock.
 Deviation deviation_of(const alignment::FittedClock& found, const ClockRelation& clock, CameraTime truly) {
   const microseconds error = between(truly, found.relation.camera_from(clock.clock_us_from(truly)));
-  const microseconds within = found.uncertainty_at(truly);
+  const std::int64_t true_offset_us = saturating_subtract(found.relation.offset_us, error.count());
+  const std::int64_t by_drift_us = (found.uncertainty_at(truly) - found.uncertainty()).count();
+  const std::int64_t low_us = saturating_subtract(found.offset_low_us, by_drift_us);
+  const std::int64_t high_us = saturating_add(found.offset_high_us, by_drift_us);
   return {.error = error,
-          .covered = std::chrono::abs(error) <= within,
-          .width = 2 * within};
+          .covered = low_us <= true_offset_us && true_offset_us <= high_us,
+          .width = microseconds{saturating_subtract(high_us, low_us)}};
 }
 
 /// The label of its class that overlaps the true interval most.

@@ -54,8 +54,10 @@ void mark_evidence(LabelScript& script, const SourceEvidence& source, double ms,
              graph_y(row_px), to_left ? "right" : "left", source.colour);
   if (source.clock == nullptr || !inside) return;
   // The uncertainty of its clock.
-  const double within = 1e-3 * static_cast<double>(source.clock->uncertainty_at(*source.at).count());
-  const double low = ms - within, high = ms + within;
+  const auto offset = static_cast<double>(source.clock->relation.offset_us);
+  const auto by_drift = static_cast<double>((source.clock->uncertainty_at(*source.at) - source.clock->uncertainty()).count());
+  const double low = ms + 1e-3 * (static_cast<double>(source.clock->offset_low_us) - offset - by_drift);
+  const double high = ms + 1e-3 * (static_cast<double>(source.clock->offset_high_us) - offset + by_drift);
   script.add("set arrow from first {:.9g}, graph {:.6f} to first {:.9g}, graph {:.6f} nohead front lc rgb '{}' lw 3",
              std::clamp(low, -zoom_ms, zoom_ms), graph_y(row_px + 11), std::clamp(high, -zoom_ms, zoom_ms), graph_y(row_px + 11),
              source.colour);
