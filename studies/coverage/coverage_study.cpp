@@ -113,15 +113,13 @@ std::vector<Layout> layouts_of_accuracies() {
     for (const auto& [objects, runs] : {std::pair{3U, 2U}, {5U, 3U}, {10U, 2U}, {10U, 7U}})
       layouts.push_back({objects, runs, trainings});
   }
-  for (const Layout& layout : {Layout{10, 7, 2},
-                               {10, 3, 3, 1},
+  for (const Layout& layout : {Layout{10, 3, 3, 1},
                                {10, 3, 5, 1},
                                {10, 10, 3, 2},
                                {10, 10, 5, 2},
                                {1, 3, 1},
                                {1, 7, 1},
                                {1, 9, 1},
-                               {1, 7, 2},
                                {1, 3, 3},
                                {1, 7, 3},
                                {1, 9, 5},

@@ -148,6 +148,24 @@ TEST(DelayTable, KeepsMissesInMedianQuantileAndCurve) {
   EXPECT_TRUE(table.curve.back().share.has_interval());
 }
 
+TEST(DelayTable, HasACurveThatOneLatePressDoesNotWiden) {
+  // 298 presses of ten objects, all but one of which are detected within 50 ms. By SciPy: half is t of nine degrees, 2.69, times
+  // the standard error of the objects' shares.
+  std::vector<results::RunDetections> runs;
+  for (int run = 0; run < 30; ++run) {
+    const std::size_t presses = run < 2 ? 9 : 10;
+    runs.push_back({{"object-" + std::to_string(run % 10)}, std::vector<Detection>(presses, detected(4))});
+  }
+  runs[5].detections[0] = detected(120);
+  const auto curve = delay_table(runs, Touch::press).curve;
+  const auto at_50 = std::find_if(curve.begin(), curve.end(), [](const results::DetectedWithin& at) { return at.ms == 50; });
+  ASSERT_NE(at_50, curve.end());
+  EXPECT_NEAR(at_50->share.value, 297.0 / 298, 1e-12);
+  ASSERT_TRUE(at_50->share.has_interval());
+  EXPECT_GT(*at_50->share.low, 0.96);
+  EXPECT_LT(*at_50->share.high, 1);
+}
+
 TEST(DelayTable, HasACurveWhoseBoundsNeverFall) {
   // Nearly all are detected late, a few objects differ: pointwise intervals are widest where the share is near 1.
   std::vector<results::RunDetections> runs;
