@@ -74,9 +74,11 @@ std::string flicker_text(const characterise::Flicker& flicker) {
   if (flicker.to_hz <= flicker.from_hz) return "not searched: the recordings are too short, or the read-outs too slow";
   if (flicker.lines.empty()) return fmt::format("none from {:.0f} to {:.0f} Hz", flicker.from_hz, flicker.to_hz);
   std::string text;
-  for (const characterise::FlickerLine& line : flicker.lines)
-    text += fmt::format("{}{} Hz ({} of the rate{})", text.empty() ? "" : ", ", measured_text(line.hz), percent_text(line.depth),
-                        line.is_local ? fmt::format(" of {} in step with it", counted(line.lit_pixels, "pixel")) : "");
+  for (const auto& [line, multiples] : characterise::series_of(flicker))
+    text +=
+        fmt::format("{}{} Hz{} ({} of the rate{})", text.empty() ? "" : ", ", measured_text(line.hz),
+                    multiples > 0 ? fmt::format(" and {} of it", counted(multiples, "multiple")) : "", percent_text(line.depth),
+                    line.is_local ? fmt::format(" of {} in step with it", counted(line.lit_pixels, "pixel")) : "");
   return text;
 }
 
@@ -170,7 +172,7 @@ void add_characterise_command(CLI::App& app) {
   auto args = std::make_shared<CharacteriseArguments>();
   Command command = add_command(app, "characterise", "Measure what a sensor does: read-out, noise, hot pixels, flicker",
                                 [args](const CommonArguments& common) { characterise_sensor(*args, common); });
-  command.add_option("recordings", args->quiet, "Recordings or runs in which nothing touches the sensor")
+  command.add_option("recordings", args->quiet, "Recordings or runs with times in which nothing touches the sensor")
       .type_name("FILE|RUN")
       .required();
   command.add_option("--touched", args->touched, "Recordings or runs in which markers move, for the events per passage")

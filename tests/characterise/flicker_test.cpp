@@ -36,6 +36,20 @@ TEST(Flicker, IsFoundWithItsFrequencyAndDepth) {
   }
 }
 
+TEST(Flicker, OfPulsesIsOneSeriesOfItsFrequency) {
+  Flicker flicker{.from_hz = 50, .to_hz = 2000, .lines = {}, .resolution_hz = 1, .spectrum = {}};
+  for (const double hz : {60.0, 100.0, 120.3, 180.0, 230.0})
+    flicker.lines.push_back({.hz = {hz, 0.02}, .depth = {1.9, 0.04}, .chance = 0, .lit_pixels = 9, .is_local = hz != 180});
+  const std::vector<FlickerSeries> series = series_of(flicker);
+  ASSERT_EQ(series.size(), 4U);
+  EXPECT_EQ(series[0].line.hz.value, 60);
+  EXPECT_EQ(series[0].multiples, 1U) << "120.3 Hz";
+  EXPECT_EQ(series[1].line.hz.value, 100);
+  EXPECT_EQ(series[2].line.hz.value, 180) << "of other pixels";
+  EXPECT_EQ(series[3].line.hz.value, 230);
+  EXPECT_EQ(series[3].multiples, 0U);
+}
+
 TEST(Flicker, HasValuesWithinTheirUncertainty) {
   int hz_within = 0, depth_within = 0;
   constexpr int seeds = 60;

@@ -32,6 +32,23 @@ double chance_of(double ratio, double n) {
   return 0.5 * std::erfc(z / std::numbers::sqrt2);
 }
 
+std::vector<FlickerSeries> series_of(const Flicker& flicker) {
+  std::vector<FlickerSeries> series;
+  for (const FlickerLine& line : flicker.lines) {
+    const auto is_multiple = [&](const FlickerSeries& other) {
+      const double hz = other.line.hz.value, n = std::nearbyint(line.hz.value / hz);
+      return line.is_local == other.line.is_local && std::abs(line.hz.value - n * hz) <= flicker.resolution_hz;
+    };
+    const auto first = std::find_if(series.begin(), series.end(), is_multiple);
+    if (first == series.end()) {
+      series.push_back({line});
+    } else {
+      ++first->multiples;
+    }
+  }
+  return series;
+}
+
 FlickerMeter::FlickerMeter(double bin_us, double readout_us, microseconds duration) : bin_us_(bin_us), readout_us_(readout_us) {
   constexpr double longest_s = 1.0, segments = 8;
   constexpr std::int64_t fewest = 256;

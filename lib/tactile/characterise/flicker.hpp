@@ -30,6 +30,13 @@ struct Flicker {
   std::vector<double> spectrum;  ///< power over that of the neighbouring frequencies, i * resolution_hz
 };
 
+/// A line, and how many others are its multiples: pulsed light has a line at each multiple of its frequency.
+struct FlickerSeries {
+  FlickerLine line;
+  std::size_t multiples = 0;
+};
+std::vector<FlickerSeries> series_of(const Flicker& flicker);
+
 /// The spectrum of an event rate, by averaged periodograms (Hann windows that overlap by half).
 ///
 /// A line is a frequency whose mean power over that of the frequencies around it has a chance below 1 in 1000 for noise, for all

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/numbers.hpp"
 #include "tactile/events/event_checks.hpp"
 #include "tactile/events/event_read_ahead.hpp"
 #include "tactile/events/packet_compression.hpp"
@@ -409,32 +408,6 @@ bool RecordingReader::was_corrected(const PacketRecord& packet) const {
 
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice) {
   return event_stream(recording.streams(), recording.file().string(), choice);
-}
-
-const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice) {
-  std::vector<const Stream*> all;
-  for (const Stream& stream : streams) {
-    if (stream.type == StreamType::events) all.push_back(&stream);
-  }
-  const std::string name(where);
-  if (all.empty()) throw Error(name + ": no event stream; expected an EVTS stream");
-  std::vector<const Stream*> chosen = all;
-  if (!choice.empty()) {
-    const auto id = whole_number_in(choice);
-    std::erase_if(chosen, [&](const Stream* s) { return !id || s->id != *id; });
-    if (chosen.empty())
-      std::copy_if(all.begin(), all.end(), std::back_inserter(chosen), [&](const Stream* s) { return s->source == choice; });
-  }
-  if (chosen.size() == 1) return *chosen.front();
-  std::string list;
-  for (const Stream* stream : all) {
-    list +=
-        fmt::format("{}{}{}", list.empty() ? "" : ", ", stream->id, stream->source.empty() ? "" : " (" + stream->source + ")");
-  }
-  if (choice.empty())
-    throw Error(fmt::format("{}: has {} event streams; expected a choice of {} by id or source", name, all.size(), list));
-  throw Error(fmt::format("{}: '{}' names {} of its event streams; expected one of {} by id or source", name, choice,
-                          chosen.empty() ? "none" : "more than one", list));
 }
 
 void for_events_between(RecordingReader& recording, std::int32_t stream_id, CameraTime begin, CameraTime end,

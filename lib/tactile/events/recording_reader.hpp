@@ -114,12 +114,8 @@ class RecordingReader {
   std::unique_ptr<State> state_;
 };
 
-/// The one event stream, or the one that `choice` names by id or source. @throws Error  with a list of the event streams, if none
-/// or more than one matches
+/// The one event stream, or the one that `choice` names. @throws Error  as for the streams alone
 const Stream& event_stream(const RecordingReader& recording, std::string_view choice = {});
-
-/// The same for streams from anywhere. `where` names them in an error.
-const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice = {});
 
 /// Passes every event of the stream with `begin <= t < end` to `use`, packet by packet in file order. Reads only packets that
 /// overlap this interval.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,5 +33,9 @@ struct Stream {
 /// The stream, with the name of its type and with `source` if it lacks them: a recording must declare both, but some programs do
 /// not.
 Stream completed(Stream stream, std::string_view source = "unknown");
+
+/// The one event stream, or the one that `choice` names by id or source. `where` names the streams in an error.
+/// @throws Error  with a list of the event streams, if none or more than one matches
+const Stream& event_stream(std::span<const Stream> streams, std::string_view where, std::string_view choice = {});
 
 }  // namespace tactile::events

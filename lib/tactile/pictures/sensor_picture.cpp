@@ -101,8 +101,7 @@ void draw_map(PlotScript& script, const Sensor& sensor) {
   const characterise::UnusualPixels& unusual = sensor.unusual;
   begin(script, left, lower,
         fmt::format("{:.0f} hot (orange), {:.0f} stuck (black), {:.0f} warm (blue) pixels{}", unusual.hot.value,
-                    unusual.stuck.value, unusual.warm.value,
-                    unusual.lit > 0 ? fmt::format(", {} in step with flicker (not drawn)", unusual.lit) : ""));
+                    unusual.stuck.value, unusual.warm.value, unusual.lit > 0 ? fmt::format(", {} lit (grey)", unusual.lit) : ""));
   std::array<std::vector<double>, 4> places;
   for (const UnusualPixel& pixel : sensor.unusual.pixels) {
     auto& list = places[static_cast<std::size_t>(pixel.kind)];
@@ -113,7 +112,8 @@ void draw_map(PlotScript& script, const Sensor& sensor) {
     return LineStyle{.colour = colour, .width = 1, .dashes = 1, .mark = 7, .size = size, .fill = 0};
   };
   script.plot(
-      {{script.table(2, places[static_cast<std::size_t>(Kind::warm)]), "1:2", "points", style(line_style(0).colour, 0.4)},
+      {{script.table(2, places[static_cast<std::size_t>(Kind::lit)]), "1:2", "points", style(figure_colours::others, 0.4)},
+       {script.table(2, places[static_cast<std::size_t>(Kind::warm)]), "1:2", "points", style(line_style(0).colour, 0.4)},
        {script.table(2, places[static_cast<std::size_t>(Kind::hot)]), "1:2", "points", style(line_style(1).colour, 0.7)},
        {script.table(2, places[static_cast<std::size_t>(Kind::stuck)]), "1:2", "points", style(figure_colours::ink, 1.2)}});
 }
@@ -127,10 +127,12 @@ void draw_spectrum(PlotScript& script, const Sensor& sensor) {
   }
   std::string title =
       flicker.lines.empty() ? fmt::format("Flicker: none from {:.0f} to {:.0f} Hz", flicker.from_hz, flicker.to_hz) : "Flicker:";
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, flicker.lines.size()); ++i)
-    title += fmt::format("{} {} Hz ({:.1f} %)", i == 0 ? "" : ",", value_text(flicker.lines[i].hz, 1, 2),
-                         100 * flicker.lines[i].depth.value);
-  if (flicker.lines.size() > 3) title += " …";
+  const std::vector<characterise::FlickerSeries> series = characterise::series_of(flicker);
+  constexpr std::size_t most_series = 2;
+  for (std::size_t i = 0; i < std::min(most_series, series.size()); ++i)
+    title += fmt::format("{} {} Hz{} ({:.1f} %)", i == 0 ? "" : ",", value_text(series[i].line.hz, 1, 2),
+                         series[i].multiples > 0 ? " and multiples" : "", 100 * series[i].line.depth.value);
+  if (series.size() > most_series) title += " …";
   begin(script, middle, lower, title);
   std::vector<double> points, lines;
   double most = 2;
