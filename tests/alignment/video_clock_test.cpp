@@ -27,8 +27,8 @@ struct FilmedMotion {
 constexpr std::int64_t run_begin_us = 1'700'000'000'000'000;
 
 struct MadeFilm {
-  std::vector<FilmedMotion> motions;  ///< in seconds from the run's start, in camera time
-  double begins_s = -0.7;             ///< the first frame
+  std::vector<FilmedMotion> motions = {};  ///< in seconds from the run's start, in camera time
+  double begins_s = -0.7;                  ///< the first frame
   double ends_s = 5;
   double rate_hz = 30;
   double drift_ppm = 0;
@@ -114,7 +114,7 @@ TEST(VideoClock, AllowsForTimesThatDriftOrCountFrames) {
   };
   for (const MadeFilm& kind : {MadeFilm{.drift_ppm = ms_23_in_4_s}, MadeFilm{.drift_ppm = -ms_23_in_4_s},
                                MadeFilm{.drift_ppm = -ms_23_in_4_s, .jitter = 0},  // a camera of 30.17 frames/s, times of 30
-                               MadeFilm{.drift_ppm = ms_23_in_4_s, .jitter = 0, .repeats = 2}, MadeFilm{.repeats = 5}}) {
+                               MadeFilm{.drift_ppm = ms_23_in_4_s, .jitter = 0, .repeats = 5}, MadeFilm{.repeats = 5}}) {
     int films = 0, covered = 0;
     for (; films < 20; ++films) {
       MadeFilm made = kind;
