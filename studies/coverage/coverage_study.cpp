@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdio>
+#include <exception>
 
 #include "claim_study.hpp"
 #include "interval_methods.hpp"
@@ -199,7 +201,7 @@ void print_study(const Arguments& arguments) {
 }  // namespace
 }  // namespace tactile::study
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   tactile::study::Arguments arguments;
   bool brief = false;
   CLI::App app("Prints how often intervals contain the true value, on made-up results, as Markdown");
@@ -214,4 +216,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (brief) arguments.repeats = 100;
   tactile::study::print_study(arguments);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "coverage_study: %s\n", error.what());
+  return 1;
 }

@@ -270,14 +270,20 @@ Bounds hierarchical_scaled(const Trial& trial, const results::BootstrapOptions& 
 
 double digamma(double x) {
   double shift = 0;
-  for (; x < 10; ++x) shift += 1 / x;
+  while (x < 10) {
+    shift += 1 / x;
+    x += 1;
+  }
   const double y = 1 / (x * x);
   return std::log(x) - 0.5 / x - y * (1.0 / 12 - y * (1.0 / 120 - y / 252)) - shift;
 }
 
 double trigamma(double x) {
   double shift = 0;
-  for (; x < 10; ++x) shift += 1 / (x * x);
+  while (x < 10) {
+    shift += 1 / (x * x);
+    x += 1;
+  }
   const double y = 1 / (x * x);
   return shift + 1 / x + y / 2 + y / x * (1.0 / 6 - y * (1.0 / 30 - y / 42));
 }

@@ -120,7 +120,7 @@ TEST(VideoClock, AllowsForTimesThatDriftOrCountFrames) {
       MadeFilm made = kind;
       made.motions = {closing, arm_lift};
       made.begins_s = -1.4 + 0.0317 * films;
-      made.seed = static_cast<std::uint64_t>(films + 1);
+      made.seed = static_cast<std::uint64_t>(films) + 1;
       const MotionEnergy film = film_of(made);
       const VideoClockFit fit = fit_video_clock(film, seen_of({arm_lift}));
       ASSERT_TRUE(fit.clock) << fit.refused;

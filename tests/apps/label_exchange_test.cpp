@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +54,7 @@ TEST_F(LabelExchange, EveryFormatComesBackWithoutAChange) {
   ASSERT_EQ(label("").exit_code, 0);
   const std::string before = text_of("data/fan/01/labels.json");
   for (const std::string format : {"label-studio", "csv"}) {
-    const json exported = result_of("--export out/" + format + " --format " + format).at("exported");
+    const json exported = result_of(fmt::format("--export out/{0} --format {0}", format)).at("exported");
     ASSERT_EQ(exported.size(), 2U);
     EXPECT_TRUE(std::filesystem::exists(folder / exported.at(0).at("file").get<std::string>()));
     const json imported = result_of("--import out/" + format).at("imported");

@@ -183,7 +183,7 @@ TEST(Characterise, RefusesARecordingInWhichSomethingMovesTooOften) {
   const test::TemporaryFolder folder;
   const test::MadeSensor made{.seconds = 6};
   std::vector<events::Event> events = events_of(made, 15);
-  for (int i = 0; i < 10; ++i) events = with_motion(std::move(events), 600'000 * i, 600'000 * i + 200'000);
+  for (std::int64_t i = 0; i < 10; ++i) events = with_motion(std::move(events), 600'000 * i, 600'000 * i + 200'000);
   const auto file = test::write_recording(folder / "a.aedat4", made.size, events);
   EXPECT_NE(test::error_of([&] {
               characterise({file}, {});
@@ -277,7 +277,8 @@ TEST(Characterise, GivesTheSameForAnyNumberOfThreads) {
 
 TEST(PhysicsOf, HasTheMeasuredValues) {
   const Sensor sensor = sensor_of(with_hot_pixels(), 11);
-  const nlohmann::json physics = physics_of(sensor), camera = physics.at("camera");
+  const nlohmann::json physics = physics_of(sensor);
+  const nlohmann::json& camera = physics.at("camera");
   EXPECT_EQ(camera.at("size"), nlohmann::json({80, 60}));
   EXPECT_NEAR(camera.at("readout_us"), 195.163, 1e-3);
   EXPECT_NEAR(camera.at("scan_us_per_column"), 2.2, 1e-3) << "above 0 from high x to low x";

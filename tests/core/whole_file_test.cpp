@@ -183,6 +183,7 @@ TEST(RemoveLeftovers, LeavesWhatIsBeingWrittenHereOrInAnotherProcess) {
 TEST(WholeFile, IsMadeManyTimesAtOnceWhileProcessesRemoveLeftovers) {
   const test::TemporaryFolder folder;
   std::vector<std::thread> threads;
+  threads.reserve(4);
   std::atomic<int> lost{0};
   for (int thread = 0; thread < 4; ++thread) {
     threads.emplace_back([&, thread] {

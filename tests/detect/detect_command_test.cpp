@@ -1,5 +1,6 @@
 #include "detect/detect_command.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -52,8 +53,10 @@ TEST(DetectCommand, AgreesWithEvalAtEveryTickOfARecording) {
     const std::vector<Row> offline = rows_of(folder / "offline/fan-02.csv");
     ASSERT_GT(offline.size(), 100U);
     for (const std::string speed : {"0", "7"}) {
-      const auto live = run_tactile(
-          "detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed " + speed + options, folder);
+      const auto live =
+          run_tactile(fmt::format("detect --quiet --json --model small --from file:data/fan/02 --ticks live.csv --speed {}{}",
+                                  speed, options),
+                      folder);
       ASSERT_EQ(live.exit_code, 0) << live.err;
       const std::vector<Row> reported = rows_of(folder / "live.csv");
       ASSERT_EQ(reported.size(), offline.size()) << options;

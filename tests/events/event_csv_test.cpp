@@ -226,7 +226,7 @@ TEST(EventCsvReader, RefusesWhatIsNoCsv) {
   EXPECT_NE(error_of("t_us,x,y,on\n" + std::string(std::size_t{3} << 20, '1')).find("longer than"), std::string::npos);
   EXPECT_THROW(events_in_csv(std::string(std::size_t{3} << 20, '\0')), Error);
   EXPECT_THROW(EventCsvReader("/no/such/file.csv"), Error);
-  EXPECT_THROW(EventCsvReader(test::data_folder), Error);
+  EXPECT_THROW(EventCsvReader{test::data_folder}, Error);
 }
 
 }  // namespace

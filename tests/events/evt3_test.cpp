@@ -118,7 +118,7 @@ Decoded plainly_decoded(const Words& words, SensorSize size) {
     } else if (x >= size.width || *y >= size.height) {
       ++made.problems.outside;
     } else {
-      made.events.push_back(event(*t, x, *y, on));
+      made.events.push_back(event(*t, x, *y, static_cast<int>(on)));
     }
   };
   for (const std::uint16_t word : words) {

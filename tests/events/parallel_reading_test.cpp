@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 class ParallelReading : public testing::Test {
  protected:
   fs::path write(Compression compression, bool closed = true, std::int64_t begin_us = 0) {
-    const fs::path file = folder / (std::string(name_of(compression)) + (closed ? ".aedat4" : "-open.aedat4"));
+    fs::path file = folder / (std::string(name_of(compression)) + (closed ? ".aedat4" : "-open.aedat4"));
     Stream second = event_stream_declaration({320, 240}, "DVXplorer_B");
     second.id = 1;
     RecordingWriter writer(

@@ -50,6 +50,7 @@ TEST(TrainingPlot, HasMoreThanOneTicOnTheAxisOfLosses) {
 
 TEST(TrainingPlot, NamesEightTrainingsAndCountsTheRest) {
   std::vector<TrainingCurve> curves;
+  curves.reserve(11);
   for (int i = 0; i < 11; ++i) {
     curves.push_back({.name = fmt::format("model-{}", i),
                       .epochs = {{.epoch = 1, .loss = 0.5, .accuracy = 0.8, .validation_accuracy = NAN},

@@ -38,6 +38,7 @@ TouchedPlaces places_of(const labels::Labels& labels, const std::vector<events::
 std::vector<events::Event> noise_and_marker(int marker, std::int64_t begin, std::int64_t end) {
   Random random(2);
   std::vector<events::Event> events;
+  events.reserve(20'000 + static_cast<std::size_t>(marker));
   for (int i = 0; i < 20'000; ++i)
     events.push_back(event_at(static_cast<std::int64_t>(random.below(4'000'000)), static_cast<int>(random.below(64)),
                               static_cast<int>(random.below(48))));
@@ -68,6 +69,7 @@ TEST(TouchedPlaces, TheUncertainTimeAroundAnEndIsNotQuiet) {
   // touch.
   labels::Labels labels = with_press();
   std::vector<events::Event> events;
+  events.reserve(1'000);
   for (int i = 0; i < 900; ++i) events.push_back(event_at(955'000 + 40 * i, 20, 20));
   for (int i = 0; i < 100; ++i) events.push_back(event_at(1'100'000 + 1'000 * i, 20, 20));
   EXPECT_TRUE(places_of(labels, events).contains(event_at(0, 20, 20)));

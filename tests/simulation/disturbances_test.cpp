@@ -155,7 +155,8 @@ TEST(FirmLift, ShearsTheTipsUpToAnEndAndNothingSlips) {
   // At 0.3 mm beyond the slack, 1 - 1/e of it.
   const SkinPose then = pose_at(motion, plan.lift->time_of_travel(0.36));
   EXPECT_NEAR(then[4].y - before[4].y, 0.3 * 16 * (1 - std::exp(-1.0)), 0.05);
-  for (double t_s = 0.5; t_s < 0.9; t_s += 0.001) EXPECT_GE(pose_at(motion, t_s + 0.001)[4].y, pose_at(motion, t_s)[4].y - 1e-9);
+  for (int ms = 500; ms < 900; ++ms)
+    EXPECT_GE(pose_at(motion, 1e-3 * (ms + 1))[4].y, pose_at(motion, 1e-3 * ms)[4].y - 1e-9) << ms << " ms";
   expect_true_to_poses(motion);
 }
 
@@ -190,7 +191,8 @@ TEST(Hysteresis, KeepsAShareOfTheDisplacementThatReturnsSlowly) {
   EXPECT_NEAR(kept(0.6, 4), 0.1, 1e-6);
   EXPECT_NEAR(kept(0.8, 4), 0.1 * std::exp(-1.0), 1e-6);
   EXPECT_NEAR(pose_at(motion, 0.6)[0].y - rest[0].y, 0.1 * (held[0].y - rest[0].y), 1e-6) << "aside too";
-  for (double t_s = 0.5; t_s < 0.6; t_s += 0.001) EXPECT_LE(pose_at(motion, t_s + 0.001)[4].scale, pose_at(motion, t_s)[4].scale);
+  for (int ms = 500; ms < 600; ++ms)
+    EXPECT_LE(pose_at(motion, 1e-3 * (ms + 1))[4].scale, pose_at(motion, 1e-3 * ms)[4].scale) << ms << " ms";
   const std::vector<MarkerMotion> recoveries = motions_named(motion, "recovery");
   ASSERT_EQ(recoveries.size(), 1U);
   EXPECT_EQ(recoveries[0].touch, Touch::press);

@@ -42,6 +42,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 std::vector<Kind> kinds(const std::vector<SimulatedRun>& outcomes) {
   std::vector<Kind> kinds;
+  kinds.reserve(outcomes.size());
   for (const SimulatedRun& outcome : outcomes) kinds.push_back(outcome.kind);
   return kinds;
 }

@@ -136,7 +136,7 @@ void list_fields(Fields& fields, EventCameraOptions& o) {
   fields("hot_turnover", o.hot_turnover, 0, 1);
   fields("stuck_pixels", o.stuck_pixels, 0, 100'000);
   fields("stuck_on_share", o.stuck_on_share, 0, 1);
-  fields("dead_pixels", o.dead_pixels, 0, 4096 * 4096 / 2);
+  fields("dead_pixels", o.dead_pixels, 0, 8'388'608);
   fields("skin", o.skin, 0, 10);
   fields("black", o.black, 0, 10);
   fields("white", o.white, 0, 10);

@@ -183,7 +183,7 @@ TEST(TickQuantiles, CountEachRunAsOftenAsItIsDrawn) {
   // As sorting all of them gives it.
   Random random(7);
   std::vector<double> all;
-  for (int i = 0; i < 999; ++i) {
+  for (std::size_t i = 0; i < 999; ++i) {
     runs[i % 2].tick_us.push_back(static_cast<float>(random.below(500)));
   }
   for (const TimedRun& run : runs) all.insert(all.end(), run.tick_us.begin(), run.tick_us.end());

@@ -19,7 +19,7 @@ namespace {
 /// A bundle of an untrained network for heatmaps of 32 x 24.
 ModelBundle small_bundle(const test::TemporaryFolder& folder, const std::string& name = "small", std::uint64_t seed = 3,
                          const std::string& trained_at = "2024-01-01T00:00:00.000000Z") {
-  const ModelBundle bundle{folder / name};
+  ModelBundle bundle{folder / name};
   ModelDescription description;
   description.input = {32, 24};
   description.manifest_hash = "abc";
@@ -37,6 +37,7 @@ TEST(Classifier, FollowsEventsAsItClassifiesHeatmaps) {
   const ModelBundle bundle = small_bundle(folder);
   const events::SensorSize sensor{160, 120};
   std::vector<events::Event> events;
+  events.reserve(3'000);
   for (int i = 0; i < 3'000; ++i)
     events.push_back(
         {CameraTime{microseconds{i * 30}}, static_cast<std::int16_t>(i * 37 % 160), static_cast<std::int16_t>(i * i % 120), 1});
@@ -44,7 +45,7 @@ TEST(Classifier, FollowsEventsAsItClassifiesHeatmaps) {
     const Classifier classifier = open_classifier(bundle.folder, 1, engine);
     const auto model = classifier.on_events(sensor, classifier.rendering());
     heatmaps::HeatmapRenderer renderer(sensor, classifier.rendering());
-    std::vector<std::uint8_t> heatmap(32 * 24);
+    std::vector<std::uint8_t> heatmap(std::size_t{32} * 24);
     model->add(events), renderer.add(events);
     for (const std::int64_t ms : {40, 42, 60, 90}) {
       const CameraTime t{microseconds{1000 * ms}};

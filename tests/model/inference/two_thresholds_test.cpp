@@ -78,12 +78,14 @@ TEST(TwoThresholds, HaveFiniteLogOddsOfCertainProbabilities) {
 
 TEST(TwoThresholds, AreTheSameTickByTickAndOverARun) {
   std::vector<Probabilities> probabilities;
+  probabilities.reserve(200);
   for (int i = 0; i < 200; ++i)
     probabilities.push_back(with_log_odds(i % 50 < 30 ? Touch::slip : Touch::press, 4 * std::sin(0.3 * i)));
   const Decision decision{.thresholds = example};
   const std::vector<Touch> predicted(probabilities.size());
   RunningDecision running(decision, two_ms);
   std::vector<Touch> one_by_one;
+  one_by_one.reserve(probabilities.size());
   for (const Probabilities& p : probabilities) one_by_one.push_back(running.next(Touch::none, p));
   EXPECT_EQ(decided(decision, two_ms, predicted, probabilities), one_by_one);
 }
