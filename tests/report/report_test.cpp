@@ -292,7 +292,8 @@ TEST(Report, FoldsThePapersOwnWay) {
     for (std::size_t i = page.find("</details>"); i < at; i = page.find("</details>", i + 1)) --folds;
     return folds;
   };
-  for (const char* figure : {"figure-delays-all-test", "figure-unseen-all-test-runs-as-in-the-paper"}) EXPECT_EQ(folds_around(figure), 1) << figure;
+  for (const char* figure : {"figure-delays-all-test", "figure-unseen-all-test-runs-as-in-the-paper"})
+    EXPECT_EQ(folds_around(figure), 1) << figure;
   for (const char* figure : {"figure-delays", "figure-unseen"})
     EXPECT_EQ(folds_around(figure), 0) << "what is reported on is shown";
 }
