@@ -81,11 +81,53 @@ class StepMeter {
   std::vector<InStep> in_step_;  ///< by pixel, line
 };
 
+/// The lines of all pixels and those of the unusual ones, which are further from the first than the resolution.
+struct Lines {
+  std::vector<FlickerLine> lines;
+  std::size_t of_all = 0;  ///< the first so many are of all pixels
+};
+
+Lines lines_of(const Flicker& ordinary, const Flicker& few) {
+  constexpr std::size_t most_lines = 32;
+  Lines found{.lines = ordinary.lines, .of_all = ordinary.lines.size()};
+  for (const FlickerLine& line : few.lines) {
+    const auto is_near = [&](const FlickerLine& other) {
+      return std::abs(other.hz.value - line.hz.value) <= 2 * ordinary.resolution_hz;
+    };
+    if (std::none_of(ordinary.lines.begin(), ordinary.lines.end(), is_near)) found.lines.push_back(line);
+  }
+  std::sort(found.lines.begin() + static_cast<std::ptrdiff_t>(found.of_all), found.lines.end(),
+            [](const FlickerLine& a, const FlickerLine& b) { return a.chance < b.chance; });
+  found.lines.resize(std::min(found.lines.size(), std::max(found.of_all, most_lines)));
+  return found;
+}
+
+/// Leaves out lines of unusual pixels that too few of them are in step with, and marks the pixels that are.
+void keep_lit_lines(LightReading& light, const Lines& found, const StepMeter& steps, const FirstReading& first,
+                    const UnusualPixels& unusual) {
+  constexpr std::size_t fewest_lit = 3;
+  light.flicker.lines.clear();
+  for (std::size_t i = 0; i < found.lines.size(); ++i) {
+    FlickerLine line = found.lines[i];
+    std::vector<std::size_t> lit;
+    for (std::size_t pixel = 0; pixel < unusual.pixels.size(); ++pixel) {
+      if (steps.is_lit(pixel, i)) lit.push_back(pixel);
+    }
+    if (i >= found.of_all && lit.size() < fewest_lit) continue;
+    line.lit_pixels = lit.size();
+    line.is_local = i >= found.of_all;
+    if (line.is_local) line.depth = steps.depth(i);
+    for (const std::size_t pixel : lit) light.lit[first.counts.index_of(unusual.pixels[pixel])] = true;
+    light.flicker.lines.push_back(line);
+  }
+  std::sort(light.flicker.lines.begin(), light.flicker.lines.end(),
+            [](const FlickerLine& a, const FlickerLine& b) { return a.hz.value < b.hz.value; });
+}
+
 }  // namespace
 
 LightReading read_light(const FirstReading& first, const UnusualPixels& unusual, const CharacteriseOptions& options,
                         const ProgressCallback& progress) {
-  constexpr std::size_t most_lines = 32, fewest_lit = 3;
   const std::vector<std::uint32_t> places = places_of(first.counts, unusual);
   const auto for_events = [&](const auto& begin, const auto& use) {
     for (const ReadRecording& recording : first.recordings) {
@@ -114,20 +156,12 @@ LightReading read_light(const FirstReading& first, const UnusualPixels& unusual,
         (place == not_unusual ? ordinary : few).add(bins.index_of(t_us, event));
       });
   LightReading light{.flicker = ordinary.flicker(), .lit = std::vector<bool>(first.counts.pixels())};
-  std::vector<FlickerLine>& lines = light.flicker.lines;
-  const std::size_t of_all = lines.size();
-  for (const FlickerLine& line : few.flicker().lines) {
-    const auto is_near = [&](const FlickerLine& other) {
-      return std::abs(other.hz.value - line.hz.value) <= 2 * light.flicker.resolution_hz;
-    };
-    if (std::none_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(of_all), is_near)) lines.push_back(line);
-  }
-  std::sort(lines.begin() + static_cast<std::ptrdiff_t>(of_all), lines.end(),
-            [](const FlickerLine& a, const FlickerLine& b) { return a.chance < b.chance; });
-  lines.resize(std::min(lines.size(), std::max(of_all, most_lines)));
-  if (unusual.pixels.empty() || lines.empty()) return light;
+  const Flicker of_few = few.flicker();
+  const Lines found = lines_of(light.flicker, of_few);
+  light.flicker.lines = found.lines;
+  if (unusual.pixels.empty() || found.lines.empty()) return light;
 
-  StepMeter steps(lines, unusual.pixels.size());
+  StepMeter steps(found.lines, unusual.pixels.size());
   std::int64_t second = 0;
   for_events(
       [&](const ReadRecording&) {
@@ -141,25 +175,11 @@ LightReading read_light(const FirstReading& first, const UnusualPixels& unusual,
         steps.add(place, event.on != 0, static_cast<double>(t_us) * 1e-6);
       });
   steps.end_second();
-  std::vector<FlickerLine> kept;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    FlickerLine line = lines[i];
-    std::vector<std::size_t> lit;
-    for (std::size_t pixel = 0; pixel < unusual.pixels.size(); ++pixel) {
-      if (steps.is_lit(pixel, i)) lit.push_back(pixel);
-    }
-    if (i >= of_all && lit.size() < fewest_lit) continue;
-    line.lit_pixels = lit.size();
-    line.is_local = i >= of_all;
-    if (line.is_local) line.depth = steps.depth(i);
-    for (const std::size_t pixel : lit) light.lit[first.counts.index_of(unusual.pixels[pixel])] = true;
-    kept.push_back(line);
-  }
-  std::sort(kept.begin(), kept.end(), [](const FlickerLine& a, const FlickerLine& b) { return a.hz.value < b.hz.value; });
-  lines = std::move(kept);
+  keep_lit_lines(light, found, steps, first, unusual);
+  const std::vector<FlickerLine>& lines = light.flicker.lines;
   if (std::any_of(lines.begin(), lines.end(), [](const FlickerLine& line) { return line.is_local; })) {
-    const std::vector<double> local = few.flicker().spectrum;
-    for (std::size_t i = 0; i < local.size(); ++i) light.flicker.spectrum[i] = std::max(light.flicker.spectrum[i], local[i]);
+    for (std::size_t i = 0; i < of_few.spectrum.size(); ++i)
+      light.flicker.spectrum[i] = std::max(light.flicker.spectrum[i], of_few.spectrum[i]);
   }
   return light;
 }

@@ -59,6 +59,10 @@ void write_event(Event* event, std::int64_t t_us, std::uint64_t x, std::uint64_t
   std::memcpy(static_cast<void*>(event), stored.data(), sizeof stored);
 }
 
+Evt3Trigger trigger_in(unsigned word, std::int64_t t_us) {
+  return {.t = camera_time(t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0xF), .is_rising = (word & 1) != 0};
+}
+
 }  // namespace
 
 Trigger trigger_of(const Evt3Trigger& trigger) {
@@ -113,13 +117,12 @@ Event* Evt3Decoder::decode_word(unsigned word, Event* next, std::vector<Evt3Trig
       s.base_on = upper_bit != 0;
       break;
     case Evt3Word::vector_12:
-      put_all(s.base_x, word & 0xFFF, 12, s.base_on);
-      s.base_x += 12;
+    case Evt3Word::vector_8: {
+      const unsigned pixels = word >> 12 == Evt3Word::vector_12 ? 12 : 8;
+      put_all(s.base_x, word & ((1U << pixels) - 1), pixels, s.base_on);
+      s.base_x += pixels;
       break;
-    case Evt3Word::vector_8:
-      put_all(s.base_x, word & 0xFF, 8, s.base_on);
-      s.base_x += 8;
-      break;
+    }
     case Evt3Word::time_low:
       s.t_us = s.high_us + (word & 0xFFF);
       s.has_low = s.has_high;
@@ -132,12 +135,10 @@ Event* Evt3Decoder::decode_word(unsigned word, Event* next, std::vector<Evt3Trig
       break;
     }
     case Evt3Word::external_trigger:
-      if (s.has_low) {
-        triggers.push_back(
-            {.t = camera_time(s.t_us), .channel = static_cast<std::uint8_t>(word >> 8 & 0xF), .is_rising = (word & 1) != 0});
-      } else {
+      if (s.has_low)
+        triggers.push_back(trigger_in(word, s.t_us));
+      else
         ++problems_.unplaced;
-      }
       break;
     case Evt3Word::continued_4:
     case Evt3Word::others:
