@@ -71,7 +71,10 @@ def reduced_trade(trade):
 def claims_part(study):
     items = []
     for claim in study["claims"]:
-        words = claim["in_words"] or "Not measured."
+        if not claim["in_words"]:
+            items.append(claim_item(f"Figure {PAPER[claim['id']]}", claim, "Not measured."))
+            continue
+        words = claim["in_words"]
         if claim["measured"]["low"] is not None and claim["measured"]["high"] is not None:
             side = "above" if claim["asked"] == "above" else "below"
             words += f" Figure: {figure(claim['measured'], 1, 2)} {claim['unit']}, claimed {side} {claim['limit']:g}."
@@ -188,7 +191,7 @@ def load_sentence(trade):
     if trade.get("interrupted") is None:
         return ""
     text = f"Other programs interrupted {100 * trade['interrupted']:.2g} % of the timed ticks."
-    return text + (f" The p99 of {trade['busy']} settings, of whose ticks they interrupted more than 1 %, is not their own: compare their p50.\n" if trade["busy"] else "\n")
+    return text + (f" Of {trade['busy']} settings it was more than 1 %: compare their p50, since their p99 is the machine's.\n" if trade["busy"] else "\n")
 
 
 def variance_sentence(study):
@@ -269,7 +272,7 @@ def page(folder):
         "## Where the defaults differ from the paper\n",
         "- **Samples of *none*.** The paper draws them from all remaining times. Here they keep 100 ms from every touch, and from every release, "
         "which the paper does not mention. `configs/windows-as-paper.json` lets them reach the edges of both.\n"
-        "- **Noise reduction.** The paper's equations 3 and 4 as printed give D = E / (1 + e^(E + b)), which decreases as a count E grows, on both sides of b. Its text says that "
+        "- **Noise reduction.** The paper's equations 3 and 4 as printed give D = E / (1 + e^(E + b)), which is nearly 0 for every count: it decreases from a count of 1 on. Its text says that "
         "counts well above b become almost 0, and counts well below b stay. The default follows the text: D = E / (1 + e^(E − b)). `configs/heatmaps-as-printed.json` follows the equations.\n",
         "## To repeat it\n",
         f"    scripts/publish-study {repeating(settings, trade)}\n"

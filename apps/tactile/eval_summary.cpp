@@ -48,6 +48,12 @@ std::string baselines_not_below(const results::Evaluation& evaluation) {
   return fmt::format("those of {} of {} baselines", count, all.size());
 }
 
+std::string counted_on(const results::Evaluation& evaluation) {
+  const std::size_t runs = evaluation.test_runs().size();
+  return fmt::format("on {} of {} runs{}", runs, evaluation.of_runs,
+                     runs < evaluation.of_runs ? "; the others have no press or no slip without a flag" : "");
+}
+
 /// What a robot would meet, a line each.
 std::vector<std::pair<std::string, std::string>> detector_lines(const results::Evaluation& evaluation) {
   const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
@@ -55,8 +61,7 @@ std::vector<std::pair<std::string, std::string>> detector_lines(const results::E
           {"slip", delay_of(evaluation.network.slip.all)},
           {"false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels")},
           {"wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels")},
-          {"alarms counted", fmt::format("on {} of {} runs; the others have no press or no slip without a flag",
-                                         evaluation.test_runs().size(), evaluation.of_runs)}};
+          {"alarms counted", counted_on(evaluation)}};
 }
 
 /// Empty unless decisions over several ticks may help.
@@ -86,7 +91,7 @@ std::string comparison_with_baselines(const results::Evaluation& evaluation) {
   if (evaluation.baselines.empty()) return "No baselines: the dataset has none of the runs that the model was trained on.";
   if (!above) return "No comparison with the baselines: too few objects for an interval.";
   if (*above) return "The model's accuracy interval lies above every baseline's.";
-  return "The model's accuracy interval does not lie above " + baselines_not_below(evaluation) + ".";
+  return "The model's accuracy interval does not lie wholly above " + baselines_not_below(evaluation) + ".";
 }
 
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {

@@ -67,6 +67,7 @@ Check is_off_or(const Read& read) {
 std::optional<windows::DatasetSummary> make_missing_dataset(const std::string& data, bool strict, const CommonArguments& common) {
   const std::filesystem::path file = dataset_file(data);
   if (std::filesystem::exists(file)) return std::nullopt;
+  if (!std::filesystem::is_directory(data)) throw Error(data + ": no such folder; expected one with runs");
   spdlog::info("{} is missing: it is created with the defaults of 'tactile windows'", file.string());
   windows::DatasetSummary summary = windows::write_dataset(data, file, {.strict = strict}, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);

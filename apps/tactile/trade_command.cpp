@@ -250,7 +250,8 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   });
   if (summary.trade.busy > 0) {
     spdlog::warn(
-        "the p99 of {} of {} settings is not their own: other programs interrupted more than 1 % of their ticks; remove {} and "
+        "other programs interrupted more than 1 % of the ticks of {} of {} settings, so their p99 is the machine's; remove {} "
+        "and "
         "run this again on an idle machine",
         summary.trade.busy, summary.trade.points.size(), (fs::path(args.out) / "times").string());
   }

@@ -44,11 +44,12 @@ void add_accuracy(ReportPage& page, const results::Evaluation& scores) {
   if (all.empty()) return;
   page.html.heading("Accuracy");
   HtmlTable means{.caption =
-                      "Accuracy [%] on balanced samples; below each its 95 % interval. Guard: minimum distance of none samples "
+                      "Accuracy [%] on balanced samples; below each its 95 % interval, if there is one. Guard: minimum distance "
+                      "of none samples "
                       "from every interval; the paper uses 0 ms. Baselines are simpler methods on the same samples.",
                   .head = {"by", "mean over objects", "lowest object", ""},
                   .rows = {}};
-  HtmlTable objects{.caption = "Accuracy [%] of each object, the lowest first; below each its 95 % interval",
+  HtmlTable objects{.caption = "Accuracy [%] of each object, the lowest first; below each its 95 % interval, if there is one",
                     .head = {"object"},
                     .rows = {},
                     .folded = "Accuracy of each object"};

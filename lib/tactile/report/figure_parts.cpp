@@ -24,9 +24,9 @@ void Whiskers::include(const results::Figure& measured) {
 
 void Whiskers::explain(pictures::PlotHead& head) const {
   if (intervals_ == 0)
-    head.note("No intervals: they need 3 runs or objects.");
+    head.note("No intervals: they need 3 runs or objects, and 1 training or 3.");
   else
-    head.key(intervals_ < values_ ? "95 % interval, where there are 3 runs or objects" : "95 % interval",
+    head.key(intervals_ < values_ ? "95 % interval, where there is one" : "95 % interval",
              {.colour = pictures::figure_colours::ink});
 }
 

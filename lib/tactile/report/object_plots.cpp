@@ -185,7 +185,7 @@ pictures::Plot variance_plot(const std::string& title, const results::VarianceSh
                                                 pictures::figure_colours::of(Touch::slip), pictures::figure_colours::faint_ink,
                                                 pictures::figure_colours::others};
   pictures::PlotHead head(title, page_width);
-  head.note("To narrow the interval most, add more of the largest.");
+  head.note("To narrow the interval most, add more of the largest; more trainings for trainings on single objects.");
   // In a key, since a small part has no room for its words.
   for (std::size_t i = 0; i < parts.size(); ++i)
     head.key(fmt::format("{} {:.0f} %", parts[i].first, percent(parts[i].second)), {.colour = colours[i], .fill = 1});

@@ -22,10 +22,11 @@ std::string best_in_words(const HistoryCurve& curve) {
 }
 
 HtmlTable history_table(const ReportedHistories& histories) {
-  HtmlTable table{.caption = fmt::format("Accuracy [%] by history t_h, on {}; below each its 95 % interval", histories.runs),
-                  .head = {"object"},
-                  .rows = {},
-                  .folded = "Accuracy of each object by history"};
+  HtmlTable table{
+      .caption = fmt::format("Accuracy [%] by history t_h, on {}; below each its 95 % interval, if there is one", histories.runs),
+      .head = {"object"},
+      .rows = {},
+      .folded = "Accuracy of each object by history"};
   std::set<double> columns;
   for (const HistoryCurve& curve : histories.curves) {
     for (const HistoryCurve::Point& point : curve.points) columns.insert(point.history_ms);
@@ -47,11 +48,12 @@ HtmlTable history_table(const ReportedHistories& histories) {
 }
 
 HtmlTable unseen_table(const results::UnseenComparison& comparison) {
-  HtmlTable table{
-      .caption = "Accuracy [%] on objects seen in training and held out, and its change [points]; below each its 95 % interval",
-      .head = {"object", "seen", "held out", "difference"},
-      .rows = {},
-      .folded = "Accuracy of each object, seen and held out"};
+  HtmlTable table{.caption =
+                      "Accuracy [%] on objects seen in training and held out, and its change [points]; below each its 95 % "
+                      "interval, if there is one",
+                  .head = {"object", "seen", "held out", "difference"},
+                  .rows = {},
+                  .folded = "Accuracy of each object, seen and held out"};
   const auto add = [&](const std::string& name, const results::SeenAndHeldOut& of) {
     table.rows.push_back({{.text = name}, percent_cell(of.seen), percent_cell(of.held_out), percent_cell(of.difference)});
   };
@@ -142,8 +144,8 @@ void add_unseen(ReportPage& page, const ReportInput& input) {
         unseen_plot(page.titled("Seen and unseen objects, " + where), comparison.objects),
         fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
                     comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
-        fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 11, on {}, "
-                    "which neither model was trained on.",
+        fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 11. Runs: {}; "
+                    "neither model was trained on them.",
                     models.seen, models.held_out, where));
     page.html.table(unseen_table(comparison));
     if (unseen.is_folded) page.html.end_folded();

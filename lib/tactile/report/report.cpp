@@ -34,7 +34,8 @@ void explain(ReportPage& page, const ReportInput& input) {
   page.html.paragraph(
       "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Brackets and whiskers are 95 % intervals "
       "over trainings, objects and runs. With one training they hold for that training only. There is no interval for fewer than "
-      "three runs or objects. Intervals of false alarms per minute also allow for few alarms in a short time.");
+      "three runs or objects, and none for two trainings. Intervals of false alarms per minute also allow for few alarms in a "
+      "short time.");
   if (!input.remarks.empty()) page.html.list(input.remarks);
   page.html.end_folded();
 }

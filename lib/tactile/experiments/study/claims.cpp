@@ -80,14 +80,16 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
     *claim.kept += every_slip_at_once(runs, evaluation::indexes_of(object.second), inputs.tick_ms) == true ? 1U : 0U;
     for (const evaluation::CrossedCell& cell : object.second) trainings.insert(cell.training);
   }
-  // Each object has all or nothing of it, over all trainings.
-  const auto [low, high] =
-      evaluation::binomial_bounds(static_cast<double>(*claim.kept), static_cast<double>(*claim.of), options.confidence);
   claim.measured = {.value = 100 * static_cast<double>(*claim.kept) / static_cast<double>(*claim.of),
-                    .low = 100 * low,
-                    .high = 100 * high,
                     .n = *claim.of,
                     .trainings = trainings.size()};
+  if (objects.size() >= 3 && trainings.size() != 2) {
+    // Each object has all or nothing of it, over all trainings.
+    const auto [low, high] =
+        evaluation::binomial_bounds(static_cast<double>(*claim.kept), static_cast<double>(*claim.of), options.confidence);
+    claim.measured.low = 100 * low;
+    claim.measured.high = 100 * high;
+  }
   claim.in_words = fmt::format("Every slip was detected at its first tick for {}.", kept_of(claim));
   return claim;
 }
@@ -152,7 +154,7 @@ std::string summary_of(const std::vector<results::Claim>& claims, bool simulated
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
                                  simulated ? "simulated" : "real", number_of(results::Outcome::holds), claims.size(),
                                  number_of(results::Outcome::does_not), number_of(results::Outcome::cannot_tell));
-  if (undecidable > 0) text += fmt::format(": for {} of them there are too few trainings, runs or objects", undecidable);
+  if (undecidable > 0) text += fmt::format(": for {} of these there are too few trainings, runs or objects", undecidable);
   return text + ".";
 }
 

@@ -153,7 +153,7 @@ std::vector<results::StudyTraining> trainings_of(const StudyPlan& plan, const Tr
 /// What confidence intervals include, and what they do not.
 std::string sentence_on_trainings(std::size_t trainings) {
   if (trainings == 1) return "One training of each setting: intervals are over runs and objects, not over trainings.";
-  if (trainings == 2) return "Two trainings of each setting: there are no intervals, which need one training or three.";
+  if (trainings == 2) return "Two trainings give no intervals: take three or more.";
   return fmt::format(
       "{} trainings of each setting, each on another run and with another seed. Each is judged on runs that it neither learned "
       "from nor was chosen on. Intervals are over trainings, objects and runs.",

@@ -81,7 +81,7 @@ bool may_meet_on_an_idle_machine(const TradeConstraints& constraints, results::T
 }
 
 constexpr std::string_view how_to_time_again =
-    "A time of 99 of 100 ticks is the machine's if more than 1 % of them are interrupted. On an idle machine, remove the folders "
+    "Where other programs interrupt more than 1 % of the ticks, the p99 is the machine's. On an idle machine, remove the folders "
     "'times', 'again' and 'trial' of the trade, and run the same command again.";
 
 /// Why the measurement does not confirm a setting; empty if it does.

@@ -215,6 +215,12 @@ void add_counts(Runs runs, results::TradeResult& result) {
   }
 }
 
+/// A quantile is not below one of a smaller share.
+void raise_low(results::Figure& quantile, const results::Figure& of_smaller_share) {
+  if (quantile.low && of_smaller_share.low)
+    quantile.low = std::min(quantile.value, std::max(*quantile.low, *of_smaller_share.low));
+}
+
 }  // namespace
 
 results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const results::BootstrapOptions& options) {
@@ -231,6 +237,8 @@ results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const
   figures.us_p50 = of_times(0.5);
   figures.us_p99 = of_times(0.99);
   figures.us_p999 = of_times(0.999);
+  raise_low(figures.us_p99, figures.us_p50);
+  raise_low(figures.us_p999, figures.us_p99);
   figures.delay_median_us = figure(delay_in(runs, 0.5), ranges.delay);
   figures.delay_p90_us = figure(delay_in(runs, 0.9), ranges.delay);
   figures.median_is_bound = is_bound(runs, figures.delay_median_us);

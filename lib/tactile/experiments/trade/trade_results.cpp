@@ -26,7 +26,9 @@ using nlohmann::json;
 std::string judged_by(const TradePlan& plan) {
   const std::size_t trainings = plan.trainings.size();
   const std::string of_runs =
-      plan.objects() < fewest_objects ? " Intervals are over trainings and runs, and hold for these objects only." : "";
+      plan.objects() < fewest_objects
+          ? " Intervals, where there are any, are over trainings and runs, and hold for these objects only."
+          : "";
   if (trainings == 1) {
     const experiments::RunDivision& runs = plan.trainings.front().runs;
     return fmt::format("One training learns from {} runs. Settings are chosen on {} others and reported on {} others.{}",
