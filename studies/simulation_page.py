@@ -19,8 +19,7 @@ FITTED = 8  # the simulation was calibrated to this figure; the others are predi
 WORST_LABELS_MS = ("press_onset", "press_end", "slip_onset", "slip_end", "robot_clock", "video_clock")
 
 # The sensors of the table: folder below sensors/, and head of the column.
-SENSORS = {"still": "DVXplorer 640 × 480, still scene", "class2": "DVXplorer Lite 320 × 240, class2 sample", "tonic": "DVXplorer Lite, tonic sample",
-           "measured": "simulated, camera `measured`", "physics": "simulated, `physics.json` of the still scene"}
+SENSORS = {"still": "DVXplorer 640 × 480, still scene", "measured": "simulated, camera `measured`", "physics": "simulated, `physics.json` of the still scene"}
 COMPARED = ("still", "physics")  # the last column is their difference
 # What a row says, where sensor.json has it, and the factor to its unit.
 SENSOR_ROWS = (("recorded [s]", "seconds", 1), ("rate [kev/s]", "rate_hz", 1e-3), ("rate without hot pixels [kev/s]", "rate_without_hot_hz", 1e-3),

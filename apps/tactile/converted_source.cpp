@@ -36,9 +36,10 @@ bool needs_conversion(const fs::path& in) {
 void warn_of_overflows(const std::string& in, const events::TimeOverflows& overflows) {
   if (overflows.count == 0) return;
   spdlog::warn(
-      "{}:{}: time goes back from {} to {} us, as a counter of {} bits does when it overflows: {} us are added from there on{}",
+      "{}:{}: time goes back from {} to {} us, as a counter of {} bits does when it overflows: {} {} are added from there on{}",
       in, overflows.line, us_of(overflows.before), us_of(overflows.after), overflows.bits, std::int64_t{1} << overflows.bits,
-      overflows.count > 1 ? fmt::format(", and after {} further overflows", overflows.count - 1) : "");
+      events::name_of(overflows.unit),
+      overflows.count > 1 ? fmt::format(", and after {}", counted(overflows.count - 1, "further overflow")) : "");
 }
 
 void warn_of_losses(const std::string& recording, const events::RecordingProblems& problems) {

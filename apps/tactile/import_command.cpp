@@ -107,14 +107,16 @@ struct ImportedRun {
   std::vector<std::string> lacks;  ///< "robot log", "IMU", "film"
 };
 
-std::size_t healthy_in(const std::vector<ImportedRun>& runs) {
-  return static_cast<std::size_t>(
-      std::count_if(runs.begin(), runs.end(), [](const ImportedRun& run) { return run.report.health.healthy(); }));
-}
+bool is_sound(const ImportedRun& run) { return run.report.health.healthy(); }
+
+bool is_long_enough(const ImportedRun& run) { return run.report.health.duration() >= windows::shortest_run({}); }
 
 /// Whether the recording is a sound file, but cannot be a run.
-bool is_too_short(const ImportedRun& run) {
-  return run.report.health.healthy() && run.report.health.duration() < windows::shortest_run({});
+bool is_too_short(const ImportedRun& run) { return is_sound(run) && !is_long_enough(run); }
+
+std::size_t healthy_in(const std::vector<ImportedRun>& runs) {
+  return static_cast<std::size_t>(
+      std::count_if(runs.begin(), runs.end(), [](const ImportedRun& run) { return is_sound(run) && is_long_enough(run); }));
 }
 
 std::size_t too_short_in(const std::vector<ImportedRun>& runs) {
@@ -231,6 +233,7 @@ std::string text_of(const ImportCommandArguments& args, const RunNames& names, c
                       too_short_in(runs) > 0 ? fmt::format(", {} too short for a run", too_short_in(runs)) : "");
   for (const auto& [lacks, which] : runs_lacking)
     text += wrapped(label_text(fmt::format("{}", fmt::join(which, ", ")), which.size() > 1, lacks)) + "\n";
+  if (std::none_of(runs.begin(), runs.end(), is_long_enough)) return text;
   const fs::path object = fs::path(args.splitting.data) / names.object;
   return text + fmt::format("Next: tactile label {}\n", shell_word(object.string()));
 }
@@ -268,7 +271,7 @@ void import_recordings(const ImportCommandArguments& args, const CommonArguments
   result["errors"] = errors;
   if (!runs.empty() || common.json) print_result(common, result, runs.empty() ? "" : text_of(args, names, runs, errors.size()));
   end_with(errors);
-  if (healthy_in(runs) < runs.size()) throw CheckFailed{};
+  if (!std::all_of(runs.begin(), runs.end(), is_sound)) throw CheckFailed{};
 }
 
 }  // namespace

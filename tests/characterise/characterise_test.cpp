@@ -191,6 +191,23 @@ TEST(Characterise, RefusesARecordingInWhichSomethingMovesTooOften) {
             std::string::npos);
 }
 
+TEST(Characterise, RefusesARecordingInWhichEdgesMoveSteadily) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made{.seconds = 1};
+  const auto file = test::write_recording(folder / "a.aedat4", made.size, with_edges(made, events_of(made, 16)));
+  EXPECT_NE(test::error_of([&] { characterise({file}, {}); }).find("a.aedat4: something moves all the time"), std::string::npos);
+}
+
+TEST(Characterise, FindsTheFrequencyOfSlowPulses) {
+  const test::TemporaryFolder folder;
+  const test::MadeSensor made{.seconds = 4};
+  const auto file = test::write_recording(folder / "a.aedat4", made.size, with_pulses(made, events_of(made, 17), 30));
+  const std::vector<FlickerSeries> series = series_of(characterise({file}, {}).flicker);
+  ASSERT_FALSE(series.empty());
+  EXPECT_NEAR(series[0].line.hz.value, 30, 0.05);
+  EXPECT_GT(series[0].multiples, 10U);
+}
+
 TEST(Characterise, ListsNoDeadPixelsThatItDoesNotKnow) {
   const test::TemporaryFolder folder;
   test::MadeSensor made{.seconds = 2, .background_hz = 1, .shape = 1};
@@ -250,8 +267,13 @@ TEST(Characterise, TakesPassagesFromTouchedRecordings) {
 
 TEST(Characterise, RefusesWhatItCannotUse) {
   const test::TemporaryFolder folder;
-  const test::MadeSensor made{.seconds = 0.2};
+  const test::MadeSensor made{.seconds = 0.6};
   const auto file = test::write_recording(folder / "a.aedat4", made.size, events_of(made, 1));
+  const auto brief = test::write_recording(folder / "brief.aedat4", made.size, test::events_of({.seconds = 0.2}, 1));
+  EXPECT_NE(test::error_of([&] {
+              characterise({brief}, {});
+            }).find("brief.aedat4: lasts 0.2 s; expected 0.5 s or more without touch and motion"),
+            std::string::npos);
   const auto other = test::write_recording(folder / "b.aedat4", {81, 60}, {test::event(1, 80, 1, 1), test::event(9, 1, 1, 1)});
   EXPECT_NE(test::error_of([&] {
               characterise({file, other}, {});

@@ -50,6 +50,31 @@ TEST(Flicker, OfPulsesIsOneSeriesOfItsFrequency) {
   EXPECT_EQ(series[3].multiples, 0U);
 }
 
+Flicker with_lines(const std::vector<double>& frequencies) {
+  Flicker flicker{.from_hz = 50, .to_hz = 2000, .lines = {}, .resolution_hz = 1, .spectrum = {}};
+  flicker.lines.reserve(frequencies.size());
+  for (const double hz : frequencies) flicker.lines.push_back({.hz = {hz, 0.02}, .depth = {1.9, 0.04}});
+  return flicker;
+}
+
+TEST(Flicker, OfPulsesBelowTheSearchedRangeHasTheirFrequency) {
+  // Of 30 Hz without 150 Hz, and mains light.
+  const auto series = series_of(with_lines({60.01, 89.99, 100, 120.02, 180, 210.01, 240}));
+  ASSERT_EQ(series.size(), 2U);
+  EXPECT_NEAR(series[0].line.hz.value, 30, 0.003);
+  EXPECT_LT(series[0].line.hz.uncertainty, 0.004);
+  EXPECT_EQ(series[0].multiples, 6U);
+  EXPECT_EQ(series[1].line.hz.value, 100);
+}
+
+TEST(Flicker, IsNoSeriesOfWhichMostMultiplesAreMissing) {
+  EXPECT_EQ(series_of(with_lines({100, 120})).size(), 2U) << "not 20 Hz: 60 and 80 Hz are missing";
+  EXPECT_EQ(series_of(with_lines({60, 90.3})).size(), 2U) << "not 30 Hz: 0.3 Hz are 15 uncertainties";
+  const auto series = series_of(with_lines({60, 120, 180}));
+  ASSERT_EQ(series.size(), 1U);
+  EXPECT_EQ(series[0].line.hz.value, 60) << "not 30 Hz";
+}
+
 TEST(Flicker, HasValuesWithinTheirUncertainty) {
   int hz_within = 0, depth_within = 0;
   constexpr int seeds = 60;

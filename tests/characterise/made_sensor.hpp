@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "events/aedat4_bytes.hpp"
 #include "tactile/core/measured.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/events/recording_writer.hpp"
@@ -62,6 +63,36 @@ inline std::vector<events::Event> events_of(const MadeSensor& sensor, std::uint6
     }
   }
   std::stable_sort(events.begin(), events.end(), [](const events::Event& a, const events::Event& b) { return a.t < b.t; });
+  return events;
+}
+
+/// Its events, and those of edges that cross it at 50 px/s, one each 10 pixels: each is seen by a column within 2 ms.
+inline std::vector<events::Event> with_edges(const MadeSensor& sensor, std::vector<events::Event> events) {
+  constexpr std::int64_t us_per_pixel = 20'000, apart = 10;
+  Random random(21);
+  for (std::int64_t step = 0; step < static_cast<std::int64_t>(1e6 * sensor.seconds) / us_per_pixel; ++step) {
+    for (std::int64_t x = step % apart; x < sensor.size.width; x += apart) {
+      for (int y = 0; y < sensor.size.height; ++y) {
+        const auto late = static_cast<std::int64_t>(2'000 * random.uniform());
+        events.push_back(event(1'000'000 + us_per_pixel * step + late, static_cast<int>(x), y, 1));
+      }
+    }
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+  return events;
+}
+
+/// Its events, and those of all pixels in light that is pulsed: each fires at three of ten pulses, within a millisecond.
+inline std::vector<events::Event> with_pulses(const MadeSensor& sensor, std::vector<events::Event> events, double hz) {
+  Random random(22);
+  for (int pulse = 0; pulse < static_cast<int>(hz * sensor.seconds); ++pulse) {
+    for (int pixel = 0; pixel < sensor.size.width * sensor.size.height; ++pixel) {
+      if (random.uniform() > 0.3) continue;
+      const double t_us = 1'000'000 + 1e6 / hz * pulse + 1'000 * random.uniform();
+      events.push_back(event(std::llround(t_us), pixel % sensor.size.width, pixel / sensor.size.width, 1));
+    }
+  }
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
   return events;
 }
 

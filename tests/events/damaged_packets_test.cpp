@@ -120,6 +120,11 @@ TEST_F(DamagedRecording, IsRefusedIfItsEventsAreLossyTimeBins) {
               std::string::npos)
         << compression;
   }
+  std::string identified = event_payload(row_of_events(100, 3));
+  identified.replace(8, 4, "LBEV");
+  EXPECT_NE(error_of(file_start(0, one_camera) + packet(0, event_payload(row_of_events(100, 3))) + packet(0, identified))
+                .find("has jAER's lossy time bins (LBEV)"),
+            std::string::npos);
 }
 
 // --- packet contents

@@ -39,6 +39,12 @@ std::string error_of(const std::string& text, const EventCsvOptions& options = {
   return "no error";
 }
 
+std::string csv_of(const std::vector<std::int64_t>& stamps) {
+  std::string text = "t,x,y,p\n";
+  for (const std::int64_t stamp : stamps) text += fmt::format("{},1,2,1\n", stamp);
+  return text;
+}
+
 TEST(EventCsvWriter, WritesOneEventALine) {
   const test::TemporaryFolder folder;
   EventCsvWriter writer(folder / "events.csv");
@@ -117,23 +123,71 @@ TEST(EventCsvReader, UndoesTheOverflowsOfCounters) {
   for (const auto& [bits, least] : std::vector<std::pair<int, std::int64_t>>{{24, 0}, {31, 0}, {32, 0}, {32, -2'147'483'648}}) {
     const std::int64_t range = std::int64_t{1} << bits, most = least + range;
     const test::TemporaryFolder folder;
-    std::string text = "t,x,y,p\n";
-    for (const std::int64_t t : {most - 2, most - 1, least + 100, least + 5'000, most - 7, least})
-      text += fmt::format("{},1,2,1\n", t);
-    write_whole(folder / "events.csv", text);
+    write_whole(folder / "events.csv", csv_of({most - 2, most - 1, least + 100, least + range / 2, most - 7, least}));
     EventCsvReader reader(folder / "events.csv");
     std::vector<std::int64_t> times;
     for (const Event& event : reader.next()) times.push_back(us_of(event.t));
-    EXPECT_EQ(times, (std::vector{most - 2, most - 1, most + 100, most + 5'000, most + range - 7, most + range})) << bits;
+    EXPECT_EQ(times, (std::vector{most - 2, most - 1, most + 100, most + range / 2, most + range - 7, most + range})) << bits;
     EXPECT_EQ(reader.overflows().count, 2U);
     EXPECT_EQ(reader.overflows().line, 4U);
     EXPECT_EQ(reader.overflows().bits, bits);
     EXPECT_EQ(us_of(reader.overflows().before), most - 1);
     EXPECT_EQ(us_of(reader.overflows().after), least + 100);
   }
-  // More than a thousandth short of the range: no overflow, and neither is a longer step.
-  EXPECT_NE(error_of("t,x,y,p\n4294967295,1,2,1\n4294968,1,2,1\n").find("if the clock started again here"), std::string::npos);
-  EXPECT_NE(error_of("t,x,y,p\n4294967297,1,2,1\n0,1,2,1\n").find("if the clock started again here"), std::string::npos);
+}
+
+/// What a file of these times is read as, in microseconds.
+std::vector<std::int64_t> times_of(const std::vector<std::int64_t>& stamps, const EventCsvOptions& options = {}) {
+  std::vector<std::int64_t> times;
+  for (const Event& event : events_in_csv(csv_of(stamps), options)) times.push_back(us_of(event.t));
+  return times;
+}
+
+TEST(EventCsvReader, UndoesAnOverflowInAGap) {
+  using Times = std::vector<std::int64_t>;
+  constexpr std::int64_t r24 = std::int64_t{1} << 24, r31 = std::int64_t{1} << 31, r32 = std::int64_t{1} << 32;
+  for (const auto& [range, gap] : {std::pair(r24, 20'000), std::pair(r24, 500'000), std::pair(r31, 3'000'000),
+                                   std::pair(r32, 5'000'000), std::pair(r32, 100'000'000)}) {
+    EXPECT_EQ(times_of({range - 1000, gap - 1000}), (Times{range - 1000, range + gap - 1000})) << range;
+  }
+}
+
+TEST(EventCsvReader, UndoesTheOverflowsOfCountersOfNanoseconds) {
+  constexpr std::int64_t r = std::int64_t{1} << 32;
+  const EventCsvOptions ns{.columns = "", .time_unit = TimeUnit::ns};
+  // No microsecond is lost however often the counter overflows: 2^32 ns are 4294967.296 us.
+  EXPECT_EQ(
+      times_of({r - 1000, 500, r / 2, r - 1, 0, r / 2, r - 1, 50'000'000}, ns),
+      (std::vector<std::int64_t>{4'294'966, 4'294'968, 6'442'451, 8'589'935, 8'589'935, 10'737'418, 12'884'902, 12'934'902}));
+  EXPECT_EQ(times_of({(std::int64_t{1} << 31) - 1, 0}, ns), (std::vector<std::int64_t>{2'147'484, 2'147'484}));
+  EXPECT_EQ(times_of({1000 * (std::int64_t{1} << 24) - 1000, 1000}, ns), (std::vector<std::int64_t>{16'777'215, 16'777'217}));
+}
+
+TEST(EventCsvReader, RefusesRowsOutOfOrderAroundAnOverflow) {
+  constexpr std::int64_t r = std::int64_t{1} << 32;
+  const std::string remedy =
+      " us; expected times that never go back; the counter of 32 bits overflowed in line 3, and sorting would mix the times "
+      "before and after it: add 4294967296 us to the times after each overflow, then sort the file";
+  EXPECT_EQ(error_of(csv_of({r - 5, 3, r - 2, 7})), "4: time goes back from 4294967299 to 4294967294" + remedy);
+  EXPECT_EQ(error_of(csv_of({r - 5, 3000, 2000})), "4: time goes back from 4294970296 to 4294969296" + remedy);
+}
+
+TEST(EventCsvReader, DoesNotOfferToSortWhereTimesFallByMostOfARange) {
+  EXPECT_EQ(
+      error_of(csv_of({10'000'000, 0})),
+      "3: time goes back from 10000000 to 0 us; expected times that never go back; if the clock started again here, cut the "
+      "file before this line; if a counter of 24 bits overflowed here, in a gap of 6777216 us, add 16777216 us to the times "
+      "from this line on");
+  for (const std::int64_t before : {16'000'000, 2'000'000'000})
+    EXPECT_EQ(error_of(csv_of({before, 0})).find("sort"), std::string::npos) << before;
+  EXPECT_NE(error_of(csv_of({4'294'967'297, 0})).find("sort the file"), std::string::npos) << "no counter goes so far";
+}
+
+TEST(EventCsvReader, RefusesAClockThatCountsOnPastItsCounter) {
+  EXPECT_EQ(
+      error_of(csv_of({16'700'000, 0, 16'000'000, 17'000'000})),
+      "5: the time 17000000 us is beyond the range of a counter of 24 bits, whose overflow line 3 shows; expected less than "
+      "16777216 us; if the clock started again in line 3, cut the file before that line");
 }
 
 TEST(EventCsvReader, NamesTheCommandThatSortsRowsOutOfOrder) {

@@ -48,15 +48,18 @@ TEST(LogUnits, AreSecondsMetresAndRadians) {
 }
 
 TEST(LogUnits, OfOtherKindsAreRefusedWithColumnAndFactor) {
-  constexpr double mm = 1000, degrees = 57.29578;
+  constexpr double mm = 1000, cm = 100, degrees = 57.29578;
+  const std::string convert = "convert the values (millimetres: divide by 1000; centimetres: by 100; inches: multiply by 0.0254)";
   EXPECT_EQ(refusal_of_log({.place = mm, .speed = mm}),
-            ": actual_TCP_pose_0 to _2 have values of 400, where no arm reaches; expected metres: divide millimetres by 1000");
+            ": actual_TCP_pose_0 to _2 have values of 400, where no arm reaches; expected metres: " + convert);
+  EXPECT_EQ(refusal_of_log({.place = cm, .speed = cm}),
+            ": actual_TCP_pose_0 to _2 have values of 40, where no arm reaches; expected metres: " + convert);
   EXPECT_EQ(refusal_of_log({.turn = degrees}),
             ": actual_TCP_pose_3 to _5 have values of 177.6, more than a turn; expected radians: multiply degrees by 0.0174533");
   EXPECT_EQ(refusal_of_log({.turn = degrees}, true),
             ": actual_q_0 to _5 have values of 108.9, more than a turn; expected radians: multiply degrees by 0.0174533");
   EXPECT_EQ(refusal_of_log({.speed = mm}),
-            ": actual_TCP_speed_0 to _2 have values of 100, faster than any arm; expected m/s: divide millimetres by 1000");
+            ": actual_TCP_speed_0 to _2 have values of 100, faster than any arm; expected m/s: " + convert);
   EXPECT_EQ(refusal_of_log({.turning = degrees}),
             ": actual_TCP_speed_3 to _5 have values of 57.3, faster than any arm; expected rad/s: multiply degrees by 0.0174533");
 }

@@ -239,10 +239,13 @@ TEST_F(ImportCommand, NamesARecordingThatIsTooShortForARun) {
   };
   const auto brief = made("brief", 99), enough = made("enough", 154'000);
   EXPECT_EQ(brief.exit_code, 0) << brief.err;
-  EXPECT_NE(brief.out.find("1 of 1 healthy, 1 too short for a run"), std::string::npos) << brief.out;
+  EXPECT_NE(brief.out.find("0 of 1 healthy, 1 too short for a run"), std::string::npos) << brief.out;
+  EXPECT_EQ(brief.out.find("Next:"), std::string::npos) << brief.out;
   EXPECT_NE(brief.err.find("brief/01: lasts 99 us, too short for a run; expected 154.0 ms or more"), std::string::npos)
       << brief.err;
   EXPECT_EQ(enough.out.find("too short"), std::string::npos) << enough.out;
+  EXPECT_NE(enough.out.find("1 of 1 healthy"), std::string::npos) << enough.out;
+  EXPECT_NE(enough.out.find("Next: tactile label"), std::string::npos) << enough.out;
 }
 
 TEST_F(ImportCommand, EndsWithTwoIfARunIsNotHealthy) {

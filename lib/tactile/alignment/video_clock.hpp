@@ -36,7 +36,9 @@ std::string set_ambiguity(VideoClockFit& fit, double best, double second, const 
 
 /// Fits the line through the anchors, `fit_clock`. One run's film allows no drift: it is 0, unless four motions over 60 s and
 /// more allow a line. The interval of the offset holds where the anchors are. From there the clock may drift: the rates of films
-/// are off by 0.5 % (standard deviation), and films whose times count frames also lack one frame in a hundred.
+/// are off by 0.5 % (standard deviation), and films whose times count frames also lack one frame in a hundred. Counted times may
+/// also have a rate that is not the film's, such as index / 25 of a film of 30 frames/s. Refused where the distances of the
+/// motions show it beyond three standard deviations; where they cannot, such as with one motion, the remark says so.
 VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
 
 }  // namespace tactile::alignment

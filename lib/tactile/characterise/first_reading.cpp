@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "tactile/characterise/neighbour_steps.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
@@ -86,6 +87,13 @@ void read_recording(OpenRecording& open, ReadRecording& recording, FirstReading&
   recording.readout = readout.readout();
 }
 
+bool moves_in(OpenRecording& open, const QuietStretch& stretch, const ProgressCallback& progress) {
+  NeighbourSteps steps(*open.stream().size, stretch.begin);
+  open.for_packets(
+      stretch, [&](std::span<const events::Event> events) { steps.add(events); }, progress);
+  return steps.is_motion();
+}
+
 /// Of several recordings of one sensor.
 events::Readout combined_readout(const std::vector<ReadRecording>& recordings) {
   events::Readout readout = recordings.front().readout;
@@ -158,6 +166,7 @@ FirstReading read_first(const std::vector<std::filesystem::path>& quiet, const C
   PacketMeter packets;
   std::optional<events::SensorSize> size;
   bool has_packets = true;
+  double longest_s = 0;
   for (const std::filesystem::path& file : quiet) {
     OpenRecording open(file, options, size);
     if (!size) {
@@ -174,6 +183,8 @@ FirstReading read_first(const std::vector<std::filesystem::path>& quiet, const C
                               meter.is_empty() ? "holds no event" : "all events have the same time"));
     }
     reading.seconds_left_out += meter.seconds();
+    longest_s = std::max(longest_s, meter.seconds());
+    if (moves_in(open, meter.quietest(), progress)) continue;
     for (const QuietStretch& stretch : meter.stretches()) {
       ReadRecording& recording = reading.recordings.emplace_back();
       recording.file = file;
@@ -186,8 +197,10 @@ FirstReading read_first(const std::vector<std::filesystem::path>& quiet, const C
     }
   }
   if (reading.recordings.empty()) {
-    throw Error(fmt::format("{}: something moves all the time; expected {} s or more without touch and motion",
-                            quiet.front().string(), std::chrono::duration<double>(QuietMeter::shortest).count()));
+    const double least_s = std::chrono::duration<double>(QuietMeter::shortest).count();
+    throw Error(fmt::format("{}: {}; expected {} s or more without touch and motion", quiet.front().string(),
+                            longest_s < least_s ? fmt::format("lasts {:.3g} s", longest_s) : "something moves all the time",
+                            least_s));
   }
   reading.readout = combined_readout(reading.recordings);
   if (reading.readout.kind == events::Readout::Kind::steady) reading.counts.period_us = reading.readout.period_us.value;

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <unsupported/Eigen/FFT>
 
 #include "tactile/core/robust_statistics.hpp"
@@ -25,6 +26,44 @@ double hann_response(double offset) {
   return sinc / (1 - offset * offset);
 }
 
+/// A frequency of which lines are multiples, and how many more of its multiples have a line than lack one.
+struct Fundamental {
+  Measured hz;
+  double lines_less_gaps = 0;
+};
+
+/// Follows the multiples of `hz` from line to line; each makes it more exact.
+Fundamental followed(Measured hz, std::span<const FlickerLine> lines, double from_hz) {
+  constexpr double deviations = 3;
+  double found = 0, last = 0;
+  for (const FlickerLine& line : lines) {
+    const double n = std::nearbyint(line.hz.value / hz.value);
+    const double uncertainty = std::max(1e-9, std::hypot(line.hz.uncertainty, n * hz.uncertainty));
+    if (n <= last || std::abs(line.hz.value - n * hz.value) > deviations * uncertainty) continue;
+    found += 1;
+    last = n;
+    const double weight = std::pow(n * hz.uncertainty / uncertainty, 2);
+    hz.value += weight * (line.hz.value / n - hz.value);
+    hz.uncertainty *= std::sqrt(1 - weight);
+  }
+  const double multiples = last - std::ceil(from_hz / hz.value) + 1;
+  return {hz, found - (multiples - found)};
+}
+
+/// The frequency of the first line, or one below the searched range if more lines are multiples of it than multiples lack one.
+Measured fundamental_of(std::span<const FlickerLine> lines, const Flicker& flicker) {
+  const Measured first = lines.front().hz;
+  Fundamental best = followed(first, lines, flicker.from_hz);
+  best.hz = first;
+  // Multiples closer than two resolutions would not be separate lines.
+  for (int n = 2; first.value > 2 * flicker.resolution_hz * n; ++n) {
+    const Measured hz{first.value / n, first.uncertainty / n};
+    const Fundamental other = followed(hz, lines, flicker.from_hz);
+    if (hz.value < flicker.from_hz && other.lines_less_gaps > best.lines_less_gaps) best = other;
+  }
+  return best.hz;
+}
+
 }  // namespace
 
 double chance_of(double ratio, double n) {
@@ -34,17 +73,20 @@ double chance_of(double ratio, double n) {
 
 std::vector<FlickerSeries> series_of(const Flicker& flicker) {
   std::vector<FlickerSeries> series;
-  for (const FlickerLine& line : flicker.lines) {
-    const auto is_multiple = [&](const FlickerSeries& other) {
-      const double hz = other.line.hz.value, n = std::nearbyint(line.hz.value / hz);
-      return line.is_local == other.line.is_local && std::abs(line.hz.value - n * hz) <= flicker.resolution_hz;
+  std::vector<FlickerLine> left = flicker.lines;
+  while (!left.empty()) {
+    FlickerLine line = left.front();
+    const auto end = std::stable_partition(left.begin(), left.end(), [&](const auto& l) { return l.is_local == line.is_local; });
+    line.hz = fundamental_of({left.begin(), end}, flicker);
+    // Of lines closer than the resolution only one is found.
+    const auto is_multiple = [&](const FlickerLine& other) {
+      const double n = std::nearbyint(other.hz.value / line.hz.value);
+      return other.is_local == line.is_local && std::abs(other.hz.value - n * line.hz.value) <= flicker.resolution_hz;
     };
-    const auto first = std::find_if(series.begin(), series.end(), is_multiple);
-    if (first == series.end()) {
-      series.push_back({line});
-    } else {
-      ++first->multiples;
-    }
+    const auto found = static_cast<std::size_t>(std::count_if(left.begin(), left.end(), is_multiple));
+    series.push_back({line, line.hz.value < left.front().hz.value ? found : found - 1});
+    left.erase(std::remove_if(left.begin(), left.end(), is_multiple), left.end());
+    std::sort(left.begin(), left.end(), [](const FlickerLine& a, const FlickerLine& b) { return a.hz.value < b.hz.value; });
   }
   return series;
 }

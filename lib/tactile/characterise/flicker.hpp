@@ -30,7 +30,9 @@ struct Flicker {
   std::vector<double> spectrum;  ///< power over that of the neighbouring frequencies, i * resolution_hz
 };
 
-/// A line, and how many others are its multiples: pulsed light has a line at each multiple of its frequency.
+/// A line, and how many others are its multiples: pulsed light has a line at each multiple of its frequency. If that frequency
+/// is below the searched range, `line` is the lowest of its multiples, with the frequency of the pulses: the greatest of which
+/// the lines are multiples within their uncertainty, and of which most multiples up to the last line have one.
 struct FlickerSeries {
   FlickerLine line;
   std::size_t multiples = 0;

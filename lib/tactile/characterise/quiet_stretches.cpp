@@ -19,27 +19,38 @@ void QuietMeter::add(std::span<const events::Event> events) {
     last_ = std::max(last_, event.t);
     const std::int64_t index = between(begin_, event.t).count() / bin_us;
     if (index > bins_.back().index) bins_.push_back({.index = index});  // an earlier one counts in the last
-    ++bins_.back().counts[static_cast<std::size_t>(event.y * side / size_.height * side + event.x * side / size_.width)];
+    const int row = event.y * side / size_.height, column = event.x * side / size_.width;
+    ++bins_.back().counts[static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column)];
   }
 }
 
-std::vector<bool> QuietMeter::moving() const {
-  constexpr std::int64_t reference = 10;  // bins
-  constexpr double deviations = 6, wander = 0.05;
-  constexpr int most_rounds = 20;
+std::pair<std::size_t, std::size_t> QuietMeter::quietest_bins() const {
   const auto events_in = [](const Bin& bin) { return std::accumulate(bin.counts.begin(), bin.counts.end(), 0.0); };
   const std::int64_t end = bins_.back().index;  // the last bin is not full
-  // At first only the bins of the 0.2 s with the fewest events are quiet.
-  std::size_t from = 0, to = 0, best_from = 0, best_to = bins_.size();
+  std::pair<std::size_t, std::size_t> quietest(0, bins_.size());
+  std::size_t from = 0, to = 0;
   double events = 0, fewest = std::numeric_limits<double>::infinity();
-  for (; from < bins_.size() && bins_[from].index + reference <= end; events -= events_in(bins_[from++])) {
-    for (; to < bins_.size() && bins_[to].index < bins_[from].index + reference; ++to) events += events_in(bins_[to]);
+  for (; from < bins_.size() && bins_[from].index + reference_bins <= end; events -= events_in(bins_[from++])) {
+    for (; to < bins_.size() && bins_[to].index < bins_[from].index + reference_bins; ++to) events += events_in(bins_[to]);
     if (events >= fewest) continue;
     fewest = events;
-    best_from = from;
-    best_to = to;
+    quietest = {from, to};
   }
-  double bins = static_cast<double>(std::min(reference, end + 1));
+  return quietest;
+}
+
+QuietStretch QuietMeter::quietest() const {
+  const CameraTime begin = after(begin_, microseconds{bin_us * bins_[quietest_bins().first].index});
+  return {begin, after(begin, reference)};
+}
+
+std::vector<bool> QuietMeter::moving() const {
+  constexpr double deviations = 6, wander = 0.05;
+  constexpr int most_rounds = 20;
+  const std::int64_t end = bins_.back().index;  // the last bin is not full
+  // At first only the bins of the 0.2 s with the fewest events are quiet.
+  const auto [best_from, best_to] = quietest_bins();
+  double bins = static_cast<double>(std::min(reference_bins, end + 1));
   std::vector<bool> moves(bins_.size(), true);
   std::fill(moves.begin() + static_cast<std::ptrdiff_t>(best_from), moves.begin() + static_cast<std::ptrdiff_t>(best_to), false);
   for (int round = 0; round < most_rounds; ++round) {
@@ -77,10 +88,9 @@ std::vector<QuietStretch> QuietMeter::stretches() const {
   if (bins_.empty()) return stretches;
   const std::vector<bool> moves = moving();
   const CameraTime end = after(last_, microseconds{1});
-  const microseconds least = std::min(shortest, between(first_, end));
   CameraTime begin = first_;
   const auto take = [&](CameraTime until) {
-    if (until > begin && between(begin, until) >= least) stretches.push_back({begin, until});
+    if (until > begin && between(begin, until) >= shortest) stretches.push_back({begin, until});
   };
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     if (!moves[i]) continue;

@@ -140,7 +140,7 @@ void refuse_dataset(hid_t file, const std::string& name) {
 /// @throws Error  that names the filter, if a table in the group, or in a group of it, needs one that this HDF5 lacks
 void check_all_filters(hid_t group, const std::string& where, bool is_root = false) {
   for (const std::string& member : h5::members_of(group)) {
-    const std::string place = where + (is_root ? ": /" : "/") + member;
+    const std::string place = fmt::format("{}{}{}", where, is_root ? ": /" : "/", member);
     if (!h5::linked_file(group, member).empty()) continue;
     if (h5::is_group(group, member)) {
       if (is_root) check_all_filters(h5::open_group(group, member, where), place);

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <utility>
@@ -42,11 +43,28 @@ File open_file(const std::filesystem::path& file, const char* mode, const char* 
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-/// The bits of the counter that overflows where times fall by so much; nothing where none does.
-std::optional<int> overflowing_bits(std::int64_t fall_us) {
-  for (const int bits : {24, 31, 32}) {
-    const std::int64_t range = std::int64_t{1} << bits;
-    if (fall_us <= range && fall_us > range - range / 1000) return bits;
+/// A counter that gives times: after its greatest number it starts again at its least.
+struct TimeCounter {
+  int bits = 0;
+  TimeUnit unit = TimeUnit::us;  ///< that it counts
+  std::int64_t range = 0;        ///< in stamps of the file
+
+  /// Between the events on either side of an overflow. A clock that starts again from 0 looks the same only if it stops in the
+  /// last 1/32 of the range: 16 s are not the end of 24 bits, nor are 4 s of 32 bits of nanoseconds. A gap in the events of more
+  /// than 0.5 s, 1/32 of 24 bits, is rare.
+  std::int64_t longest_gap() const { return range / 32; }
+  std::string range_text() const { return fmt::format("{} {}", std::int64_t{1} << bits, name_of(unit)); }
+};
+
+/// The counter that may have passed its greatest number where stamps fall, whatever the gap; nothing if there is none.
+std::optional<TimeCounter> counter_that_falls(std::int64_t before, std::int64_t after, TimeUnit stamp_unit) {
+  const std::int64_t stamps_per_us = stamp_unit == TimeUnit::ns ? 1000 : 1;
+  for (const auto& [bits, unit] : std::initializer_list<std::pair<int, TimeUnit>>{
+           {31, TimeUnit::ns}, {32, TimeUnit::ns}, {24, TimeUnit::us}, {31, TimeUnit::us}, {32, TimeUnit::us}}) {
+    if (unit == TimeUnit::ns && stamp_unit != TimeUnit::ns) continue;
+    const std::int64_t range = (std::int64_t{1} << bits) * (unit == TimeUnit::us ? stamps_per_us : 1);
+    if (before >= range || after < -range) continue;
+    if (before - after > range / 2 && before - after <= range) return TimeCounter{bits, unit, range};
   }
   return std::nullopt;
 }
@@ -158,10 +176,11 @@ struct EventCsvReader::State {
   std::size_t waiting = 0;  ///< bytes at the buffer's start that are not parsed yet
   bool at_end = false;
   std::uint64_t bytes = 0;
-  std::uint64_t line = 0;        ///< the last one parsed, from 1
-  std::uint64_t rows_above = 0;  ///< comments and header
-  CameraTime latest = CameraTime::min();
-  std::int64_t added_us = 0;  ///< to the times, since counters overflowed
+  std::uint64_t line = 0;                                          ///< the last one parsed, from 1
+  std::uint64_t rows_above = 0;                                    ///< comments and header
+  std::int64_t latest = std::numeric_limits<std::int64_t>::min();  ///< stamp, as in the file
+  std::int64_t added = 0;                                          ///< to the stamps, since the counter overflowed
+  std::optional<TimeCounter> counter;                              ///< once it overflowed
   TimeOverflows overflows;
   std::vector<Event> events;  ///< parsed ones; the constructor parses the first chunk for the header
   bool handed_out = false;
@@ -200,9 +219,9 @@ struct EventCsvReader::State {
     while (at < end && is_blank(*at)) ++at;
     if (at != end) refuse_event(text);
     Event& event = cells.event;
-    event.t = camera_time(saturating_add(cells.t, added_us));
-    if (event.t < latest) undo_overflow(event.t);
-    latest = event.t;
+    if (!follows(cells.stamp)) undo_overflow(cells.stamp);
+    latest = cells.stamp;
+    event.t = camera_time(us_with(added, cells.stamp));
     event.on = cells.polarity > 0 ? 1 : 0;
     if (cells.polarity <= 0 && cells.polarity != lowest_polarity) note_polarity(cells.polarity);
     events.push_back(event);
@@ -211,14 +230,14 @@ struct EventCsvReader::State {
   /// The values of a row while it is read.
   struct Cells {
     Event event;
-    std::int64_t t = 0;
+    std::int64_t stamp = 0;
     int polarity = 0;
   };
 
   bool read_cell(EventColumn column, const char*& at, const char* end, Cells& cells) const {
     switch (column) {
       case EventColumn::t: {
-        const std::size_t length = read_microseconds({at, static_cast<std::size_t>(end - at)}, unit, cells.t);
+        const std::size_t length = read_stamp({at, static_cast<std::size_t>(end - at)}, unit, cells.stamp);
         at += length;
         return length > 0;
       }
@@ -238,18 +257,66 @@ struct EventCsvReader::State {
     return false;
   }
 
-  /// @throws Error  if the step back of `t` is no counter's overflow
-  void undo_overflow(CameraTime& t) {
-    const std::optional<int> bits = overflowing_bits(saturating_subtract(us_of(latest), us_of(t)));
-    if (!bits) refuse_order(us_of(t));
-    if (overflows.count++ == 0) overflows = {.count = 1, .line = line, .bits = *bits, .before = latest, .after = t};
-    const std::int64_t range = std::int64_t{1} << *bits;
-    added_us = saturating_add(added_us, range);
-    t = after(t, microseconds{range});
+  std::int64_t us_with(std::int64_t add, std::int64_t stamp) const { return us_of_stamp(saturating_add(stamp, add), unit); }
+
+  /// Whether the stamp is not before the latest one. After an overflow a step forward of nearly the range is none: the event is
+  /// from before the overflow.
+  bool follows(std::int64_t stamp) const {
+    return stamp >= latest && (!counter || (stamp < counter->range && stamp - latest < counter->range - counter->longest_gap()));
   }
 
-  /// Names a command that sorts the file, whatever its size.
-  [[noreturn]] void refuse_order(std::int64_t t_us) const {
+  /// Adds the counter's range from this stamp on.
+  /// @throws Error  if the step to the stamp is no counter's overflow
+  void undo_overflow(std::int64_t stamp) {
+    if (counter && stamp >= latest && stamp >= counter->range) refuse_counter(stamp, *counter);
+    if (counter && stamp >= latest) refuse_order(stamp, added - counter->range);
+    const std::optional<TimeCounter> fallen = counter_that_falls(latest, stamp, unit);
+    if (!fallen || (counter && counter->range != fallen->range)) refuse_order(stamp, added);
+    const std::int64_t gap = fallen->range - (latest - stamp);
+    if (gap > fallen->longest_gap() && counter) refuse_order(stamp, added);
+    if (gap > fallen->longest_gap()) refuse_fall(stamp, *fallen, gap);
+    if (overflows.count++ == 0) {
+      overflows = {.count = 1,
+                   .line = line,
+                   .bits = fallen->bits,
+                   .unit = fallen->unit,
+                   .before = camera_time(us_with(0, latest)),
+                   .after = camera_time(us_with(0, stamp))};
+    }
+    counter = fallen;
+    added = saturating_add(added, fallen->range);
+  }
+
+  /// A clock that counts on past the range of its counter shows that the counter did not overflow.
+  [[noreturn]] void refuse_counter(std::int64_t stamp, const TimeCounter& beyond) const {
+    refuse(fmt::format(
+        "the time {} us is beyond the range of a counter of {} bits, whose overflow line {} shows; expected less than {}; if the "
+        "clock started again in line {}, cut the file before that line",
+        us_with(0, stamp), beyond.bits, overflows.line, beyond.range_text(), overflows.line));
+  }
+
+  std::string step_back(std::int64_t stamp, std::int64_t add) const {
+    return fmt::format("time goes back from {} to {} us; expected times that never go back; ", us_with(added, latest),
+                       us_with(add, stamp));
+  }
+
+  /// Rows out of order do not fall so far, and sorting would put the second half of the file first.
+  [[noreturn]] void refuse_fall(std::int64_t stamp, const TimeCounter& fallen, std::int64_t gap) const {
+    refuse(fmt::format(
+        "{}if the clock started again here, cut the file before this line; if a counter of {} bits overflowed here, in a gap of "
+        "{} us, add {} to the times from this line on",
+        step_back(stamp, added), fallen.bits, us_of_stamp(gap, unit), fallen.range_text()));
+  }
+
+  /// Names a command that sorts the file, whatever its size; after an overflow, what to do first.
+  /// @param add  to the stamp, for its time
+  [[noreturn]] void refuse_order(std::int64_t stamp, std::int64_t add) const {
+    if (counter) {
+      refuse(
+          fmt::format("{}the counter of {} bits overflowed in line {}, and sorting would mix the times before and after it: "
+                      "add {} to the times after each overflow, then sort the file",
+                      step_back(stamp, add), counter->bits, overflows.line, counter->range_text()));
+    }
     const auto t = std::find(layout->columns.begin(), layout->columns.end(), EventColumn::t) - layout->columns.begin() + 1;
     const std::string separator = layout->separator == ' '    ? ""
                                   : layout->separator == '\t' ? "-t \"$(printf '\\t')\" "
@@ -259,10 +326,9 @@ struct EventCsvReader::State {
         rows_above == 0 ? fmt::format("{} {}", sort, name)
                         : fmt::format("(head -n {} {}; tail -n +{} {} | {})", rows_above, name, rows_above + 1, name, sort);
     refuse(
-        fmt::format("time goes back from {} to {} us; expected times that never go back; if the clock started again here, cut "
-                    "the file before "
-                    "this line; if the rows are out of order, to sort the file: {} > sorted.csv",
-                    us_of(latest), t_us, command));
+        fmt::format("{}if the clock started again here, cut the file before this line; if the rows are out of order, to sort the "
+                    "file: {} > sorted.csv",
+                    step_back(stamp, add), command));
   }
 
   void note_polarity(int polarity) {

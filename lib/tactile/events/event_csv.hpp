@@ -37,13 +37,17 @@ struct TimeOverflows {
   std::uint64_t count = 0;
   std::uint64_t line = 0;  ///< of the first event after the first overflow
   int bits = 0;
+  TimeUnit unit = TimeUnit::us;  ///< that it counts
   CameraTime before{}, after{};  ///< the times on either side of the first, as in the file
 };
 
 /// Reads such a file, and those of other programs, in chunks; memory follows the chunk. The columns may have any order
 /// (`layout_of`); times may be in seconds; polarities may be 0 and 1, -1 and 1, or False and True. Comments (`#`, `%`) before the
-/// first row are skipped. Lines end in LF or CR LF. A fall of the times by the range of a counter of 24, 31 or 32 bits, or by up
-/// to a thousandth less, is its overflow, and the range is added from there on.
+/// first row are skipped. Lines end in LF or CR LF.
+///
+/// Times that fall from `b` to `a` have passed the overflow of a counter of 24, 31 or 32 bits, which counts R microseconds, if
+/// b < R and the gap between the two events, R - b + a, is from 0 to R / 32. R is added from there on. Counters of 31 and 32 bits
+/// of nanoseconds are known too, where nanoseconds are the unit.
 class EventCsvReader {
  public:
   /// @param size  of the sensor; without it, coordinates are limited to 0 to 32767

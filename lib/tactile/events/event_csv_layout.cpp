@@ -17,7 +17,7 @@ namespace tactile::events {
 namespace {
 
 constexpr std::array<std::string_view, 4> unit_names{"s", "ms", "us", "ns"};
-constexpr std::array<double, 4> us_per_unit{1e6, 1e3, 1.0, 1e-3};
+constexpr std::array<double, 4> stamps_per_unit{1e6, 1e3, 1.0, 1.0};
 constexpr std::array<std::string_view, 4> column_names{"t", "x", "y", "p"};
 
 /// The lower-case words of a column's name, without quotes, brackets and marks: "Time [s]" is time, s.
@@ -153,24 +153,26 @@ TimeUnit unit_of_times(std::string_view rows, const EventCsvLayout& layout) {
   return TimeUnit::us;
 }
 
-std::size_t read_microseconds(std::string_view text, TimeUnit unit, std::int64_t& us) {
+std::size_t read_stamp(std::string_view text, TimeUnit unit, std::int64_t& stamp) {
   const char* const begin = text.data();
   const char* const end = begin + text.size();
-  const auto [whole_end, error] = std::from_chars(begin, end, us);
-  if (error == std::errc{} && (whole_end == end || (*whole_end != '.' && *whole_end != 'e' && *whole_end != 'E'))) {
-    if (unit == TimeUnit::us) return static_cast<std::size_t>(whole_end - begin);
-    if (unit == TimeUnit::ns) {  // a double has too few digits for nanoseconds since 1970
-      const std::int64_t rest = us % 1000;
-      us = us / 1000 + (rest >= 500 ? 1 : 0) - (rest < -500 ? 1 : 0);
-      return static_cast<std::size_t>(whole_end - begin);
-    }
-  }
+  const auto [whole_end, error] = std::from_chars(begin, end, stamp);
+  const bool is_whole =
+      error == std::errc{} && (whole_end == end || (*whole_end != '.' && *whole_end != 'e' && *whole_end != 'E'));
+  // A double has too few digits for nanoseconds since 1970.
+  if (is_whole && (unit == TimeUnit::us || unit == TimeUnit::ns)) return static_cast<std::size_t>(whole_end - begin);
   double value = 0;
   const auto [number_end, problem] = std::from_chars(begin, end, value);
-  const double rounded = std::floor(value * us_per_unit[static_cast<std::size_t>(unit)] + 0.5);
+  const double rounded = std::floor(value * stamps_per_unit[static_cast<std::size_t>(unit)] + 0.5);
   if (problem != std::errc{} || !(std::abs(rounded) < 9e18)) return 0;
-  us = static_cast<std::int64_t>(rounded);
+  stamp = static_cast<std::int64_t>(rounded);
   return static_cast<std::size_t>(number_end - begin);
+}
+
+std::int64_t us_of_stamp(std::int64_t stamp, TimeUnit unit) {
+  if (unit != TimeUnit::ns) return stamp;
+  const std::int64_t rest = stamp % 1000;
+  return stamp / 1000 + (rest >= 500 ? 1 : 0) - (rest < -500 ? 1 : 0);
 }
 
 }  // namespace tactile::events

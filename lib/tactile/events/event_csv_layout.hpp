@@ -47,8 +47,11 @@ std::optional<EventCsvLayout> layout_in_comment(std::string_view row);
 ///                microseconds
 TimeUnit unit_of_times(std::string_view rows, const EventCsvLayout& layout);
 
-/// Reads a number from the start of `text` as whole microseconds, rounded half up.
+/// Reads a number from the start of `text` as whole nanoseconds if these are its unit, else as whole microseconds, rounded half
+/// up.
 /// @return  the part that was read; 0 if there is no number, or it is out of range
-std::size_t read_microseconds(std::string_view text, TimeUnit unit, std::int64_t& us);
+std::size_t read_stamp(std::string_view text, TimeUnit unit, std::int64_t& stamp);
+
+std::int64_t us_of_stamp(std::int64_t stamp, TimeUnit unit);  ///< whole microseconds, rounded half up
 
 }  // namespace tactile::events

@@ -66,8 +66,10 @@ std::size_t copy_to(const flatbuffers::FlatBufferBuilder& builder, PacketBuffer&
 }  // namespace
 
 Contents decode_events(PacketBuffer& packet, std::size_t size, std::span<Event>& events) {
-  constexpr std::string_view lossy = "LBEV";  // where other contents have the size prefix
-  if (size >= lossy.size() && std::memcmp(packet.data(), lossy.data(), lossy.size()) == 0) return Contents::lossy;
+  constexpr std::string_view lossy = "LBEV";  // where other contents have the size prefix, or their identifier
+  for (const std::size_t at : {std::size_t{0}, identifier_end - lossy.size()}) {
+    if (size >= at + lossy.size() && std::memcmp(packet.data() + at, lossy.data(), lossy.size()) == 0) return Contents::lossy;
+  }
   const aedat4::EventPacket* root = nullptr;
   const Contents contents = verify(packet, size, aedat4::EventPacketIdentifier(), 1, root);
   if (contents != Contents::whole) return contents;
@@ -208,7 +210,7 @@ std::size_t encode_frame(const Frame& frame, PacketBuffer& packet, std::size_t r
 std::size_t bytes_per_pixel(std::int8_t format) {
   constexpr std::array<std::size_t, 8> depths{1, 1, 2, 2, 4, 4, 8, 2};  // in OpenCV's order, u8 to f16
   if (format < 0) return 0;
-  const auto bits = static_cast<std::size_t>(format);
+  const std::size_t bits = static_cast<unsigned char>(format);
   return depths[bits % 8] * (bits / 8 + 1);
 }
 

@@ -1,5 +1,7 @@
 #include "tactile/hdf5/hdf5_objects.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -124,7 +126,7 @@ void fail_writing(const std::string& where, const std::string& what) {
   const std::string reason = last_error();
   for (const int full : {ENOSPC, EDQUOT, EFBIG}) {
     if (reason.find("errno = " + std::to_string(full) + ',') != std::string::npos)
-      throw Error(where + ": " + what + " (" + std::strerror(full) + "); expected a place with room");
+      throw Error(fmt::format("{}: {} ({}); expected a place with room", where, what, std::strerror(full)));
   }
   throw Error(where + ": " + what + " (" + reason + "); expected a sound HDF5 file in a place with room");
 }
@@ -340,8 +342,8 @@ void check_filters(hid_t table, const std::string& where) {
     if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
     const std::string name = text_at(text.data(), text.size());
     const std::string number = "HDF5 filter " + std::to_string(filter);
-    throw Error(where + ": compressed with " + (name.empty() ? number : name + " (" + number + ")") +
-                ", which this program does not have; expected gzip or none");
+    throw Error(fmt::format("{}: compressed with {}, which this program does not have; expected gzip or none", where,
+                            name.empty() ? number : fmt::format("{} ({})", name, number)));
   }
 }
 

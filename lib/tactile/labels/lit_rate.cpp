@@ -58,7 +58,7 @@ Places places_of(const ImageCells& cells, const std::vector<bool>& lit, const Ce
       const int reach = options.joined_cells;
       for (int v = std::max(0, row - reach); v <= std::min(cells.rows() - 1, row + reach); ++v) {
         for (int u = std::max(0, column - reach); u <= std::min(cells.columns() - 1, column + reach); ++u) {
-          const auto next = static_cast<std::size_t>(v * cells.columns() + u);
+          const auto next = static_cast<std::size_t>(v) * static_cast<std::size_t>(cells.columns()) + static_cast<std::size_t>(u);
           if (!lit[next] || group[next] != no_place) continue;
           group[next] = here;
           open.push_back(next);

@@ -28,10 +28,10 @@ int ascii_width(const std::string& text, double size) {
 }
 
 std::string fitted(const std::string& text, double size, int width) {
-  const std::string ascii = as_ascii(text);
+  std::string ascii = as_ascii(text);
   if (ascii_width(ascii, size) <= width) return ascii;
   for (std::size_t kept = ascii.size(); kept-- > 0;) {
-    const std::string shorter = ascii.substr(0, (kept + 1) / 2) + "..." + ascii.substr(ascii.size() - kept / 2);
+    std::string shorter = ascii.substr(0, (kept + 1) / 2) + "..." + ascii.substr(ascii.size() - kept / 2);
     if (ascii_width(shorter, size) <= width) return shorter;
   }
   return {};

@@ -178,6 +178,7 @@ pictures::Plot training_plot(const std::string& title, const std::vector<Trainin
   const int top = head.bottom() + 16, bottom = top + panel_height;
   pictures::PlotScript script(head, bottom + below);
   std::vector<std::string> tables;
+  tables.reserve(curves.size());
   for (const TrainingCurve& curve : curves) tables.push_back(script.table(4, values_of(curve)));
   const pictures::PlotAxis epochs{.begin = 0.5, .end = ranges.most_epochs + 0.5, .label = "epoch"};
   const double least_loss = ranges.least_loss / 1.3, greatest_loss = ranges.greatest_loss * 1.3;

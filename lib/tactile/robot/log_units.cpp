@@ -61,7 +61,9 @@ std::string other_units(std::span<const RobotLog> pieces, const LoggedColumns& c
   if (places.size() < fewest_rows) return {};
   if (std::string refused = refused_times(steps_s); !refused.empty()) return refused;
 
-  constexpr std::string_view in_m = "divide millimetres by 1000", in_rad = "multiply degrees by 0.0174533";
+  constexpr std::string_view in_m =
+      "convert the values (millimetres: divide by 1000; centimetres: by 100; inches: multiply by 0.0254)";
+  constexpr std::string_view in_rad = "multiply degrees by 0.0174533";
   if (!columns.pose.empty()) {
     const double place = median(places), turn = median(turns);
     if (!columns.pose_is_joints && place > farthest_m)

@@ -96,6 +96,51 @@ TEST_F(WithEdits, TheSameFileAgainChangesNothing) {
   EXPECT_EQ(again.rejected.size(), 1U);
 }
 
+/// The slip of `exported_on_film`, whose end the person moved to 1.95 s after the first event. The press keeps its times.
+ImportedLabels moved_on_film(const LabelsToExport& run) {
+  ImportedLabels imported{.where = "labels.csv"};
+  const ClockRelation film = run.times.to_camera(run.first_event);
+  imported.intervals.reserve(run.labels.intervals.size());
+  for (const LabelledInterval& old : run.labels.intervals) {
+    imported.intervals.push_back({.id = old.id,
+                                  .touch = old.touch,
+                                  .start_us = film.clock_us_from(old.start.at),
+                                  .end_us = film.clock_us_from(old.end.at),
+                                  .start_rounding_us = 500,
+                                  .end_rounding_us = 500,
+                                  .where = "labels.csv"});
+  }
+  imported.intervals[2].end_us = film.clock_us_from(in_run(1'950'000));
+  return imported;
+}
+
+TEST_F(WithEdits, AnEndMovedOnTheFilmIsAsUncertainAsTheFilmsClockThere) {
+  run = test::exported_on_film();
+  alignment::FittedClock film;
+  film.relation = run.times.to_camera(run.first_event);
+  film.offset_low_us = film.relation.offset_us - 8'000;
+  film.offset_high_us = film.relation.offset_us + 8'000;
+  film.found_at_us = film.relation.clock_us_from(in_run(950'000));  // 1 s before the moved end: 30 ms by the drift
+  film.drift_within_ppm = 30'000;
+  run.labels.video_clock = film;
+  const Labels labels = edited(moved_on_film(run));
+  EXPECT_EQ(counts.moved, 1U);
+  const LabelledInterval& slip = labels.intervals[2];
+  constexpr double within_us = 31'052;  // hypot(500, 8'000, 30'000)
+  EXPECT_NEAR(static_cast<double>(between(slip.end.low, slip.end.at).count()), within_us, 5);
+  EXPECT_NEAR(static_cast<double>(between(slip.end.at, slip.end.high).count()), within_us, 5);
+  EXPECT_EQ(slip.start.low, in_run(1'483'700)) << "not moved";
+}
+
+TEST_F(WithEdits, AnEndMovedOnAFilmOfUnknownClockIsRefused) {
+  run = test::exported_on_film();
+  const ImportedLabels imported = moved_on_film(run);
+  EXPECT_EQ(
+      test::error_of([&] { edited(imported); }),
+      "labels.csv: slip-1 is moved or new, in times of the film, but the run's video clock is unknown; expected times of the "
+      "origin first-event or camera");
+}
+
 TEST_F(WithEdits, AnIntervalThatLostItsIdIsKnownByItsPlace) {
   ImportedLabels imported = in_milliseconds();
   for (ImportedInterval& interval : imported.intervals) interval.id.clear();

@@ -91,6 +91,32 @@ INSTANTIATE_TEST_SUITE_P(AllFormats, RoundTrip,
                            return name;
                          });
 
+TEST(TimesOfAFile, LackIfItCountsFromTheFilmAndDoesNotSayWhenThatBegan) {
+  const test::TemporaryFolder folder;
+  const auto csv = [&](const std::string& text) {
+    write_whole(folder / "labels.csv", text);
+    return read_label_csv(folder / "labels.csv").at(0);
+  };
+  const auto task = [&](const std::string& data) {
+    write_whole(folder / "tasks.json", R"([{"data": {"run": "fan/01", )" + data + "}}]");
+    return read_label_studio(folder / "tasks.json").at(0);
+  };
+  for (const ImportedLabels& read :
+       {csv("class,start_s,end_s,origin\npress,1.5,1.6,video\n"),
+        csv("class,start_s,end_s,origin,zero_s\npress,1.5,1.6,video,\n"), task(R"("origin": "video")")}) {
+    EXPECT_EQ(read.origin, TimeOrigin::video);
+    EXPECT_FALSE(read.times.has_value());
+  }
+  for (const ImportedLabels& read :
+       {csv("class,start_s,end_s,origin\npress,1.5,1.6,first-event\n"), task(R"("origin": "first-event")")})
+    EXPECT_TRUE(read.times.has_value());
+  // A row that a person adds below those of the export.
+  const ImportedLabels added =
+      csv("class,start_s,end_s,origin,zero_s\npress,1.5,1.6,video,-1.2\nslip,1.7,1.8,video,\npress,1.9,2,,\n");
+  ASSERT_TRUE(added.times.has_value());
+  EXPECT_EQ(added.times->zero_us, -1'200'000);
+}
+
 TEST(SecondsText, IsExactForEveryMicrosecondAndReadsBack) {
   EXPECT_EQ(seconds_text(0), "0.000000");
   EXPECT_EQ(seconds_text(-250), "-0.000250");

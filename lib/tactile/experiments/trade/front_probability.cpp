@@ -210,6 +210,7 @@ std::vector<results::FrontProbability> front_probabilities(std::span<const Front
   parallel_for(options.draws, threads, [&](std::size_t i) {
     const Draw draw = drawn(seed_for(options.seed, {"front", std::to_string(i)}), names.size(), most_trainings, most_runs);
     std::vector<results::TradeFigures> figures;
+    figures.reserve(drawables.size());
     for (const Drawable& one : drawables) figures.push_back(one.of(draw));
     draws[i] = fronts_of(figures);
   });

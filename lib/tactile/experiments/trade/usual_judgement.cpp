@@ -78,7 +78,7 @@ std::string judgement_of_usual(std::span<const TradePoint> points, const TradeSe
     if (is_faster(*point.difference) && (nearest == nullptr || accuracy(point) > accuracy(*nearest))) nearest = &point;
   }
   const std::string on_front = text_of(points.front().front_probability);
-  const std::string text =
+  std::string text =
       (on_front.empty()
            ? fmt::format("How probable it is that the usual setting is on a front is unknown: that needs {} objects. ",
                          fewest_objects)

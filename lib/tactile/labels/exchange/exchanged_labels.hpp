@@ -64,10 +64,11 @@ struct ImportedInterval {
 
 /// One run's part of another tool's file.
 struct ImportedLabels {
-  std::string where;                    ///< the file
-  std::optional<std::string> run = {};  ///< "fan/01", if the file names it
-  std::optional<FileTimes> times = {};  ///< if the file declares them
-  bool looked_at = true;                ///< false: no person has annotated this run yet, so it is not changed
+  std::string where;                      ///< the file
+  std::optional<std::string> run = {};    ///< "fan/01", if the file names it
+  std::optional<TimeOrigin> origin = {};  ///< if the file names it
+  std::optional<FileTimes> times = {};    ///< if the file declares the whole axis: with the origin `video` also its zero
+  bool looked_at = true;                  ///< false: no person has annotated this run yet, so it is not changed
   std::vector<ImportedInterval> intervals = {};
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <span>
@@ -38,6 +39,8 @@ class Edits {
       : old_(labels.intervals),
         imported_(imported.intervals),
         clock_(times.to_camera(first_event)),
+        counts_from_film_(times.origin == TimeOrigin::video),
+        film_(labels.video_clock),
         first_(first_event),
         last_(last_event),
         claimed_(old_.size(), false),
@@ -132,12 +135,27 @@ class Edits {
                               seconds_text(clock_.clock_us_from(last_))));
     }
     const CameraTime at = std::clamp(t, first_, last_);
-    return {at, before(at, rounding), after(at, rounding)};
+    const microseconds within = counts_from_film_ ? within_on_film(imported, at, rounding_us) : rounding;
+    return {at, before(at, within), after(at, within)};
+  }
+
+  /// A film shows no time better than its clock is known.
+  microseconds within_on_film(const ImportedInterval& imported, CameraTime t, std::int64_t rounding_us) const {
+    if (!film_) {
+      throw Error(
+          fmt::format("{} is moved or new, in times of the film, but the run's video clock is unknown; expected times of "
+                      "the origin first-event or camera",
+                      name_in_file(imported)));
+    }
+    return microseconds{
+        std::llround(std::hypot(static_cast<double>(rounding_us), static_cast<double>(film_->uncertainty_at(t).count())))};
   }
 
   const std::vector<LabelledInterval>& old_;
   const std::vector<ImportedInterval>& imported_;
   ClockRelation clock_;
+  bool counts_from_film_;
+  const std::optional<alignment::FittedClock>& film_;
   CameraTime first_, last_;
   std::vector<bool> claimed_;
   std::vector<std::size_t> old_of_;

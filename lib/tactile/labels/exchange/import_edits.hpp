@@ -21,12 +21,13 @@ struct EditCounts {
 ///
 /// An imported interval is matched by its id, otherwise by class and time, otherwise by class and overlap; otherwise it is new.
 /// An end at its exported time, within the file's resolution, keeps its exact time and uncertainty. A moved end gets the file's
-/// time, and the file's rounding as uncertainty. A moved or new interval has the `source` person and is confirmed, and its flags
-/// are confirmed; its evidence stays. A removed interval is `rejected`. Ends that differ only by rounding are made equal.
+/// time, and the file's rounding as uncertainty; with the origin `video`, hypot(rounding, 95 % of the film's clock there). A
+/// moved or new interval has the `source` person and is confirmed, and its flags are confirmed; its evidence stays. A removed
+/// interval is `rejected`. Ends that differ only by rounding are made equal.
 ///
 /// @param times  the file's axis
-/// @throws Error  with the interval: two have the same id, or one has no positive length, lies outside the recording or overlaps
-///                another
+/// @throws Error  with the interval: two have the same id, or one has no positive length, lies outside the recording, overlaps
+///                another, or is moved in times of a film whose clock the labels lack
 Labels with_edits(Labels labels, const ImportedLabels& imported, const FileTimes& times, CameraTime first_event,
                   CameraTime last_event, EditCounts& counts);
 

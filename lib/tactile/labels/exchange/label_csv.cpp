@@ -68,15 +68,22 @@ ReadSeconds seconds_at(std::string_view cell, std::string_view column, const std
   return *seconds;
 }
 
-std::optional<FileTimes> times_in(const Columns& columns, const std::vector<std::string_view>& cells, const std::string& where) {
+std::optional<TimeOrigin> origin_in(const Columns& columns, const std::vector<std::string_view>& cells,
+                                    const std::string& where) {
   const std::string_view name = columns.cell(cells, "origin");
   if (name.empty()) return std::nullopt;
   const std::optional<TimeOrigin> origin = time_origin_named(name);
   if (!origin)
     throw Error(fmt::format("{}, column 'origin' holds {}; expected first-event, camera or video", where, shown_text(name)));
-  FileTimes times{.origin = *origin};
-  if (const std::string_view zero = columns.cell(cells, "zero_s"); !zero.empty())
-    times.zero_us = seconds_at(zero, "zero_s", where).us;
+  return origin;
+}
+
+/// Nothing if the times count from the film's first frame, and the row does not say when that was.
+std::optional<FileTimes> times_in(TimeOrigin origin, const Columns& columns, const std::vector<std::string_view>& cells,
+                                  const std::string& where) {
+  FileTimes times{.origin = origin};
+  const std::string_view zero = columns.cell(cells, "zero_s");
+  if (!zero.empty()) times.zero_us = seconds_at(zero, "zero_s", where).us;
   if (std::string drift(columns.cell(cells, "drift_ppm")); !drift.empty()) {
     std::replace(drift.begin(), drift.end(), ',', '.');
     const std::optional<double> ppm = number_in(drift);
@@ -86,11 +93,24 @@ std::optional<FileTimes> times_in(const Columns& columns, const std::vector<std:
     }
     times.drift_ppm = *ppm;
   }
-  return times;
+  return origin == TimeOrigin::video && zero.empty() ? std::nullopt : std::optional(times);
 }
 
 bool same(const FileTimes& a, const FileTimes& b) {
   return a.origin == b.origin && a.zero_us == b.zero_us && a.drift_ppm == b.drift_ppm;
+}
+
+/// Adds what a row says of the run's times. What it leaves out is as in the run's other rows.
+void add_times(ImportedLabels& labels, const Columns& columns, const std::vector<std::string_view>& cells,
+               const std::string& where) {
+  const std::optional<TimeOrigin> origin = origin_in(columns, cells, where);
+  if (!origin) return;
+  const std::optional<FileTimes> times = times_in(*origin, columns, cells, where);
+  if (*origin != labels.origin.value_or(*origin) || (times && labels.times && !same(*times, *labels.times)))
+    throw Error(fmt::format("{}: the times of {} have another origin than in the rows before; expected one origin per run", where,
+                            shown_text(labels.run.value_or(""))));
+  labels.origin = origin;
+  if (times) labels.times = times;
 }
 
 }  // namespace
@@ -139,16 +159,12 @@ std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file) {
       throw Error(fmt::format("{} has {} values; expected {}, as its header", where, cells.size(), columns.count()));
     const std::string run(columns.cell(cells, "run"));
     const auto [found, is_new] = run_index.try_emplace(run, runs.size());
-    const std::optional<FileTimes> times = times_in(columns, cells, where);
     if (is_new) {
-      runs.push_back({.where = file.string(), .run = run.empty() ? std::nullopt : std::optional(run), .times = times});
+      runs.push_back({.where = file.string(), .run = run.empty() ? std::nullopt : std::optional(run)});
       check_count(runs.size(), most_imported_runs, "runs", file);
     }
     ImportedLabels& labels = runs[found->second];
-    if (times && labels.times && !same(*times, *labels.times))
-      throw Error(fmt::format("{}: the times of {} have another origin than in the rows before; expected one origin per run",
-                              where, shown_text(run)));
-    if (times) labels.times = times;
+    add_times(labels, columns, cells, where);
     const std::string touch = lower_case(columns.cell(cells, "class"));
     if (touch == name_of(Touch::none)) continue;
     ImportedInterval interval{.id = std::string(columns.cell(cells, "id")), .where = where};

@@ -21,7 +21,8 @@ std::string label_csv_text(std::span<const LabelsToExport> runs);
 
 /// Reads such a file, also as saved by a spreadsheet: with commas, semicolons or tabs, decimal commas, quotes. Requires `class`,
 /// `start_s` and `end_s`. Uses `run`, `id`, `confirmed`, `origin`, `zero_s` and `drift_ppm` if present, and ignores other
-/// columns. A row of the class none is not an interval.
+/// columns. With the origin `video` and no `zero_s`, `times` are left to the run's own film. A row of the class none is not an
+/// interval.
 /// @throws Error  with the row and the column, if it cannot be read, or if the file is larger than 8 MiB
 std::vector<ImportedLabels> read_label_csv(const std::filesystem::path& file);
 

@@ -109,8 +109,8 @@ ReadNumber us_in(const json& value, const char* key, const std::string& where) {
   return {std::llround(seconds * 1e6), std::max<std::int64_t>(1, std::llround(std::ceil(step * 1e6)))};
 }
 
-std::optional<FileTimes> times_in(const json& data, const std::string& where) {
-  if (!data.contains("origin")) return std::nullopt;
+void set_times(ImportedLabels& labels, const json& data, const std::string& where) {
+  if (!data.contains("origin")) return;
   const auto name = member<std::string>(data, "origin", where);
   const std::optional<TimeOrigin> origin = time_origin_named(name);
   if (!origin) throw Error(fmt::format("{}: 'origin' is {}; expected first-event, camera or video", where, shown_text(name)));
@@ -119,7 +119,8 @@ std::optional<FileTimes> times_in(const json& data, const std::string& where) {
   if (data.contains("drift_ppm")) times.drift_ppm = member<double>(data, "drift_ppm", where);
   if (!(std::abs(times.drift_ppm) < 1e5))
     throw Error(fmt::format("{}: 'drift_ppm' is {}; expected -100000 to 100000", where, times.drift_ppm));
-  return times;
+  labels.origin = origin;
+  if (*origin != TimeOrigin::video || data.contains("zero_s")) labels.times = times;
 }
 
 ImportedInterval imported_interval_in(const json& result, const std::string& where) {
@@ -155,7 +156,7 @@ ImportedLabels task_in(const json& task, const std::filesystem::path& file, std:
   ImportedLabels labels{.where = file.string(), .looked_at = false};
   if (data.contains("run")) labels.run = member<std::string>(data, "run", nameless);
   const std::string where = labels.run ? fmt::format("{}, {}", nameless, shown_text(*labels.run)) : nameless;
-  labels.times = times_in(data, where);
+  set_times(labels, data, where);
   const auto annotations = task.find("annotations");
   if (annotations == task.end()) return labels;
   if (!annotations->is_array()) throw Error(where + ": 'annotations' is not a list; expected Label Studio's export as JSON");

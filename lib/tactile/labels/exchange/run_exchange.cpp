@@ -75,7 +75,7 @@ FileTimes times_of(TimeOrigin origin, const RunFolder& run, const Labels& labels
   if (origin != TimeOrigin::video) return {.origin = origin};
   const std::optional<ClockRelation> film = film_clock(run, labels);
   if (!film) {
-    throw Error(fmt::format("{}: its video clock is unknown; expected --origin first-event or camera", run.name()));
+    throw Error(fmt::format("{}: its video clock is unknown; expected times of the origin first-event or camera", run.name()));
   }
   return {.origin = origin, .zero_us = saturating_subtract(film->offset_us, us_of(first_event)), .drift_ppm = film->drift_ppm};
 }
@@ -149,6 +149,7 @@ LabelSignals signals_of(const RunFolder& run, const LabelsToExport& labels) {
   if (height.empty()) return signals;
   for (const auto& [name, curve] : {std::pair("tcp_height_mm", &height), std::pair("tcp_speed_mm_s", &speed)}) {
     std::vector<double> values;
+    values.reserve(middles.size());
     for (const CameraTime t : middles) values.push_back(rounded(curve->at(t)));
     signals.curves.emplace_back(name, std::move(values));
   }
@@ -170,8 +171,8 @@ std::vector<ImportedRun> read_edits(std::span<const fs::path> files, std::option
       }
       const VersionedLabels before = read_versioned_labels(run);
       const RecordingSpan span = span_of_events(run);
-      const FileTimes times =
-          imported.times ? *imported.times : times_of(origin.value_or(TimeOrigin::first_event), run, before.labels, span.first);
+      const TimeOrigin from = imported.origin.value_or(origin.value_or(TimeOrigin::first_event));
+      const FileTimes times = imported.times ? *imported.times : times_of(from, run, before.labels, span.first);
       EditCounts counts;
       const Labels after = with_edits(before.labels, imported, times, span.first, span.last, counts);
       edited.push_back({.run = run,

@@ -35,7 +35,8 @@ struct ImportedRun {
 
 /// Reads files of other tools and computes what they change in the labels of `runs`; writes nothing. The format is `format`,
 /// otherwise given by the file's ending. The run is named in the file, otherwise by its name (`fan-01.csv`), otherwise there must
-/// be only one run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event.
+/// be only one run. The origin of times is given in the file, otherwise by `origin`, otherwise it is the first event. If the file
+/// does not say when the film begins, the run's video clock does.
 /// @throws Error  if a file belongs to none of `runs`, two files belong to the same run, a run has no labels, or a file is
 /// invalid
 std::vector<ImportedRun> read_edits(std::span<const std::filesystem::path> files, std::optional<ExchangeFormat> format,

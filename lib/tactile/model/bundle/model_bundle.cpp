@@ -194,6 +194,7 @@ void write_bundle(const ModelBundle& bundle, ModelDescription description, const
 
 std::vector<std::string> names_of(const std::vector<LearnedRun>& runs) {
   std::vector<std::string> names;
+  names.reserve(runs.size());
   for (const LearnedRun& run : runs) names.push_back(run.run);
   return names;
 }

@@ -90,7 +90,7 @@ Weights read_weights(const std::filesystem::path& file, const std::vector<Parame
     const auto sizes = member<std::vector<std::int64_t>>(entry, "shape", parameter);
     const auto offsets = member<std::vector<std::uint64_t>>(entry, "data_offsets", parameter);
     if (const auto type = member<std::string>(entry, "dtype", parameter); type != "F32")
-      throw Error(parameter + ": its values are of type '" + type + "'; expected F32");
+      throw Error(fmt::format("{}: its values are of type '{}'; expected F32", parameter, type));
     if (sizes != shape.sizes)
       throw Error(parameter + ": of sizes " + sizes_in_words(sizes) + "; expected " + sizes_in_words(shape.sizes));
     const std::size_t bytes = shape.count() * sizeof(float);
