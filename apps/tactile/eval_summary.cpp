@@ -91,7 +91,7 @@ std::string comparison_with_baselines(const results::Evaluation& evaluation) {
   if (evaluation.baselines.empty()) return "No baselines: the dataset has none of the runs that the model was trained on.";
   if (!above) return "No comparison with the baselines: too few objects for an interval.";
   if (*above) return "The model's accuracy interval lies above every baseline's.";
-  return "The model's accuracy interval does not lie wholly above " + baselines_not_below(evaluation) + ".";
+  return "The model's accuracy interval does not lie above " + baselines_not_below(evaluation) + ".";
 }
 
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {

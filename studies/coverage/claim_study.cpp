@@ -12,8 +12,7 @@ namespace tactile::study {
 namespace {
 
 constexpr std::size_t object_count = 10;
-constexpr double confidence = 0.95, together = 1 - (1 - confidence) / object_count,
-                 of_eleven = 1 - (1 - confidence) / (object_count + 1);
+constexpr double confidence = 0.95, together = 1 - (1 - confidence) / object_count;
 
 /// What a claim says of each object.
 struct Asked {
@@ -52,11 +51,8 @@ constexpr std::array<Spread, 2> spreads{
 struct Outcome {
   bool is_refuted = false, is_held = false;
 };
-constexpr std::array<std::string_view, 5> rules{"each object or the mean over them, in use", "each object",
-                                                "eleven looks of the same confidence", "each object, moderated",
-                                                "each object, moderated, or the mean over them"};
-constexpr std::array<std::string_view, 3> intervals{"mean over these objects, in use", "one object, in use",
-                                                    "one object, moderated"};
+constexpr std::array<std::string_view, 2> rules{"each object or the mean over them, in use", "each object"};
+constexpr std::array<std::string_view, 2> intervals{"mean over these objects", "one object"};
 
 /// Of one made-up study.
 struct Judged {
@@ -80,36 +76,22 @@ Judged judged(const Asked& claim, const Trial& trial, std::uint64_t seed) {
   const auto of_object = [&](std::size_t i, double of) {
     return bounds_of(evaluation::figure_of_object(trial.objects[i], trial.statistic, options(of), trial.range));
   };
-  const auto of_mean = [&](double of) {
-    return bounds_of(evaluation::figure_of_these_objects(trial.objects, trial.statistic, options(of), trial.range));
-  };
-  const auto any_beyond = [&](const std::vector<Bounds>& all) {
-    return std::any_of(all.begin(), all.end(), [&](const Bounds& bounds) { return claim.is_beyond(bounds); });
-  };
   const auto all_within = [&](const std::vector<Bounds>& all) {
     return std::all_of(all.begin(), all.end(), [&](const Bounds& bounds) { return claim.is_within(bounds); });
   };
   // An interval of higher confidence contains the other, so it need not be made where that is not beyond the limit.
   std::vector<Bounds> plain;
-  bool by_object = false, by_eleven = false;
+  plain.reserve(trial.objects.size());
+  bool by_object = false;
   for (std::size_t i = 0; i < trial.objects.size(); ++i) {
     plain.push_back(of_object(i, confidence));
-    if (!claim.is_beyond(plain.back())) continue;
-    by_object = by_object || claim.is_beyond(of_object(i, together));
-    by_eleven = by_eleven || claim.is_beyond(of_object(i, of_eleven));
+    by_object = by_object || (claim.is_beyond(plain.back()) && claim.is_beyond(of_object(i, together)));
   }
-  const auto moderated = moderated_bounds(trial, options(confidence));
-  const bool by_moderated = any_beyond(moderated) && any_beyond(moderated_bounds(trial, options(together)));
-  const Bounds mean = of_mean(confidence);
-  const bool by_mean = claim.is_beyond(mean);
-  by_eleven = by_eleven || (by_mean && claim.is_beyond(of_mean(of_eleven)));
-  const bool is_held = all_within(plain), is_moderated_held = all_within(moderated);
-  return {{{{by_object || by_mean, is_held},
-            {by_object, is_held},
-            {by_eleven, is_held},
-            {by_moderated, is_moderated_held},
-            {by_moderated || by_mean, is_moderated_held}}},
-          {share_covered({mean}, {trial.truth}), share_covered(plain, trial.truths), share_covered(moderated, trial.truths)}};
+  const Bounds mean =
+      bounds_of(evaluation::figure_of_these_objects(trial.objects, trial.statistic, options(confidence), trial.range));
+  const bool is_held = all_within(plain);
+  return {{{{by_object || claim.is_beyond(mean), is_held}, {by_object, is_held}}},
+          {share_covered({mean}, {trial.truth}), share_covered(plain, trial.truths)}};
 }
 
 std::vector<Judged> studies_of(const Asked& claim, Truth truth, const Layout& layout, const Spread& spread, std::size_t size,

@@ -69,7 +69,7 @@ TEST(DetectionCurvePlot, HoldsTheSharesWithTheirIntervals) {
   EXPECT_TRUE(has_row(plot, {2, 50, 50, 50})) << "198 ms, without an interval";
   const std::string svg = drawn(plot);
   for (const char* words : {"time since the onset [ms]", "detected [%]", "at 0: predicted ahead of it",
-                            ">95 % interval, where there are 3 runs or objects<", ">100<"})
+                            ">95 % interval, where there is one<", ">100<"})
     EXPECT_TRUE(contains(svg, words)) << words;
   drawn(detection_curve_plot("Only press", press, {}));
   const pictures::Plot without = detection_curve_plot("No intervals", {}, slip);
@@ -86,8 +86,7 @@ TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
   const std::string svg = drawn(plot);
   for (const char* words : {"since the onset", "before the end", ">95 % interval<"}) EXPECT_TRUE(contains(svg, words)) << words;
   const results::AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
-  EXPECT_TRUE(
-      contains(drawn(over_time_plot("Of one run", press, of_one_run)), "95 % interval, where there are 3 runs or objects"));
+  EXPECT_TRUE(contains(drawn(over_time_plot("Of one run", press, of_one_run)), "95 % interval, where there is one"));
   EXPECT_FALSE(contains(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
 }
 

@@ -73,11 +73,11 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   EXPECT_TRUE(has_row(plot, {99, 0.14, 99, 99}));  // without an interval: a point
   const std::string svg = drawn(plot);
   EXPECT_TRUE(contains(svg, "sprayer"));
-  EXPECT_TRUE(contains(svg, "95 % interval, where there are 3 runs or objects"));
+  EXPECT_TRUE(contains(svg, "95 % interval, where there is one"));
   const results::Figure bounded{0.97, 0.96, 0.98, 9}, single{.value = 0.5};
   EXPECT_TRUE(contains(drawn(unseen_plot("All", {{"fan", {bounded, bounded, {}}}})), ">95 % interval<"));
   const std::string without = drawn(unseen_plot("None", {{"fan", {single, single, {}}}}));
-  EXPECT_TRUE(contains(without, "No intervals: they need 3 runs or objects."));
+  EXPECT_TRUE(contains(without, "No intervals: they need 3 runs or objects, and 1 training or 3."));
   EXPECT_FALSE(contains(without, "95 %"));
   drawn(unseen_plot("Nothing", {}));
 }
@@ -97,8 +97,7 @@ TEST(Captions, MentionIntervalsAndWhiskersOnlyWhereThereAreSome) {
   const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));
   EXPECT_FALSE(contains(without, "95 %"));
   EXPECT_TRUE(contains(without, "No intervals: they need 3 runs"));
-  EXPECT_TRUE(
-      contains(drawn(accuracy_by_history_plot("By history", {bare, curve("hub", {{2, 0.8}})})), "where there are 3 runs"));
+  EXPECT_TRUE(contains(drawn(accuracy_by_history_plot("By history", {bare, curve("hub", {{2, 0.8}})})), "where there is one"));
   EXPECT_FALSE(
       contains(drawn(delay_plot("Delays", {"fan"}, {{"fan", {.mean_ms = {.value = 4}, .intervals = 1}}}, {})), "standard error"));
   EXPECT_TRUE(

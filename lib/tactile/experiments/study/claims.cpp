@@ -154,7 +154,7 @@ std::string summary_of(const std::vector<results::Claim>& claims, bool simulated
   std::string text = fmt::format("On {} runs {} of the paper's {} claims hold, {} do not, and {} cannot be decided",
                                  simulated ? "simulated" : "real", number_of(results::Outcome::holds), claims.size(),
                                  number_of(results::Outcome::does_not), number_of(results::Outcome::cannot_tell));
-  if (undecidable > 0) text += fmt::format(": for {} of these there are too few trainings, runs or objects", undecidable);
+  if (undecidable > 0) text += fmt::format(": for {} of them there are too few trainings, runs or objects", undecidable);
   return text + ".";
 }
 
