@@ -130,7 +130,7 @@ std::string label_csv_text(std::span<const LabelsToExport> runs) {
     for (std::size_t i = 0; i < run.labels.intervals.size(); ++i) {
       const LabelledInterval& interval = run.labels.intervals[i];
       const std::string own = doubts_of(run.labels, i);
-      const std::string flags = own + (own.empty() || of_run.empty() ? "" : "; ") + of_run;
+      const std::string flags = fmt::format("{}{}{}", own, own.empty() || of_run.empty() ? "" : "; ", of_run);
       const Evidence& evidence = interval.evidence;
       table.add_row(run.run, interval.id, name_of(interval.touch), seconds(interval.start.at), seconds(interval.end.at),
                     interval.confirmed ? "true" : "false", interval.source, seconds(interval.start.low),
