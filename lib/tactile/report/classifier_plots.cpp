@@ -68,8 +68,8 @@ pictures::Plot reliability_plot(const std::string& title, const std::vector<resu
   }
   const double begin = std::min(30.0, 10 * std::floor(least / 10));
   std::string decades;
-  for (double ten = 1; ten <= static_cast<double>(most); ten *= most >= 1'000'000 ? 100 : 10)
-    decades += fmt::format("{}{:.0f}", decades.empty() ? "" : ", ", ten);
+  for (std::uint64_t ten = 1; ten <= most; ten *= most >= 1'000'000 ? 100 : 10)
+    decades += fmt::format("{}{}", decades.empty() ? "" : ", ", ten);
 
   const auto blue = pictures::figure_colours::network;
   pictures::PlotHead head(title, width);

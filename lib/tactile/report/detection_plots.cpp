@@ -64,7 +64,7 @@ struct CurveAxes {
   }
   pictures::PlotAxis x(bool has_labels) const {
     std::string tics = fmt::format("'{}' {:.9g}", has_labels ? "none" : "", none_at);
-    for (double decade = begin; decade <= end; ++decade)
+    for (int decade = static_cast<int>(begin); decade <= end; ++decade)
       tics += fmt::format(", '{}' {}", has_labels ? fmt::format("{:g}", std::pow(10, decade)) : "", decade);
     return {.begin = none_at - x_margin * span(),
             .end = end + x_margin * span(),

@@ -38,6 +38,7 @@ double press_end_s(const PressPlan& press, double until_s) {
   };
   constexpr double step_s = 1e-4;
   double moved_s = press.contact_s;
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter)
   for (double t_s = press.contact_s; t_s < moved_s + press_still_s && t_s < until_s; t_s += step_s) {
     if (moves(t_s)) moved_s = t_s;
   }
