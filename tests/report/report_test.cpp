@@ -268,7 +268,7 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
   for (const char* words :
        {"press: 4 ms", "Above each true touch: its detection delay.",
-        "By the truth in place of labels. False alarms outside labels: 6 (6.0 per minute)",
+        "By the truth. False alarms outside labels: 6 (6.0 per minute)",
         "without unlabelled motion: 4 (5.3 per minute); 20.0 % of none time", "of the wrong class: 2 (8.0", "A tick every 2 ms"})
     EXPECT_TRUE(contains(run, words)) << words;
   EXPECT_FALSE(contains(run, "press: 2 ms")) << "a simulated run is judged by its truth";

@@ -109,8 +109,7 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   if (outcome["thresholds"]) settings += "; decided by the thresholds " + outcome["thresholds"].text();
   picture.remarks.push_back(settings + ".");
   if (const results::JsonView alarms = (by_truth ? by_truth : outcome)["false_alarms"]; alarms && alarms["outside_labels"])
-    picture.remarks.push_back((by_truth ? "By the truth in place of labels. " : "") +
-                              words_of(alarms.get<results::FalseAlarms>()));
+    picture.remarks.push_back((by_truth ? "By the truth. " : "") + words_of(alarms.get<results::FalseAlarms>()));
 }
 
 }  // namespace tactile::report
