@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 // With another number, what is kept is made again.
-constexpr int evaluation_form = 4;
+constexpr int evaluation_form = 5;
 constexpr int run_form = 6;  ///< of the run over time
 
 /// Null if one of them is missing.
