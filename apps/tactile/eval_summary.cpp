@@ -48,12 +48,6 @@ std::string baselines_not_below(const results::Evaluation& evaluation) {
   return fmt::format("those of {} of {} baselines", count, all.size());
 }
 
-std::string counted_on(const results::Evaluation& evaluation) {
-  const std::size_t runs = evaluation.test_runs().size();
-  return fmt::format("on {} of {} runs{}", runs, evaluation.of_runs,
-                     runs < evaluation.of_runs ? "; the others have no press or no slip without a flag" : "");
-}
-
 /// What a robot would meet, a line each.
 std::vector<std::pair<std::string, std::string>> detector_lines(const results::Evaluation& evaluation) {
   const results::FalseAlarmTable& alarms = evaluation.network.false_alarms;
@@ -61,7 +55,7 @@ std::vector<std::pair<std::string, std::string>> detector_lines(const results::E
           {"slip", delay_of(evaluation.network.slip.all)},
           {"false alarms", rate_of(alarms.outside_labels_per_min, alarms.outside_labels_share, "outside labels")},
           {"wrong class", rate_of(alarms.wrong_class_per_min, alarms.wrong_class_share, "of labels")},
-          {"alarms counted", counted_on(evaluation)}};
+          {"alarms counted", evaluation.counted_on()}};
 }
 
 /// Empty unless decisions over several ticks may help.

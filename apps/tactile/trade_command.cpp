@@ -251,8 +251,7 @@ void trade(const TradeArguments& args, const CommonArguments& common) {
   if (summary.trade.busy > 0) {
     spdlog::warn(
         "other programs interrupted more than 1 % of the ticks of {} of {} settings, so their p99 is the machine's; remove {} "
-        "and "
-        "run this again on an idle machine",
+        "and run this again on an idle machine",
         summary.trade.busy, summary.trade.points.size(), (fs::path(args.out) / "times").string());
   }
   write_settings(common, fs::path(args.out) / "settings.json");

@@ -81,7 +81,7 @@ export class RunBar {
     const snap = choice("snap", Object.entries(SNAPS), page.snap.load(), (mode) => page.snap.save(mode));
     refill(this.tools, group(this.#playTools()), group(this.#stepTools()), group(this.#viewTools()), group(this.#editTools()), group(this.#undoTools()),
       group(el("label", { for: "snap" }, "Snap to"), snap));
-    const hint = el("p", { class: "hint" }, state.labels.version ? "Drag a start or end to move it. N: the next one. Space: play. ?: all keys." : "Space: play. ?: all keys.");
+    const hint = el("p", { class: "hint" }, `${state.labels.version ? "Drag a start or end to move it. N: the next one. " : ""}Space: play. ?: all keys.`);
     refill(this.choices, this.draft, hint, models.length ? group(el("label", { for: "model" }, "Model"), model) : null);
     this.showFrames();
   }

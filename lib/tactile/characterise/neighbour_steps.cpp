@@ -52,9 +52,10 @@ bool NeighbourSteps::is_motion() const {
   // Coincidences of noise are Poisson-distributed.
   const double now = correlation(0), error = std::sqrt(together + 1) / std::max(1.0, 2 * events);
   if (now <= of_noise + errors * error) return false;
-  double later = 0;
-  for (std::size_t lag = steps / 4; lag <= steps / 2; ++lag) later = std::max(later, correlation(lag));
-  return later < now / 2;
+  for (std::size_t lag = steps / 4; lag <= steps / 2; ++lag) {
+    if (correlation(lag) >= now / 2) return false;
+  }
+  return true;
 }
 
 }  // namespace tactile::characterise

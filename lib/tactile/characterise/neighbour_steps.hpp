@@ -10,7 +10,7 @@
 
 namespace tactile::characterise {
 
-/// Tells motion from noise in 0.2 s: an edge that moves reaches one pixel with the next, but noise fires each by itself.
+/// Decides whether something moves in 0.2 s. A moving edge makes neighbouring pixels fire together. Noise makes each fire alone.
 ///
 /// With n_a, n_b in {0, 1} whether two neighbours fire in steps of 2 ms, it is the correlation of each with the other `lag` steps
 /// later, pooled over all pairs across and down,

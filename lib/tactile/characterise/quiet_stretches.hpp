@@ -23,8 +23,8 @@ struct QuietStretch {
 ///
 ///   n > m + 6 sqrt(D m + (0.05 m)^2 + 1)      0.05: how far a quiet rate wanders
 ///
-/// Then m and D are measured again, in all quiet bins, until the bins stay the same. Whether nothing moves in the 0.2 s is not
-/// known here: `NeighbourSteps` tells. Memory: 3.6 kB for a second with events.
+/// Then m and D are measured again, in all quiet bins, until the bins stay the same. `NeighbourSteps` decides whether something
+/// moves in the 0.2 s. Memory: 3.6 kB for a second with events.
 class QuietMeter {
  public:
   static constexpr microseconds shortest{500'000};   ///< of a stretch

@@ -236,7 +236,7 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
   const auto value = crossing.value(crossing.all());
   if (value) figure.value = *value;
   const std::size_t count = crossing.count(by_training);
-  if (!value || crossing.smallest_group(level) < fewest_units || (count > 1 && count < fewest_units)) return figure;
+  if (!value || !allows_bounds(crossing.smallest_group(level), count)) return figure;
   const auto of_units = variance_over(crossing, level, options);
   const auto of_trainings = variance_over(crossing, by_training, options);
   if (!of_units || !of_trainings) return figure;
@@ -253,6 +253,10 @@ results::Figure figure_of(Crossing& crossing, Level level, const results::Bootst
 }
 
 }  // namespace
+
+bool allows_bounds(std::size_t units, std::size_t trainings) {
+  return units >= fewest_units && (trainings <= 1 || trainings >= fewest_units);
+}
 
 results::Figure figure_of_object(const CrossedObject& cells, const Statistic& statistic, const results::BootstrapOptions& options,
                                  const Range& range) {

@@ -61,6 +61,9 @@ struct Range {
   double step = 0;
 };
 
+/// Whether a figure can have bounds: of three or more objects, or runs of one object, and not of two trainings.
+bool allows_bounds(std::size_t units, std::size_t trainings);
+
 /// The figure of one object over trainings, runs, and what they have in common. Half of a normal figure's interval is
 ///
 ///   h = sqrt(t(n - 1)^2 V_runs + t(K - 1)^2 max(0, V_trainings - V_both))

@@ -200,12 +200,13 @@ std::vector<std::string> Evaluation::test_runs() const {
   return names;
 }
 
-std::string Evaluation::runs_counted() const {
-  if (of_runs == 0) return {};
-  const std::size_t runs = test_runs().size();
-  return fmt::format("Counted on {} of {} runs{}.", runs, of_runs,
-                     runs < of_runs ? ": the others have no press or no slip without a flag" : "");
+std::string Evaluation::counted_on() const {
+  const std::size_t counted = test_runs().size();
+  return fmt::format("on {} of {} runs{}", counted, of_runs,
+                     counted < of_runs ? ": the others have no press or no slip without a flag" : "");
 }
+
+std::string Evaluation::runs_counted() const { return of_runs == 0 ? std::string() : "Counted " + counted_on() + "."; }
 
 std::optional<bool> Evaluation::above_baselines() const {
   if (!accuracy.mean.low || baselines.empty()) return std::nullopt;

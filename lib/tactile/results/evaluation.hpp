@@ -104,6 +104,8 @@ struct Evaluation {
 
   std::vector<std::string> test_runs() const;  ///< of all trainings, each once, by name
 
+  /// "on 80 of 100 runs: the others have no press or no slip without a flag"
+  std::string counted_on() const;
   /// "Counted on 80 of 100 runs: the others have no press or no slip without a flag." Empty if `of_runs` is not known.
   std::string runs_counted() const;
 

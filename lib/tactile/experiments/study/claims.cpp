@@ -83,7 +83,7 @@ results::Claim slip_at_once(const ClaimInputs& inputs, const results::BootstrapO
   claim.measured = {.value = 100 * static_cast<double>(*claim.kept) / static_cast<double>(*claim.of),
                     .n = *claim.of,
                     .trainings = trainings.size()};
-  if (objects.size() >= 3 && trainings.size() != 2) {
+  if (evaluation::allows_bounds(objects.size(), trainings.size())) {
     // Each object has all or nothing of it, over all trainings.
     const auto [low, high] =
         evaluation::binomial_bounds(static_cast<double>(*claim.kept), static_cast<double>(*claim.of), options.confidence);

@@ -217,8 +217,7 @@ void add_counts(Runs runs, results::TradeResult& result) {
 
 /// A quantile is not below one of a smaller share.
 void raise_low(results::Figure& quantile, const results::Figure& of_smaller_share) {
-  if (quantile.low && of_smaller_share.low)
-    quantile.low = std::min(quantile.value, std::max(*quantile.low, *of_smaller_share.low));
+  if (quantile.low && of_smaller_share.low) quantile.low = std::max(*quantile.low, *of_smaller_share.low);
 }
 
 }  // namespace
