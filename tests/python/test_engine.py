@@ -37,7 +37,25 @@ def test_predictions_equal_those_of_detect(lab, engine):
     rows = [detected[predicted.t_us[i]] for i in both]
     probabilities = np.array([[float(row[f"p_{name}"]) for name in tactile.CLASSES] for row in rows])
     assert np.abs(probabilities - predicted.probabilities[both]).max() < 2e-6  # as the table rounds them
-    assert [row["verdict"] for row in rows] == [tactile.CLASSES[predicted.classes[i]] for i in both]
+    assert set(np.diff([predicted.t_us[i] for i in both])) == {1000 * engine.tick_ms}
+    assert [row["verdict"] for row in rows] == decided_by_two_thresholds(probabilities, engine.tick_ms)
+
+
+def decided_by_two_thresholds(probabilities, tick_ms, on=1.4, off=-2.6, hold_ms=20):
+    """The verdicts of `detect` without --filter, as `tactile detect --help` and docs/ tell them."""
+    p = np.clip(probabilities, 1e-38, None)
+    log_odds = {name: np.log(p[:, i] / np.clip(1 - p[:, i], 1e-38, None)) for i, name in enumerate(tactile.CLASSES) if name != "none"}
+    verdicts, reported, below_ms = [], "none", 0
+    for i in range(len(p)):
+        if reported != "none":
+            below_ms = below_ms + tick_ms if log_odds[reported][i] < off else 0
+            if below_ms >= hold_ms:
+                reported = "none"
+        likelier = max(log_odds, key=lambda name: log_odds[name][i])
+        if likelier != reported and log_odds[likelier][i] >= (on if reported == "none" else 2 * on - off):
+            reported, below_ms = likelier, 0
+        verdicts.append(reported)
+    return verdicts
 
 
 def test_heatmaps_are_classified_as_events_are(lab, engine):

@@ -136,7 +136,8 @@ void to_json(nlohmann::json& json, const FalseAlarms& of_run) {
           {"outside_motion_alarm_min", in_minutes(of_run.outside_motion_in_alarm)},
           {"wrong_class", of_run.wrong_class},
           {"wrong_min", in_minutes(of_run.wrong_class_time)},
-          {"labelled_min", in_minutes(of_run.labelled_time)}};
+          {"labelled_min", in_minutes(of_run.labelled_time)},
+          {"tick_us", of_run.tick.count()}};
 }
 
 void from_json(const JsonView& json, FalseAlarms& of_run) {
@@ -157,7 +158,8 @@ void from_json(const JsonView& json, FalseAlarms& of_run) {
             .none_in_alarm = minutes_in(json["none_in_alarm_min"]),
             .wrong_class = json["wrong_class"].count(),
             .wrong_class_time = minutes_in(json["wrong_min"]),
-            .labelled_time = minutes_in(json["labelled_min"])};
+            .labelled_time = minutes_in(json["labelled_min"]),
+            .tick = microseconds{std::llround(json["tick_us"].number_if_there().value_or(0))}};
 }
 
 std::string words_of(const FalseAlarms& of_run) {

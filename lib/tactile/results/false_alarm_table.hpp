@@ -37,7 +37,7 @@ struct FalseAlarms {
   std::uint64_t wrong_class = 0;     ///< episodes of another class in a labelled interval
   microseconds wrong_class_time{0};  ///< ticks of labelled intervals with the verdict of another class
   microseconds labelled_time{0};     ///< ticks in labelled intervals that are not in doubt
-  microseconds tick{0};              ///< of the verdicts; 0 if it was read from a file, which lacks it
+  microseconds tick{0};              ///< of the verdicts; 0: not known, as in a table of several runs that was read from a file
 
   FalseAlarms& operator+=(const FalseAlarms& other);
 
