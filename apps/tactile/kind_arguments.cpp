@@ -12,11 +12,14 @@ namespace tactile::cli {
 
 void add_kind_options(Command command, KindArguments& args) {
   command
-      .add_option(
-          "--kind", args.kind,
-          "Kind of model: lenet, on heatmaps; trees, gradient-boosted trees on 84 numbers of the events of a tick; temporal, a "
-          "convolution over 16 steps of twelve such numbers")
-      .check(one_of({"lenet", "trees", "temporal"}))
+      .add_option("--kind", args.kind,
+                  "Kind of model: lenet, on heatmaps; stream, a recurrent network on the events of each tick, trained on whole "
+                  "runs; trees, gradient-boosted trees on 84 numbers of the events of a tick; temporal, a "
+                  "convolution over 16 steps of twelve such numbers")
+      .check(one_of({"lenet", "stream", "trees", "temporal"}))
+      .show_default();
+  command.add_option("--steps", args.stream.steps, "With --kind stream: steps of the training")
+      .check(in_range(1U, 100'000U))
       .show_default();
   command.add_option("--rounds", args.trees.rounds, "With --kind trees: number of rounds, each with one tree per class")
       .check(in_range(1U, 10'000U))
@@ -48,6 +51,7 @@ void check_options_of_kind(const model::ModelSettings& settings, bool starts_fro
             {"--shrinkage", settings.trees.learning_rate != usual.trees.learning_rate}},
            "trees");
   }
+  if (settings.kind != model::ModelKind::stream) refuse({{"--steps", settings.stream.steps != usual.stream.steps}}, "stream");
   if (settings.kind != model::ModelKind::temporal)
     refuse({{"--channels", settings.temporal.channels != usual.temporal.channels}}, "temporal");
   if (settings.kind == model::ModelKind::lenet) return;

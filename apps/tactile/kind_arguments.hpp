@@ -10,11 +10,12 @@ namespace tactile::cli {
 /// The kind of model to train, and the options of kinds other than LeNet.
 struct KindArguments {
   std::string kind = "lenet";
+  model::StreamOptions stream;
   model::TreesOptions trees;
   model::TemporalOptions temporal;
 };
 
-/// `--kind`, `--rounds`, `--depth`, `--shrinkage` and `--channels`.
+/// `--kind`, `--steps`, `--rounds`, `--depth`, `--shrinkage` and `--channels`.
 void add_kind_options(Command command, KindArguments& args);
 
 /// @throws Error  that names the option, if one off its default has no meaning for the kind

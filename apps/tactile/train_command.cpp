@@ -67,8 +67,11 @@ model::ModelSettings settings_of(const TrainArguments& args) {
   settings.training.validation_share =
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   settings.kind = model::kind_named(args.kind.kind);
+  settings.stream = args.kind.stream;
   settings.trees = args.kind.trees;
   settings.temporal = args.kind.temporal;
+  // A stream reads each tick once, and remembers.
+  if (settings.kind == model::ModelKind::stream) settings.rendering.history = settings.rendering.tick;
   check(settings.training);
   check_options_of_kind(settings, !args.from.empty());
   if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
@@ -107,6 +110,7 @@ std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args
   if (judged) titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
   titles.insert(titles.end(), {model::reads_heatmaps(model.settings.kind) ? "images/s" : "samples/s", "seconds"});
   if (model.settings.kind == model::ModelKind::trees) titles.front() = "fit";
+  if (model.settings.kind == model::ModelKind::stream) titles.front() = "100 steps";
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (step > 1)
     text += wrapped(fmt::format("{} of {} epochs; --verbose prints all, as history.csv has them.", rows.size(), epochs)) + "\n\n";
@@ -219,8 +223,10 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
                                     const model::ModelSettings& settings, const model::ModelBundle& bundle, IfThere if_there) {
   heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
-  // Trees are fitted within seconds, in one go.
-  const unsigned epochs = settings.kind == model::ModelKind::trees ? 1 : settings.training.epochs;
+  // Trees are fitted within seconds, in one go; a stream's steps are counted in hundreds.
+  const unsigned epochs = settings.kind == model::ModelKind::trees    ? 1
+                          : settings.kind == model::ModelKind::stream ? (settings.stream.steps + 99) / 100
+                                                                      : settings.training.epochs;
   TrainingEstimate estimate(epochs, progress_line(common));
   const auto report_begin = [&](unsigned epoch, double done) {
     estimate.begin(epoch, done);

@@ -123,7 +123,8 @@ TEST(DetectCommand, PrintsWhereEachEpisodeEnds) {
 
 /// Models of kinds that read no heatmaps.
 class DetectOtherKinds : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds, testing::Values("trees --rounds 20", "temporal --epochs 40"));
+INSTANTIATE_TEST_SUITE_P(Kinds, DetectOtherKinds,
+                         testing::Values("stream --steps 40", "trees --rounds 20", "temporal --epochs 40"));
 
 TEST_P(DetectOtherKinds, AgreesWithEvalAtEveryTick) {
   const Trained own;

@@ -10,6 +10,7 @@
 #include "tactile/features/step_features.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
 #include "tactile/model/training/dataset_bundle.hpp"
+#include "tactile/model/training/fit_stream.hpp"
 #include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/open_classifier.hpp"
@@ -172,6 +173,72 @@ TEST(TrainTemporal, WritesTheNetworkThatFitsTheSamples) {
   write_json(bundle.description(), json);
   EXPECT_NE(test::error_of([&] { Classifier(bundle.folder, 1); }).find("reads 15 x 12 features; expected 16 x 12"),
             std::string::npos);
+}
+
+TEST(TrainCommand, TrainsAStream) {
+  const test::TemporaryFolder folder;
+  test::make_runs(folder / "data", {"fan", "usb-hub"}, 3);
+  const auto trained = run_tactile("train --json --kind stream --steps 110 --calibrate 02", folder.path());
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  const auto json = nlohmann::json::parse(trained.out);
+  EXPECT_EQ(json.at("name"), "stream-single-1-steps110");
+  EXPECT_EQ(json.at("settings").at("network"), nlohmann::json::parse(R"({"kind": "stream", "steps": 110})"));
+  EXPECT_EQ(json.at("settings").at("training"), nlohmann::json::parse(R"({"seed": 1, "from": null})"));
+  EXPECT_EQ(json.at("settings").at("rendering").at("history_us"), 2'000);
+  EXPECT_EQ(json.at("history").size(), 2U);
+  EXPECT_GT(json.at("temperature").at("value").get<double>(), 0);
+  const ModelBundle bundle{folder / "models/stream-single-1-steps110"};
+  const windows::Dataset dataset(folder / "data/dataset.h5");
+  const ModelDescription model = read_description(bundle);
+  EXPECT_EQ(model.train_runs, (std::vector<std::string>{"fan/01", "usb-hub/01"}));
+
+  // The same weights as those of the whole runs, read and fitted by themselves.
+  const std::vector<std::uint32_t> runs = split_of(dataset, {}).train_runs;
+  const StreamGrid grid = grid_of_runs(dataset, runs, {});
+  const std::vector<StreamRun> whole = stream_runs(dataset, runs, grid, model.settings.rendering, 1);
+  std::uint64_t ticks = 0;
+  for (const StreamRun& run : whole) ticks += run.ticks;
+  EXPECT_EQ(model.samples, ticks);
+  EXPECT_EQ(read_bundle_weights(bundle, model), fit_stream(whole, grid, {.steps = 110}).weights);
+
+  const Classifier classifier(bundle.folder, 1);
+  EXPECT_NE(test::error_of([&] {
+              classifier.on_events(dataset.sensor(), {.history = 2ms, .tick = 1ms});
+            }).find("a tick of 1000 us; expected 2000 us"),
+            std::string::npos);
+  nlohmann::json changed = read_json(bundle.description());
+  changed["network"]["input"]["places"] = 10;
+  write_json(bundle.description(), changed);
+  EXPECT_NE(test::error_of([&] { Classifier(bundle.folder, 1); }).find("reads 10 x 145 features; expected 9 x 145"),
+            std::string::npos);
+  const auto error_of = [&](const std::string& options) { return run_tactile("train " + options, folder.path()).err; };
+  EXPECT_NE(error_of("--kind stream --epochs 3").find("--epochs: a model of kind stream has none; expected --kind lenet"),
+            std::string::npos);
+  EXPECT_NE(error_of("--steps 3").find("--steps: a model of kind lenet has none; expected --kind stream"), std::string::npos);
+}
+
+TEST(StreamRuns, WeighEachTickByWhatTheLabelsSay) {
+  const test::TemporaryFolder folder;
+  test::make_runs(folder / "data", {"fan"}, 2);
+  const std::filesystem::path file = folder / "data/dataset.h5";
+  windows::write_dataset(folder / "data", file, {}, 2);
+  const windows::Dataset dataset(file);
+  const std::uint32_t index = 0;
+  const StreamRun run = stream_runs(dataset, {&index, 1}, grid_of_runs(dataset, {&index, 1}, {}), {.history = 2ms}, 1).front();
+  EXPECT_EQ(run.name, "fan/01");
+  ASSERT_EQ(run.truth.size(), run.ticks);
+  EXPECT_EQ(run.counts.size(), run.ticks * StreamLayout::cells);
+  ASSERT_EQ(run.touches.size(), 2U);
+  for (const TickSpan& touch : run.touches) {
+    EXPECT_EQ(run.truth[touch.begin], touch.touch);
+    EXPECT_NE(run.truth[touch.begin - 1], touch.touch);
+    EXPECT_EQ(run.weights[touch.begin], 3) << "the first 40 ms";
+    EXPECT_EQ(run.weights[touch.begin + 19], 3);
+    EXPECT_EQ(run.weights[touch.begin + 20], 1);
+    EXPECT_EQ(run.weights[touch.end - 1], 0) << "near its end";
+    EXPECT_EQ(run.weights[touch.end + 20], 0);
+    EXPECT_EQ(run.weights[touch.begin - 5], 1);
+  }
 }
 
 TEST(TrainCommand, TrainsATemporalConvolution) {

@@ -97,7 +97,9 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   if (!reads_heatmaps(description.settings.kind)) {
     const std::vector<std::size_t> expected = features_shape(description.settings.kind);
     std::vector<std::size_t> shape{member<std::size_t>(input, "features", where)};
-    if (expected.size() == 2) shape.insert(shape.begin(), member<std::size_t>(input, "steps", where));
+    if (expected.size() == 2)
+      shape.insert(shape.begin(),
+                   member<std::size_t>(input, description.settings.kind == ModelKind::stream ? "places" : "steps", where));
     if (shape != expected)
       throw Error(fmt::format("{}: reads {} features; expected {}", where, fmt::join(shape, " x "), fmt::join(expected, " x ")));
   }
@@ -148,7 +150,8 @@ void check_description(const ModelDescription& description) {
     throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
                             std::chrono::microseconds(longest_history).count()));
   within("training", [&] { check(description.settings.training); });
-  within("network", [&] { check(description.settings.trees), check(description.settings.temporal); });
+  within("network",
+         [&] { check(description.settings.stream), check(description.settings.trees), check(description.settings.temporal); });
   if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
   if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
     throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));

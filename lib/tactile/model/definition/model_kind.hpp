@@ -8,11 +8,12 @@ namespace tactile::model {
 /// What predicts.
 enum class ModelKind : std::uint8_t {
   lenet,     ///< LeNet on heatmaps
+  stream,    ///< a recurrent network on the events of each tick, trained on whole runs
   trees,     ///< gradient-boosted trees on `features::TickFeatures`
   temporal,  ///< a causal convolution over time on `features::StepFeatures`
 };
 
-std::string_view name_of(ModelKind kind);        ///< "lenet", "trees", "temporal"
+std::string_view name_of(ModelKind kind);        ///< "lenet", "stream", "trees", "temporal"
 ModelKind kind_named(std::string_view name);     ///< @throws Error
 constexpr bool reads_heatmaps(ModelKind kind) {  ///< the others read features of the events
   return kind == ModelKind::lenet;

@@ -6,6 +6,13 @@
 #include "tactile/features/tick_features.hpp"
 
 namespace tactile::model {
+namespace {
+
+const char* network_name(ModelKind kind) {
+  return kind == ModelKind::stream ? "stream" : kind == ModelKind::trees ? "boosted-trees" : "temporal-convolution";
+}
+
+}  // namespace
 
 events::SensorSize input_of(const ModelSettings& settings, events::SensorSize sensor) {
   return reads_heatmaps(settings.kind) ? heatmaps::heatmap_size(sensor, settings.rendering.factor) : sensor;
@@ -17,6 +24,7 @@ std::string input_text(ModelKind kind, events::SensorSize input) {
 }
 
 std::vector<std::size_t> features_shape(ModelKind kind) {
+  if (kind == ModelKind::stream) return {StreamLayout::places, StreamLayout::cells_of_place + 1};
   if (kind == ModelKind::temporal) return {features::steps_of_history, features::features_of_step};
   return {features::feature_count};
 }
@@ -33,6 +41,10 @@ std::vector<ParameterShape> parameters_of(const ModelSettings& settings, events:
     check(settings.temporal);
     return temporal_parameters(settings.temporal);
   }
+  if (settings.kind == ModelKind::stream) {
+    check(settings.stream);
+    return stream_parameters();
+  }
   check(settings.trees);
   return tree_parameters(settings.trees);
 }
@@ -41,12 +53,12 @@ nlohmann::json network_json(const ModelSettings& settings, events::SensorSize in
   if (settings.kind == ModelKind::lenet) return json_of(lenet_layers(input, settings.network), settings.network);
   std::size_t parameters = 0;
   for (const ParameterShape& shape : parameters_of(settings, input)) parameters += shape.count();
-  const bool is_trees = settings.kind == ModelKind::trees;
-  nlohmann::json json = {
-      {"name", is_trees ? "boosted-trees" : "temporal-convolution"},
-      {"input", {{"height", input.height}, {"width", input.width}, {"features", features_shape(settings.kind).back()}}},
-      {"parameters", parameters}};
-  if (!is_trees) json["input"]["steps"] = features_shape(settings.kind).front();
+  const std::vector<std::size_t> shape = features_shape(settings.kind);
+  nlohmann::json json = {{"name", network_name(settings.kind)},
+                         {"input", {{"height", input.height}, {"width", input.width}, {"features", shape.back()}}},
+                         {"parameters", parameters}};
+  if (settings.kind == ModelKind::temporal) json["input"]["steps"] = shape.front();
+  if (settings.kind == ModelKind::stream) json["input"]["places"] = shape.front();
   json.update(nlohmann::json(settings).at("network"));
   return json;
 }

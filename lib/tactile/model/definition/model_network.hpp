@@ -14,7 +14,7 @@ events::SensorSize input_of(const ModelSettings& settings, events::SensorSize se
 /// "heatmaps of 128 x 96 cells", or "events of a sensor of 640 x 480 px"
 std::string input_text(ModelKind kind, events::SensorSize input);
 
-/// The numbers that a kind without heatmaps reads at a tick: [84], or [16, 12].
+/// The numbers that a kind without heatmaps reads at a tick: [84], or [16, 12]; of stream [9, 145].
 std::vector<std::size_t> features_shape(ModelKind kind);
 
 /// @throws Error  if a model of this kind cannot read the history in these ticks

@@ -16,15 +16,20 @@ namespace {
 /// Only LeNet's training has these.
 constexpr std::array<const char*, 4> of_lenet{"augment", "engine", "validation_share", "early_stop"};
 
+/// Whether the training has no options but its seed.
+bool learns_by_seed_alone(ModelKind kind) { return kind == ModelKind::stream || kind == ModelKind::trees; }
+
 nlohmann::json network_options(const ModelSettings& settings) {
   if (settings.kind == ModelKind::lenet) return settings.network;  // as before there were other kinds
-  nlohmann::json json = settings.kind == ModelKind::trees ? nlohmann::json(settings.trees) : nlohmann::json(settings.temporal);
+  nlohmann::json json = settings.kind == ModelKind::stream  ? nlohmann::json(settings.stream)
+                        : settings.kind == ModelKind::trees ? nlohmann::json(settings.trees)
+                                                            : nlohmann::json(settings.temporal);
   json["kind"] = name_of(settings.kind);
   return json;
 }
 
 nlohmann::json training_options(const ModelSettings& settings) {
-  if (settings.kind == ModelKind::trees) return {{"seed", settings.training.seed}};
+  if (learns_by_seed_alone(settings.kind)) return {{"seed", settings.training.seed}};
   nlohmann::json json = settings.training;
   if (settings.kind == ModelKind::temporal) {
     for (const char* key : of_lenet) json.erase(key);
@@ -36,8 +41,11 @@ nlohmann::json training_options(const ModelSettings& settings) {
 void read_options(const nlohmann::json& network, nlohmann::json training, ModelSettings& settings) {
   const std::string where = "model settings";
   settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
-  if (settings.kind == ModelKind::trees) {
-    settings.trees = network.get<TreesOptions>();
+  if (learns_by_seed_alone(settings.kind)) {
+    if (settings.kind == ModelKind::trees)
+      settings.trees = network.get<TreesOptions>();
+    else
+      settings.stream = network.get<StreamOptions>();
     settings.training.seed = member<std::uint64_t>(training, "seed", where);
     return;
   }
@@ -154,9 +162,11 @@ std::string suffix_of(const nlohmann::json& off) {
 
 std::string default_name(const ModelSettings& settings) {
   const windows::SplitOptions& split = settings.split;
-  return fmt::format("{}th{:g}-{}-{}{}{}", settings.kind == ModelKind::lenet ? "" : fmt::format("{}-", name_of(settings.kind)),
-                     static_cast<double>(settings.rendering.history.count()) / 1000,
-                     split.kind == windows::SplitKind::unseen ? "unseen" : "single",
+  const std::string history = fmt::format("th{:g}", static_cast<double>(settings.rendering.history.count()) / 1000);
+  const std::string kind = settings.kind == ModelKind::lenet    ? history
+                           : settings.kind == ModelKind::stream ? std::string(name_of(settings.kind))
+                                                                : fmt::format("{}-{}", name_of(settings.kind), history);
+  return fmt::format("{}-{}-{}{}{}", kind, split.kind == windows::SplitKind::unseen ? "unseen" : "single",
                      split.train_run == windows::SplitOptions{}.train_run ? "" : "run" + split.train_run + "-",
                      settings.training.seed, suffix_of(off_default(settings, false)));
 }

@@ -11,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/model/definition/model_network.hpp"
+#include "tactile/model/inference/stream_classifier.hpp"
 #include "tactile/model/inference/temporal_classifier.hpp"
 #include "tactile/model/inference/tree_classifier.hpp"
 
@@ -89,7 +90,9 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
     }
     if (engine == EngineKind::libtorch)
       throw Error(fmt::format("a model of kind {} runs without libtorch; expected --engine fast", name_of(kind())));
-    if (kind() == ModelKind::trees) {
+    if (kind() == ModelKind::stream) {
+      stream_ = std::make_shared<const StreamNetwork>(weights);
+    } else if (kind() == ModelKind::trees) {
       trees_ = std::make_shared<const BoostedTrees>(features::feature_count, description_.settings.trees, weights);
     } else {
       temporal_ = std::make_shared<const TemporalNetwork>(description_.settings.temporal, weights);
@@ -106,6 +109,12 @@ std::unique_ptr<EventClassifier> Classifier::on_events(events::SensorSize sensor
                             input_text(kind(), input_size()), bundle().string()));
   }
   if (reads_heatmaps(kind())) return std::make_unique<HeatmapClassifier>(sensor, rendering, network_.for_one_thread());
+  if (kind() == ModelKind::stream) {
+    if (rendering.tick != this->rendering().tick)
+      throw Error(fmt::format("a tick of {} us; expected {} us, which {} counts by", rendering.tick.count(),
+                              this->rendering().tick.count(), bundle().string()));
+    return std::make_unique<StreamClassifier>(sensor, rendering, stream_);
+  }
   if (kind() == ModelKind::trees) return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
   return std::make_unique<TemporalClassifier>(sensor, rendering, this->rendering().tick, temporal_);
 }

@@ -17,6 +17,7 @@
 #include "tactile/model/inference/heatmap_classifier.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
+#include "tactile/model/inference/stream_network.hpp"
 #include "tactile/model/inference/temporal_network.hpp"
 
 namespace tactile::model {
@@ -81,6 +82,7 @@ class Classifier {
   unsigned threads_;
   EngineKind engine_;
   HeatmapNetwork network_;                           ///< of a kind that reads heatmaps
+  std::shared_ptr<const StreamNetwork> stream_;      ///< of kind stream
   std::shared_ptr<const BoostedTrees> trees_;        ///< of trees
   std::shared_ptr<const TemporalNetwork> temporal_;  ///< of a temporal convolution
 };

@@ -337,6 +337,10 @@ std::unique_ptr<TrainerOnTorch> new_trainer(LeNetOnTorch& network, OptimizerKind
 }  // namespace
 }  // namespace tactile::model
 
-extern "C" const tactile::model::TorchPart tactile_torch_part{tactile::model::new_lenet, tactile::model::lenet_of,
-                                                              tactile::model::new_trainer, tactile::model::fit_temporal_on_torch,
+extern "C" const tactile::model::TorchPart tactile_torch_part{tactile::model::new_lenet,
+                                                              tactile::model::lenet_of,
+                                                              tactile::model::new_trainer,
+                                                              tactile::model::fit_stream_on_torch,
+                                                              tactile::model::stream_logits_on_torch,
+                                                              tactile::model::fit_temporal_on_torch,
                                                               tactile::model::temporal_logits_on_torch};

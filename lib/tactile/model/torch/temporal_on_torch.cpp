@@ -13,7 +13,6 @@
 #include "tactile/model/inference/temporal_network.hpp"
 #include "tactile/model/torch/torch_part.hpp"
 #include "tactile/model/torch/torch_training.hpp"
-#include "tactile/model/training/blas_threads.hpp"
 
 namespace tactile::model {
 namespace {
@@ -21,11 +20,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto values_of_step = static_cast<std::int64_t>(features::features_of_step);
 constexpr auto steps = static_cast<std::int64_t>(features::steps_of_history);
-
-void use_one_thread() {
-  prepare_blas(1);
-  if (at::get_num_threads() != 1) at::set_num_threads(1);
-}
 
 /// The layers as convolutions that take every second step: the outputs that the last output of the dilated ones needs.
 struct TemporalModule : torch::nn::Module {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tactile/model/training/fit_stream.hpp"
 #include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/lenet.hpp"
 
@@ -47,11 +48,15 @@ struct TorchPart {
   std::unique_ptr<TrainerOnTorch> (*new_trainer)(LeNetOnTorch& network, OptimizerKind optimizer,
                                                  const std::array<double, touch_count>& class_weights, unsigned threads,
                                                  const TrainerOptions& options);
+  decltype(fit_stream)* stream_fit;
+  decltype(stream_logits_by_libtorch)* stream_logits;
   decltype(fit_temporal)* temporal_fit;
   decltype(temporal_logits_by_libtorch)* temporal_logits;
 };
 
-/// As `fit_temporal` and `temporal_logits_by_libtorch`, in the part.
+/// As `fit_stream`, `stream_logits_by_libtorch`, `fit_temporal` and `temporal_logits_by_libtorch`, in the part.
+decltype(fit_stream) fit_stream_on_torch;
+decltype(stream_logits_by_libtorch) stream_logits_on_torch;
 decltype(fit_temporal) fit_temporal_on_torch;
 decltype(temporal_logits_by_libtorch) temporal_logits_on_torch;
 

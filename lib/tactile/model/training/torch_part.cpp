@@ -17,12 +17,17 @@
 namespace tactile::model {
 namespace {
 
+constexpr void (*check_grid)(const StreamGrid&) = &check;
+constexpr void (*check_options)(const StreamOptions&) = &check;
+constexpr StreamBatch (StreamCrops::*batch_of)(std::uint64_t, unsigned) const = &StreamCrops::batch;
+
 // The part calls functions of the program that loads it. These keep in each such program the files that it calls: at least one
 // function of each.
-[[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &check_shapes,
-                                              &heatmap_count, &verdict_of, &standardise, &prepare_blas, &take_step,
-                                              &weights_of_classes, &moment_shapes, &FusedConvolutions::make_kept,
-                                              &FullyConnected::forward, &learning_rate_at);
+[[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &stream_parameters,
+                                              &check_finite, &check_shapes, &heatmap_count, &verdict_of, &standardise,
+                                              &prepare_blas, &take_step, &weights_of_classes, &moment_shapes,
+                                              &FusedConvolutions::make_kept, &FullyConnected::forward, &learning_rate_at,
+                                              check_grid, check_options, batch_of);
 
 }  // namespace
 

@@ -18,6 +18,7 @@
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/calibrate_model.hpp"
+#include "tactile/model/training/fit_stream.hpp"
 #include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/fit_trees.hpp"
 #include "tactile/model/training/follow_samples.hpp"
@@ -302,6 +303,25 @@ Learned learn_temporal(const windows::Dataset& dataset, const ModelSettings& set
   return {{std::move(fitted.weights), {}}, summary, 1};
 }
 
+/// A network of kind stream learns from every tick of whole runs, within minutes.
+Learned learn_stream(const windows::Dataset& dataset, const ModelSettings& settings, std::span<const std::uint32_t> train_runs,
+                     CheckpointFolder& kept, TrainingLog& log, const TrainModelOptions& options,
+                     const ProgressCallback& progress) {
+  kept.clear();
+  log.begin({});
+  const StreamGrid grid = grid_of_runs(dataset, train_runs, settings.rendering.mask);
+  const std::vector<StreamRun> runs = stream_runs(dataset, train_runs, grid, settings.rendering, options.threads, progress);
+  if (options.begins) options.begins(1, 0);
+  const auto see = [&log](const std::vector<EpochResult>& history) { log.see(history); };
+  FittedStream fitted = fit_stream(runs, grid, settings.stream, settings.training.seed, progress, see);
+  TrainingSummary summary;
+  summary.history = std::move(fitted.history);
+  summary.best_epoch = summary.history.back().epoch;
+  for (const StreamRun& run : runs) summary.samples += run.ticks;
+  for (const EpochResult& epoch : summary.history) summary.seconds += epoch.seconds;
+  return {{std::move(fitted.weights), {}}, summary, 1};
+}
+
 /// A kind without heatmaps. An interrupted training of it leaves no state.
 Learned learn_features(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
                        CheckpointFolder& kept, TrainingLog& log, const TrainModelOptions& options,
@@ -344,10 +364,11 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   CheckpointFolder kept(beside);
   TrainingLog log(beside / bundle.history().filename(), options.tensorboard);
   const Learned learned =
-      settings.kind == ModelKind::lenet
+      settings.kind == ModelKind::stream ? learn_stream(dataset, settings, split.train_runs, kept, log, options, progress)
+      : settings.kind == ModelKind::lenet
           ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, log, options, progress)
           : learn_features(dataset, settings, samples, kept, log, options, progress);
-  description.samples = samples.training.size();
+  description.samples = learned.summary.samples;
   description.threads = learned.threads;
   describe(description, dataset, split, test_runs);
   write_bundle(bundle, description, learned.weights, learned.summary, options.if_there, options.command_settings);

@@ -1,0 +1,40 @@
+#include "tactile/model/definition/stream_options.hpp"
+
+#include <fmt/core.h>
+
+#include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
+#include "tactile/core/touch.hpp"
+
+namespace tactile::model {
+
+void to_json(nlohmann::json& json, const StreamOptions& options) { json = {{"steps", options.steps}}; }
+
+void from_json(const nlohmann::json& json, StreamOptions& options) {
+  options.steps = member<unsigned>(json, "steps", "settings of a model of kind stream");
+}
+
+void check(const StreamOptions& options) {
+  if (options.steps < 1 || options.steps > 100'000)
+    throw Error(fmt::format("training of kind stream: {} steps; expected 1 to 100000", options.steps));
+}
+
+std::vector<ParameterShape> stream_parameters() {
+  constexpr std::int64_t channels = StreamSizes::channels, memory = StreamSizes::memory, pooled = StreamSizes::pooled;
+  constexpr std::int64_t inputs = StreamLayout::cells_of_place + 1, kept = StreamSizes::kept, classes = touch_count;
+  return {{"grid", {4}},
+          {"cells.weight", {channels, inputs}},
+          {"cells.bias", {channels}},
+          {"means.weight", {channels, kept * channels}},
+          {"means.bias", {channels}},
+          {"place.weight", {channels, channels}},
+          {"place.bias", {channels}},
+          {"gru.weight_ih", {3 * memory, pooled}},
+          {"gru.weight_hh", {3 * memory, memory}},
+          {"gru.bias_ih", {3 * memory}},
+          {"gru.bias_hh", {3 * memory}},
+          {"out.weight", {classes, memory}},
+          {"out.bias", {classes}}};
+}
+
+}  // namespace tactile::model
