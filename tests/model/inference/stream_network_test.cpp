@@ -160,7 +160,7 @@ TEST(StreamNetwork, AgreesWithTheDenseFormulasInLongDouble) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Weights weights = test::stream_weights(seed);
     const auto network = std::make_shared<const StreamNetwork>(weights);
-    StreamClassifier classifier(sensor, {.history = 2ms, .tick = 2ms}, network);
+    StreamClassifier classifier(sensor, 2ms, {}, network);
     Reference reference(weights);
     const std::vector<std::uint8_t> counts = test::stream_counts(400, seed);
     for (std::size_t tick = 0; tick < 400; ++tick) {
@@ -197,7 +197,7 @@ TEST(StreamNetwork, RefusesWeightsOfOtherShapesOrThatLeaveFloat32) {
 TEST(StreamClassifier, AdvancesAtEveryTickWhicheverAreAskedFor) {
   const auto network = std::make_shared<const StreamNetwork>(test::stream_weights());
   const std::vector<events::Event> events = test::steady_events(8'000, 1'000, 20, sensor);
-  StreamClassifier every(sensor, {.history = 2ms, .tick = 2ms}, network), few(sensor, {.history = 2ms, .tick = 2ms}, network);
+  StreamClassifier every(sensor, 2ms, {}, network), few(sensor, 2ms, {}, network);
   every.add(events);
   few.add(events);
   for (CameraTime t{0us}; t <= CameraTime{150ms}; t = after(t, 2ms)) {
@@ -215,20 +215,20 @@ TEST(StreamClassifier, AdvancesAtEveryTickWhicheverAreAskedFor) {
   EXPECT_THROW(every.move_to(CameraTime{151ms}), Error) << "no whole tick";
   EXPECT_THROW(every.add(std::vector<events::Event>{{CameraTime{0us}, 1, 1, 1, {}}}), Error) << "back in time";
   EXPECT_THROW(every.add(std::vector<events::Event>{{CameraTime{1s}, 160, 1, 1, {}}}), Error) << "outside";
-  StreamClassifier fresh(sensor, {.history = 2ms, .tick = 2ms}, network);
+  StreamClassifier fresh(sensor, 2ms, {}, network);
   every.restart();
   every.add(events);
   fresh.add(events);
   every.move_to(CameraTime{40ms});
   fresh.move_to(CameraTime{40ms});
   EXPECT_EQ(every.classify(), fresh.classify());
-  EXPECT_THROW(StreamClassifier(sensor, {.history = 2ms, .tick = 0us}, network), Error);
+  EXPECT_THROW(StreamClassifier(sensor, 0us, {}, network), Error);
 }
 
 TEST(StreamClassifier, SkipsALongSilenceAsIfItHadComputedIt) {
   const Weights weights = test::stream_weights();
   const auto network = std::make_shared<const StreamNetwork>(weights);
-  StreamClassifier classifier(sensor, {.history = 2ms, .tick = 2ms}, network);
+  StreamClassifier classifier(sensor, 2ms, {}, network);
   const std::vector<events::Event> first = test::steady_events(500, 1'000, 20, sensor);
   classifier.add(first);
   const CameraTime woken{3600s};
@@ -266,8 +266,7 @@ TEST(StreamClassifier, SkipsALongSilenceAsIfItHadComputedIt) {
 
 TEST(StreamClassifier, LeavesOutMaskedPixels) {
   const auto network = std::make_shared<const StreamNetwork>(test::stream_weights());
-  StreamClassifier masked(sensor, {.history = 2ms, .tick = 2ms, .mask = {{7, 9}}}, network),
-      without(sensor, {.history = 2ms, .tick = 2ms}, network);
+  StreamClassifier masked(sensor, 2ms, {{7, 9}}, network), without(sensor, 2ms, {}, network);
   const std::vector<events::Event> all{
       {CameraTime{1ms}, 7, 9, 1, {}}, {CameraTime{1ms}, 8, 9, 1, {}}, {CameraTime{1ms}, 7, 9, 0, {}}};
   masked.add(all);

@@ -204,7 +204,7 @@ TEST(TrainCommand, TrainsAStream) {
   const Classifier classifier(bundle.folder, 1);
   EXPECT_NE(test::error_of([&] {
               classifier.on_events(dataset.sensor(), {.history = 2ms, .tick = 1ms});
-            }).find("a tick of 1000 us; expected 2000 us"),
+            }).find("a tick of 1000 us; expected the 2000 us"),
             std::string::npos);
   nlohmann::json changed = read_json(bundle.description());
   changed["network"]["input"]["places"] = 10;
@@ -227,7 +227,7 @@ TEST(StreamRuns, WeighEachTickByWhatTheLabelsSay) {
   const StreamRun run = stream_runs(dataset, {&index, 1}, grid_of_runs(dataset, {&index, 1}, {}), {.history = 2ms}, 1).front();
   EXPECT_EQ(run.name, "fan/01");
   ASSERT_EQ(run.truth.size(), run.ticks);
-  EXPECT_EQ(run.counts.size(), run.ticks * StreamLayout::cells);
+  EXPECT_EQ(run.counts.size(), run.ticks * StreamImage::size);
   ASSERT_EQ(run.touches.size(), 2U);
   for (const TickSpan& touch : run.touches) {
     EXPECT_EQ(run.truth[touch.begin], touch.touch);

@@ -110,10 +110,11 @@ std::unique_ptr<EventClassifier> Classifier::on_events(events::SensorSize sensor
   }
   if (reads_heatmaps(kind())) return std::make_unique<HeatmapClassifier>(sensor, rendering, network_.for_one_thread());
   if (kind() == ModelKind::stream) {
-    if (rendering.tick != this->rendering().tick)
-      throw Error(fmt::format("a tick of {} us; expected {} us, which {} counts by", rendering.tick.count(),
-                              this->rendering().tick.count(), bundle().string()));
-    return std::make_unique<StreamClassifier>(sensor, rendering, stream_);
+    const microseconds own = this->rendering().tick;
+    if (rendering.tick != own)
+      throw Error(fmt::format("a tick of {} us; expected the {} us by which {} counts", rendering.tick.count(), own.count(),
+                              bundle().string()));
+    return std::make_unique<StreamClassifier>(sensor, own, rendering.mask, stream_);
   }
   if (kind() == ModelKind::trees) return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
   return std::make_unique<TemporalClassifier>(sensor, rendering, this->rendering().tick, temporal_);

@@ -10,13 +10,9 @@
 
 namespace tactile::model {
 
-StreamClassifier::StreamClassifier(events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering,
+StreamClassifier::StreamClassifier(events::SensorSize sensor, microseconds tick, const events::MaskPixels& mask,
                                    std::shared_ptr<const StreamNetwork> network)
-    : sensor_(sensor),
-      tick_(rendering.tick),
-      mask_(sensor, rendering.mask),
-      network_(std::move(network)),
-      counts_(sensor, network_->grid()) {
+    : sensor_(sensor), tick_(tick), mask_(sensor, mask), network_(std::move(network)), counts_(sensor, network_->grid()) {
   if (tick_ <= microseconds{0}) throw Error(fmt::format("a tick of {} us; expected more than 0", tick_.count()));
 }
 

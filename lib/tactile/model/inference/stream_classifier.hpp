@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "tactile/events/pixel_mask.hpp"
-#include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/inference/event_classifier.hpp"
 #include "tactile/model/inference/stream_network.hpp"
 
@@ -16,9 +15,9 @@ namespace tactile::model {
 /// whichever ticks are asked for, so the logits of a tick depend on all events before it.
 class StreamClassifier final : public EventClassifier {
  public:
-  /// @param rendering  its tick and mask are used; the tick is that of the training, since the network counts by it
+  /// @param tick  of the training, since the network counts by it
   /// @throws Error  if a tick is not above 0, or the sensor has no area
-  StreamClassifier(events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering,
+  StreamClassifier(events::SensorSize sensor, microseconds tick, const events::MaskPixels& mask,
                    std::shared_ptr<const StreamNetwork> network);
 
   void add(std::span<const events::Event> events) override;
