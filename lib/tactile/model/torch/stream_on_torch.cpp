@@ -179,11 +179,17 @@ struct StreamTraining {
   }
 };
 
-/// Inputs of some batches, whose crops no step uses.
-torch::Tensor inputs_to_whiten(const StreamCrops& crops_of) {
-  std::vector<torch::Tensor> inputs;
-  for (std::uint64_t i = 0; i < 2; ++i) inputs.push_back(inputs_of(crops_of.batch(1'000'000 + i, 1)).clone());
-  return torch::cat(inputs, 0);
+/// Inputs of ticks of the runs as they are, drawn at random.
+torch::Tensor inputs_to_whiten(std::span<const StreamRun> runs, std::uint64_t seed) {
+  constexpr std::size_t of_each = 400;
+  Random random(seed_for(seed, {"whitening"}));
+  torch::Tensor inputs = torch::empty({static_cast<std::int64_t>(runs.size() * of_each), places, inputs_of_place});
+  float* next = inputs.data_ptr<float>();
+  for (const StreamRun& run : runs) {
+    for (std::size_t i = 0; i < of_each; ++i, next += places * inputs_of_place)
+      stream_inputs(run.at(random.below(run.ticks)), {next, static_cast<std::size_t>(places * inputs_of_place)});
+  }
+  return inputs;
 }
 
 }  // namespace
@@ -196,7 +202,7 @@ FittedStream fit_stream_on_torch(std::span<const StreamRun> runs, const StreamGr
   use_one_thread();
   const StreamCrops crops_of(runs, seed);
   torch::manual_seed(seed);
-  StreamTraining training{crops_of, Whitening(inputs_to_whiten(crops_of))};
+  StreamTraining training{crops_of, Whitening(inputs_to_whiten(runs, seed))};
   training.begin();
   FittedStream fitted;
   EpochResult epoch;
