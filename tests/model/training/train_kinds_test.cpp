@@ -60,6 +60,7 @@ TEST(TrainTrees, WritesTheTreesThatFitTheSamples) {
   const auto samples = samples_of_runs(dataset, split_of(dataset, {}).train_runs);
   std::vector<float> features;
   std::vector<Touch> truth;
+  truth.reserve(samples.size());
   for (const std::uint32_t run : split_of(dataset, {}).train_runs) {
     const auto of_run = samples_of_runs(dataset, {&run, 1});
     const auto more = sample_features(dataset, run, of_run, {});
@@ -87,8 +88,9 @@ TEST(TrainTrees, RefuseWhatOnlyANetworkHas) {
   const TrainedTrees trained;
   const windows::Dataset dataset(trained.file);
   const Classifier classifier(trained.bundle.folder, 1);
-  EXPECT_NE(test::error_of([&] { classifier.classify(std::vector<std::uint8_t>(160 * 120)); }).find("reads no heatmaps"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { classifier.classify(std::vector<std::uint8_t>(std::size_t{160} * 120)); }).find("reads no heatmaps"),
+      std::string::npos);
   EXPECT_NE(test::error_of([&] {
               open_classifier(trained.bundle.folder, 1, EngineKind::libtorch);
             }).find("a model of kind trees runs without libtorch; expected --engine fast"),
@@ -151,6 +153,7 @@ TEST(TrainTemporal, WritesTheNetworkThatFitsTheSamples) {
   const auto samples = samples_of_runs(dataset, split_of(dataset, {}).train_runs);
   std::vector<float> steps;
   std::vector<Touch> truth;
+  truth.reserve(samples.size());
   for (const std::uint32_t run : split_of(dataset, {}).train_runs) {
     const auto more = sample_steps(dataset, run, samples_of_runs(dataset, {&run, 1}), {});
     steps.insert(steps.end(), more.begin(), more.end());
