@@ -18,36 +18,16 @@ std::vector<std::uint16_t> parts_of(int pixels, std::size_t parts, std::size_t s
 }  // namespace
 
 SlidingSums::SlidingSums(events::SensorSize sensor, microseconds history, microseconds bin, const events::MaskPixels& mask)
-    : sensor_(sensor),
-      history_(history),
+    : history_(history),
       bin_(bin),
-      mask_(sensor, mask),
+      waiting_(sensor, mask),
       column_of_(parts_of(sensor.width, grid_columns, 1)),
       row_of_(parts_of(sensor.height, grid_rows, grid_columns)) {
-  if (sensor.width < 1 || sensor.height < 1 || std::max(sensor.width, sensor.height) > events::most_side)
-    throw Error(fmt::format("a sensor of {} x {} px; expected sides of 1 to {}", sensor.width, sensor.height, events::most_side));
   if (bin <= microseconds{0} || history < bin || history % bin != microseconds{0} || history / bin > most_bins) {
     throw Error(fmt::format("a history of {} us in bins of {} us; expected a whole number of bins, 1 to {}", history.count(),
                             bin.count(), most_bins));
   }
   bins_.resize(static_cast<std::size_t>(history / bin));
-}
-
-void SlidingSums::add(std::span<const events::Event> events) {
-  CameraTime last = last_;
-  for (const events::Event& event : events) {
-    if (event.t < last)
-      throw Error(
-          fmt::format("an event at {} us after one at {} us; expected events in order of time", us_of(event.t), us_of(last)));
-    if (event.x < 0 || event.y < 0 || event.x >= sensor_.width || event.y >= sensor_.height)
-      throw Error(fmt::format("an event at x {}, y {}; expected one on the sensor of {} x {} px", event.x, event.y, sensor_.width,
-                              sensor_.height));
-    last = event.t;
-  }
-  last_ = last;
-  if (next_ == waiting_.size()) waiting_.clear(), next_ = 0;
-  const std::span<const events::Event> counted = mask_.without(events, unmasked_);
-  waiting_.insert(waiting_.end(), counted.begin(), counted.end());
 }
 
 void SlidingSums::count(const events::Event& event) {
@@ -74,13 +54,8 @@ void SlidingSums::move_to(CameraTime t) {
   }
   tick_ = t;
   const CameraTime begin = before(t, history_);
-  for (; next_ < waiting_.size() && waiting_[next_].t < t; ++next_) {
-    if (waiting_[next_].t >= begin) count(waiting_[next_]);
-  }
-  // A long queue loses what it no longer needs, without a copy at every tick.
-  if (next_ > 4096 && 2 * next_ > waiting_.size()) {
-    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(next_));
-    next_ = 0;
+  for (const events::Event& event : waiting_.take_before(t)) {
+    if (event.t >= begin) count(event);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tactile/events/event.hpp"
-#include "tactile/events/pixel_mask.hpp"
+#include "tactile/events/waiting_events.hpp"
 #include "tactile/features/event_sums.hpp"
 
 namespace tactile::features {
@@ -28,7 +28,7 @@ class SlidingSums {
 
   /// Appends events, ascending in time and not before earlier ones. They are counted by `move_to`.
   /// @throws Error  if they go back in time or lie outside the sensor; then none of them is added
-  void add(std::span<const events::Event> events);
+  void add(std::span<const events::Event> events) { waiting_.add(events); }
 
   /// Moves the history to [t - t_h, t); later events wait. Events that are added afterwards and lie in it are counted by the next
   /// call, which may be for the same t. @throws Error  if `t` is before the last one, or is no whole number of bins
@@ -42,17 +42,12 @@ class SlidingSums {
  private:
   void count(const events::Event& event);
 
-  events::SensorSize sensor_;
   microseconds history_, bin_;
-  events::PixelMask mask_;
-  std::vector<events::Event> unmasked_;
+  events::WaitingEvents waiting_;
   std::vector<std::uint16_t> column_of_, row_of_;  ///< the cell of a pixel is the sum of both
   std::vector<EventSums> bins_;                    ///< a ring
   std::size_t front_ = 0;
-  std::vector<events::Event> waiting_;
-  std::size_t next_ = 0;  ///< of the waiting events
   CameraTime tick_ = CameraTime::min();
-  CameraTime last_ = CameraTime::min();  ///< of the added events
 };
 
 }  // namespace tactile::features

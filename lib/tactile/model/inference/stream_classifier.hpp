@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "tactile/events/pixel_mask.hpp"
+#include "tactile/events/waiting_events.hpp"
 #include "tactile/model/inference/event_classifier.hpp"
 #include "tactile/model/inference/stream_network.hpp"
 
@@ -20,7 +20,7 @@ class StreamClassifier final : public EventClassifier {
   StreamClassifier(events::SensorSize sensor, microseconds tick, const events::MaskPixels& mask,
                    std::shared_ptr<const StreamNetwork> network);
 
-  void add(std::span<const events::Event> events) override;
+  void add(std::span<const events::Event> events) override { waiting_.add(events); }
   void move_to(CameraTime tick) override;
   std::uint64_t events() const override { return events_; }  ///< of the last tick
   void prepare() override {}
@@ -32,17 +32,14 @@ class StreamClassifier final : public EventClassifier {
 
   events::SensorSize sensor_;
   microseconds tick_;
-  events::PixelMask mask_;
+  events::MaskPixels mask_;
   std::shared_ptr<const StreamNetwork> network_;
+  events::WaitingEvents waiting_;
   StreamCounts counts_;
   StreamState state_;
-  std::vector<events::Event> waiting_;
-  std::vector<events::Event> unmasked_;
-  std::size_t next_ = 0;  ///< of the waiting events
   std::uint64_t events_ = 0;
   std::optional<CameraTime> reached_;  ///< the last tick that was computed
   CameraTime moved_to_ = CameraTime::min();
-  CameraTime last_ = CameraTime::min();  ///< of the added events
 };
 
 }  // namespace tactile::model

@@ -9,6 +9,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/run_ticks.hpp"
+#include "tactile/events/waiting_events.hpp"
 #include "tactile/labels/labels.hpp"
 
 namespace tactile::model {
@@ -70,25 +71,15 @@ std::vector<std::optional<std::size_t>> parts_of(int pixels, double low, double 
 StreamRun read_run(const windows::Dataset& dataset, std::uint32_t index, const StreamGrid& grid,
                    const heatmaps::HeatmapOptions& rendering) {
   const labels::Labels labels = labels_of(dataset, index);
-  const events::PixelMask mask(dataset.sensor(), rendering.mask);
+  events::WaitingEvents waiting(dataset.sensor(), rendering.mask);
   StreamRun run;
   run.name = windows::name_of(dataset.runs()[index]);
   const auto column_of = parts_of(dataset.sensor().width, grid.left, grid.right, StreamImage::columns);
   const auto row_of = parts_of(dataset.sensor().height, grid.top, grid.bottom, StreamImage::rows);
-  std::vector<events::Event> waiting;
-  std::size_t next = 0;
-  std::vector<events::Event> unmasked;
-  const auto add = [&](std::span<const events::Event> events) {
-    waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(next));
-    next = 0;
-    const std::span<const events::Event> counted = mask.without(events, unmasked);
-    waiting.insert(waiting.end(), counted.begin(), counted.end());
-  };
   const auto at = [&](CameraTime t) {
     const std::size_t first = run.counts.size();
     run.counts.resize(first + StreamImage::size);
-    for (; next < waiting.size() && waiting[next].t < t; ++next) {
-      const events::Event& event = waiting[next];
+    for (const events::Event& event : waiting.take_before(t)) {
       const auto column = column_of[static_cast<std::size_t>(event.x)], row = row_of[static_cast<std::size_t>(event.y)];
       if (!column || !row) continue;
       std::uint8_t& count = run.counts[first + StreamImage::at(event.on != 0 ? 1 : 0, *row, *column)];
@@ -96,8 +87,8 @@ StreamRun read_run(const windows::Dataset& dataset, std::uint32_t index, const S
     }
   };
   events::RecordingReader recording(folder_of(dataset, index).events());
-  const TickRange ticks =
-      events::follow_ticks(recording, events::event_stream(recording).id, rendering.history, rendering.tick, {add, at});
+  const TickRange ticks = events::follow_ticks(recording, events::event_stream(recording).id, rendering.history, rendering.tick,
+                                               {[&](std::span<const events::Event> events) { waiting.add(events); }, at});
   run.ticks = static_cast<std::size_t>(ticks.count);
   set_truth(run, ticks, labels, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
   return run;
