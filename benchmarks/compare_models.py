@@ -42,12 +42,6 @@ def one_way_interval(values):
     return mean, mean - half, mean + half
 
 
-def delays_of(evaluation, name=None):
-    """Delays of presses and slips [ms]: a missed or early one counts with its limit."""
-    return [interval["delay_ms"] if interval["outcome"] == "detected" else interval["limit_ms"]
-            for run in evaluation["runs"] if name in (None, run["object"]) for interval in run["intervals"]]
-
-
 def main():
     evaluations = []
     for path in sys.argv[1:]:
@@ -66,18 +60,17 @@ def main():
     means = [statistics.mean(100 * one["accuracy"]["mean"]["value"] for one in group) for group in (usual, other)]
     print(f"{len(usual)} trainings, {len(names)} objects")
     print_row("accuracy", *means, two_way_interval(accuracy), "%")
-    delays = differences(lambda one, name: statistics.median(delays_of(one, name)))
-    medians = [statistics.median(delay for one in group for delay in delays_of(one)) for group in (usual, other)]
-    print_row("median delay, by object", *medians, two_way_interval(delays), "ms")
-    missed = [100 * statistics.mean(interval["outcome"] != "detected"
-                                    for one in group for run in one["runs"] for interval in run["intervals"])
-              for group in (usual, other)]
-    print(f"missed or early: {missed[0]:.2f} and {missed[1]:.2f} %")
-    for key, what in (("outside_labels", "false alarms outside labels"), ("wrong_class", "episodes of the wrong class")):
-        per_min = [statistics.mean(one["false_alarms"][key]["per_min"]["value"] for one in group) for group in (usual, other)]
-        ratio = one_way_interval([math.log(b["false_alarms"][key]["per_min"]["value"] / a["false_alarms"][key]["per_min"]["value"])
-                                  for a, b in zip(usual, other)])
-        print(f"{what} per minute: {per_min[0]:.1f} and {per_min[1]:.1f}, ratio " + "{:.2f} [{:.2f}, {:.2f}]".format(*map(math.exp, ratio)))
+    # Of whole runs; a touch that is not detected is later than all others.
+    delays = differences(lambda one, name: one["whole_runs"]["objects"][name]["median_ms"]["value"])
+    medians = [statistics.mean(one["whole_runs"]["decided"]["median_ms"]["value"] for one in group) for group in (usual, other)]
+    print_row("median delay", *medians, two_way_interval(delays), "ms")
+    for key, what in (("missed", "share missed or early"), ("wrong_class", "episodes of the wrong class per touch")):
+        shares = [statistics.mean(one["whole_runs"]["decided"][key]["value"] for one in group) for group in (usual, other)]
+        print(f"{what}: {shares[0]:.4f} and {shares[1]:.4f}")
+    alarms = lambda one: one["whole_runs"]["decided"]["alarms_per_min"]["value"]
+    per_min = [statistics.mean(map(alarms, group)) for group in (usual, other)]
+    ratio = one_way_interval([math.log(alarms(b) / alarms(a)) for a, b in zip(usual, other)])
+    print(f"false alarms per minute: {per_min[0]:.1f} and {per_min[1]:.1f}, ratio " + "{:.2f} [{:.2f}, {:.2f}]".format(*map(math.exp, ratio)))
 
 
 if __name__ == "__main__":

@@ -180,7 +180,7 @@ void print_accuracies(const fs::path& dataset_file, const fs::path& bundle) {
 using Work = std::function<float(const Heatmap&, const std::vector<float>&)>;
 
 Work work_of(const std::string& kind, const model::ModelDescription& model, const model::Weights& weights) {
-  const model::LeNetLayers layers = model::lenet_layers(model.input, model.settings.network);
+  const model::LeNetLayers layers = model::lenet_layers(model.input);
   const auto engine = [&](const model::EngineOptions& options) -> Work {
     return [engine = model::LeNetEngine(model.input, weights, model.settings.network, options)](
                const Heatmap& heatmap, const std::vector<float>&) mutable { return engine.classify(heatmap)[0]; };

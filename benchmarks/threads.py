@@ -68,7 +68,7 @@ def works(folder):
         "heatmaps": Work(["heatmaps", data, "--th", "40"], lambda: [*data.glob("dataset.th_*.h5")], lambda: data.glob("dataset.th_*.h5")),
         "train": Work(["train", data, "--th", "40", "--epochs", "4", "--models", models, "--name", "threads"], lambda: [models],
                                 lambda: [bundle / "weights.safetensors"]),
-        "eval": Work(["eval", data, "--model", bundle], lambda: [*bundle.glob("eval*")], lambda: [bundle / "eval.json", bundle / "eval.csv"]),
+        "eval": Work(["eval", data, "--model", bundle], lambda: [*bundle.glob("eval*")], lambda: [bundle / "eval.json", bundle / "eval-cells.csv"]),
         "convert": Work(["convert", long_run, converted, "--compression", "zstd"], lambda: [converted], lambda: [converted]),
         "info": Work(["info", long_run], lambda: [], lambda: []),
     }

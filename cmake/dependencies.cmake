@@ -11,7 +11,7 @@ if(TACTILE_PYTHON)
   return()  # the rest is for training and for the programs
 endif()
 
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
+find_package(OpenCV REQUIRED COMPONENTS core dnn imgproc imgcodecs videoio)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(BZip2 REQUIRED)
@@ -21,13 +21,6 @@ if(TACTILE_SANITIZE MATCHES "thread")
   # The sanitizer ignores fences, and GCC warns of those of asio. There is always a lock as well.
   target_compile_options(tactile_asio INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
 endif()
-
-# Only the C interface of XGBoost is used, and only to fit trees.
-find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h REQUIRED)
-find_library(XGBOOST_LIBRARY xgboost REQUIRED)
-add_library(tactile_xgboost INTERFACE)
-target_include_directories(tactile_xgboost SYSTEM INTERFACE ${XGBOOST_INCLUDE_DIR})
-target_link_libraries(tactile_xgboost INTERFACE ${XGBOOST_LIBRARY})
 
 # Only the headers and the shared libraries of Torch are used; its CMake package also looks for the toolkits that it was built with.
 find_package(Torch REQUIRED)

@@ -13,7 +13,13 @@ namespace fs = std::filesystem;
 
 model::ModelBundle named_model(const std::string& model, const std::string& models) {
   const fs::path given(model);
-  if (!fs::is_directory(given)) return {fs::path(models) / given};
+  if (model::is_own_network(given)) return {given};
+  if (!fs::is_directory(given)) {
+    const fs::path named = fs::path(models) / given;
+    if ((given.extension() == ".pt" || given.extension() == ".onnx") && !fs::exists(named))
+      throw Error(model + ": no such file; expected a network's file, or the name of a model in " + models);
+    return {named};
+  }
   return {given.filename().empty() ? given.parent_path() : given};
 }
 
@@ -40,6 +46,22 @@ ChosenModel chosen_model(const std::string& model, const std::string& models) {
   if (!model.empty()) return {named_model(model, models), {}};
   if (auto chosen = model_without_name(models)) return *std::move(chosen);
   throw Error(models + ": no model; expected one, run 'tactile train' first, or name it by --model");
+}
+
+ChosenModel live_model(const std::string& model, const std::string& models) {
+  if (model.empty() && !model::pinned_bundle(models)) {
+    const auto is_stream = [](const model::ModelDescription& found) { return found.settings.kind == model::ModelKind::stream; };
+    const auto knows_all = [&](const model::ModelDescription& found) {
+      return is_stream(found) && found.settings.split.kind == windows::SplitKind::single_run;
+    };
+    const auto last = model_without_name(models);
+    if (last && is_stream(model::read_description(last->bundle))) return *last;
+    // A stream that never saw some objects is there to be evaluated.
+    auto newest = model::newest_bundle(models, knows_all);
+    if (!newest) newest = model::newest_bundle(models, is_stream);
+    if (newest) return {*std::move(newest), "the newest model of kind stream"};
+  }
+  return chosen_model(model, models);
 }
 
 void log_choice(const std::string& doing, const ChosenModel& chosen) {

@@ -44,7 +44,6 @@ struct DetectArguments {
   double reconnect_s = 10, duration_s = 0;
   std::string engine = "fast", precision = "fp32";
   DecisionArguments decision{.thresholds = text_of(model::TwoThresholds{})};
-  GateArguments gate;
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
   std::string ticks, plot, udp, mask, page;
@@ -118,8 +117,7 @@ detect::DetectionOptions session_options(const DetectArguments& args, const mode
   if (!args.mask.empty()) rendering.mask = events::read_mask(args.mask);
   check(rendering);
   if (args.tick_us) rendering.tick = tick_within(rendering.history, *args.tick_us, bundle.name());
-  options.detector.decision = decision_of(args.decision, bundle, model);
-  if (args.gate.on) options.detector.gate = model::gate_rule(bundle, model, args.gate.miss);
+  options.detector.decision = decision_of(args.decision, model.settings.kind);
   options.detector.temperature = model::read_temperature(bundle, model).value;
   options.slack = microseconds{args.slack_us};
   options.rehearses = !args.no_rehearsal;
@@ -146,7 +144,7 @@ std::string draw(const DetectArguments& args, const detect::DetectionSummary& su
 
 void detect(DetectArguments args, const CommonArguments& common) {
   if (!args.plot.empty()) pictures::check_is_picture(args.plot);
-  const ChosenModel chosen = chosen_model(args.model, args.models);
+  const ChosenModel chosen = live_model(args.model, args.models);
   const model::ModelBundle& bundle = chosen.bundle;
   const model::ModelDescription model = model::read_description(bundle);
   LiveLine line(!common.quiet);
@@ -163,7 +161,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
     if (page) page->warn(text);
   };
   line.inform("detecting with " + bundle.folder.string() + (chosen.why.empty() ? "" : ", " + chosen.why));
-  if (!model.scene)
+  if (!model.scene && !model.own)
     line.inform(bundle.name() +
                 " does not know the scenes of its training runs, so the scene is not watched; 'tactile train --force' adds them");
   check_tick_count(args, options.detector.rendering);
@@ -182,7 +180,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
   line.clear();
   if (page) page->end(summary);
   summary.ticks_left_out += reader.not_kept();
-  const DetectModel used{.name = bundle.name(), .engine = args.engine, .precision = args.precision};
+  const DetectModel used{.name = bundle.name(), .engine = std::string(name_of(classifier.engine())), .precision = args.precision};
   const std::string drawn = draw(args, summary, used.name, reader.kept());
   print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used, args.verbose) + drawn);
   if (summary.failure) std::rethrow_exception(summary.failure);
@@ -191,7 +189,7 @@ void detect(DetectArguments args, const CommonArguments& common) {
 }
 
 void add_model_options(Command& command, DetectArguments& args) {
-  command.add_option("--model", args.model, default_model_help);
+  command.add_option("--model", args.model, live_model_help);
   command.add_option("--models", args.models, "Folder of models").type_name("DIR").show_default();
   command
       .add_option(
@@ -199,9 +197,8 @@ void add_model_options(Command& command, DetectArguments& args) {
           "Event source: tcp://HOST:PORT, unix:PATH, file:PATH, sim[:OBJECT] or camera[:SERIAL]. Default: the only camera, "
           "else tcp://127.0.0.1:7777")
       .type_name("SOURCE");
-  add_decision_options(command, args.decision);
+  add_confirm_option(command, args.decision);
   add_thresholds_option(command, args.decision);
-  add_gate_options(command, args.gate);
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
   command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")

@@ -97,9 +97,9 @@ nlohmann::json DetectPage::state_json(const char* state) {
     json["tick"] = {{"t_us", us_of(verdict.t)},
                     {"verdict", name_of(verdict.verdict)},
                     {"predicted", name_of(verdict.predicted)},
+                    {"slip_is_confirmed", verdict.slip_is_confirmed},
                     {"p", {p[0], p[1], p[2]}},
                     {"events", verdict.events},
-                    {"gated", verdict.gated},
                     {"beginning", newest_->beginning}};
     json["events"] = {{"late", newest_->late_events}, {"dropped", newest_->lost_events}};
   }

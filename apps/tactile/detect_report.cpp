@@ -66,11 +66,8 @@ std::string verdicts_text(const detect::VerdictCounts& counts) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(touch), counts.ticks[index]);
     if (touch != Touch::none) text += fmt::format(" in {}", counted(counts.episodes[index], "episode"));
   }
+  if (counts.episodes[static_cast<std::size_t>(Touch::slip)] > 0) text += fmt::format(", {} confirmed", counts.confirmed_slips);
   return text;
-}
-
-std::string rule_text(const model::GateRule& rule) {
-  return rule.ratio ? fmt::format("log ratio below {:.1f}", *rule.ratio) : fmt::format("fewer than {} events", rule.events);
 }
 
 void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
@@ -84,9 +81,6 @@ void add_ticks(const detect::DetectionSummary& summary, Lines& lines) {
         fmt::format("{}, {:.3f} %: judged without all events of their history; not counted as missed",
                     counted(summary.counts.incomplete, "tick"), percentage(summary.counts.incomplete, ticks.reported)));
   lines.emplace_back("verdicts", verdicts_text(summary.verdicts));
-  if (summary.detector.gate)
-    lines.emplace_back("gate", fmt::format("closed at {} of {} ticks: {}", summary.counts.gated, ticks.reported,
-                                           rule_text(*summary.detector.gate)));
   if (!summary.plays)
     lines.emplace_back(
         "closed", fmt::format("{} by events, {} by host time", ticks.reported - summary.counts.by_host, summary.counts.by_host));
@@ -174,9 +168,10 @@ void add_machine(const detect::DetectionSummary& summary, Lines& lines) {
     lines.emplace_back("awake", summary.awake_refused->empty() ? "processor cores do not sleep" : *summary.awake_refused);
 }
 
+nlohmann::json us_or_null(const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); }
+
 nlohmann::json ticks_json(const detect::DetectionSummary& summary) {
   const detect::DeadlineMonitor::Counts& ticks = summary.deadlines.counts();
-  const auto us_or_null = [](const std::optional<CameraTime>& t) { return t ? nlohmann::json(us_of(*t)) : nlohmann::json(); };
   return {{"reported", ticks.reported},
           {"skipped", ticks.skipped},
           {"late", summary.plays ? nlohmann::json() : nlohmann::json(ticks.late)},
@@ -204,10 +199,15 @@ nlohmann::json events_json(const detect::DetectionSummary& summary) {
 void add_verdicts(const detect::VerdictCounts& counts, nlohmann::json& json) {
   for (const Touch touch : all_touches)
     json["verdicts"][std::string(name_of(touch))] = counts.ticks[static_cast<std::size_t>(touch)];
-  json["episodes"] = {{"press", counts.episodes[1]}, {"slip", counts.episodes[2]}, {"first", nlohmann::json::array()}};
+  json["episodes"] = {{"press", counts.episodes[1]},
+                      {"slip", counts.episodes[2]},
+                      {"confirmed_slip", counts.confirmed_slips},
+                      {"first", nlohmann::json::array()}};
   for (const detect::VerdictEpisode& episode : counts.first_episodes)
-    json["episodes"]["first"].push_back(
-        {{"class", name_of(episode.touch)}, {"first_us", us_of(episode.first)}, {"last_us", us_of(episode.last)}});
+    json["episodes"]["first"].push_back({{"class", name_of(episode.touch)},
+                                         {"first_us", us_of(episode.first)},
+                                         {"confirmed_us", us_or_null(episode.confirmed)},
+                                         {"last_us", us_of(episode.last)}});
 }
 
 void add_faults(const detect::DetectionSummary& summary, nlohmann::json& json) {
@@ -257,13 +257,7 @@ nlohmann::json json_of(const detect::DetectionSummary& summary, const DetectMode
       {"simulated", summary.simulated},
       {"rendering", detector.rendering},
       {"confirm", text_of(detector.decision.confirmation)},
-      {"alarm_cost", detector.decision.filter ? nlohmann::json(detector.decision.filter->alarm_cost) : nlohmann::json()},
       {"thresholds", detector.decision.thresholds ? nlohmann::json(text_of(*detector.decision.thresholds)) : nlohmann::json()},
-      {"gate", detector.gate ? nlohmann::json{{"limit_events", detector.gate->ratio ? 0 : detector.gate->events},
-                                              {"limit_ratio",
-                                               detector.gate->ratio ? nlohmann::json(*detector.gate->ratio) : nlohmann::json()},
-                                              {"gated", summary.counts.gated}}
-                             : nlohmann::json()},
       {"ended", summary.ended},
       {"elapsed_s", in_s(summary.elapsed)},
       {"cpu_s", summary.cpu_s},

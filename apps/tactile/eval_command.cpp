@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <deque>
 #include <string>
@@ -26,7 +25,6 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
-#include "tactile/evaluation/evaluation_table.hpp"
 #include "tactile/evaluation/scene_remarks.hpp"
 #include "tactile/evaluation/tick_speed.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
@@ -40,44 +38,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-evaluation::EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common) {
+evaluation::EvaluationOptions options_of(const EvalArguments& args, const CommonArguments& common, model::ModelKind kind) {
   evaluation::EvaluationOptions options;
-  if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   options.confirmation = confirmation_of(args.decision);
-  options.alarm_cost = alarm_cost_of(args.decision);
-  options.thresholds = thresholds_of(args.decision);
-  options.gate = args.gate.on;
-  options.gate_miss = args.gate.miss;
+  options.thresholds = thresholds_of(args.decision, kind);
   options.threads = common.threads;
   return options;
 }
 
-/// Writes the result to `file`, as a table next to it, and the settings. @return  a sentence that names result and table
-std::string write_result(const fs::path& file, const nlohmann::json& json, const results::Evaluation& evaluation,
+/// Writes the result to `file`, and next to it its cells and the settings. @return  a sentence that names result and cells
+std::string write_result(const fs::path& file, const nlohmann::json& json, std::span<const results::Cell> cells,
                          const CommonArguments& common, const model::ModelBundle& bundle) {
   fs::path table = file, settings = file;
-  table.replace_extension(".csv");
+  table.replace_filename(file.stem().string() + "-cells.csv");
   settings.replace_filename(file.stem().string() + "-settings.json");
   write_json(file, json);
-  write_whole(table, evaluation::table_of(evaluation));
+  write_whole(table, results::cells_csv(cells));
   write_settings(common, settings, {{"model", bundle.folder.string()}});
   return fmt::format("Written to {} and {}\n", file.string(), table.filename().string());
 }
 
 /// The file of results. Options that change the figures have their own file, so that none replaces another.
-fs::path result_file(const fs::path& usual, const EvalArguments& args, const evaluation::EvaluationOptions& options,
-                     const windows::Dataset& dataset) {
+fs::path result_file(const fs::path& usual, const evaluation::EvaluationOptions& options, model::ModelKind kind) {
   std::string name = usual.stem().string();
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
-  if (options.alarm_cost) name += fmt::format("-filter-{:g}", *options.alarm_cost);
-  if (options.thresholds) {
-    std::string text = text_of(*options.thresholds);
+  if (options.thresholds != model::usual_thresholds(kind) && options.confirmation == Confirmation{}) {
+    std::string text = options.thresholds ? text_of(*options.thresholds) : "off";
     std::replace(text.begin(), text.end(), ':', '-');
     name += "-thresholds-" + text;
   }
-  if (options.gate) name += options.gate_miss == model::gate_share ? "-gate" : fmt::format("-gate-miss-{:g}", options.gate_miss);
-  if (options.guard && *options.guard != dataset.sampling().guard) name += fmt::format("-guard-{}-ms", args.guard_ms);
   return usual.parent_path() / (name + ".json");
 }
 
@@ -110,6 +100,9 @@ nlohmann::json json_of_learning(const windows::Dataset& dataset, const model::Mo
 
 /// The same of a model of another dataset, as a sentence. @param judged  number of runs
 std::string sentence_on_learning(const windows::Dataset& dataset, const model::ModelDescription& model, std::size_t judged) {
+  if (model.own)
+    return fmt::format("Learned from {}, as its description says. Judged on the {} of {} runs that it has not seen.",
+                       counted(model.learned_from.size(), "run"), judged, dataset.runs().size());
   const std::string of_manifest = "manifest " + model.manifest_hash.substr(0, 8);
   return fmt::format("Learned from {}. Judged on the {} of {} runs that it has not seen.",
                      model.dataset == dataset.file().string() ? of_manifest : model.dataset + " with " + of_manifest, judged,
@@ -142,22 +135,24 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
     throw Error(fmt::format("{}: no model; expected one, run '{}' first", args.models, train_command(args, {})));
   }
   const model::ModelBundle& bundle = chosen->bundle;
-  check_writable(bundle.folder);
+  fs::create_directories(bundle.results());  // of a bundle it is there
+  check_writable(bundle.results());
   log_choice("evaluating", *chosen);
   const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
   auto runs = model::test_runs_of(dataset, classifier.model());
   evaluation::leave_out_calibration_runs(runs, dataset, classifier);
-  evaluation::EvaluationOptions options = options_of(args, common);
+  evaluation::EvaluationOptions options = options_of(args, common, classifier.kind());
   options.of_another_dataset = classifier.model().manifest_hash != dataset.manifest_hash();
   const std::vector<windows::SplitOptions> splits(options.of_another_dataset ? 0 : 1, classifier.model().settings.split);
   std::vector<std::string> warnings = warn_of_splits(dataset, splits, args.strict);
-  const results::Evaluation evaluation = evaluation::evaluate(dataset, classifier, runs, options, progress_line(common));
+  const evaluation::Evaluated evaluated = evaluation::evaluate(dataset, classifier, runs, options, progress_line(common));
+  const results::Evaluation& evaluation = evaluated.evaluation;
   warn_of_scenes(dataset, classifier.model(), runs, common.threads, warnings);
   nlohmann::json json = evaluation;
   json["warnings"] = warnings;
   json["learned_from"] = json_of_learning(dataset, classifier.model());
   const fs::path usual = model::evaluation_on(bundle, classifier.model().manifest_hash, hash);
-  const std::string written = write_result(result_file(usual, args, options, dataset), json, evaluation, common, bundle);
+  const std::string written = write_result(result_file(usual, options, classifier.kind()), json, evaluated.cells, common, bundle);
   const std::string learning =
       options.of_another_dataset ? wrapped(sentence_on_learning(dataset, classifier.model(), runs.size())) + "\n" : "";
   const auto speed = measured_speed(dataset, runs.front(), classifier, bundle);
@@ -213,7 +208,12 @@ UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments&
 
 /// The model to compare with one of the other split: the named one, else the one that commands take if it is of this dataset.
 std::optional<ChosenModel> one_of_pair(const EvalArguments& args, const windows::Dataset& dataset) {
-  if (!args.model.empty()) return ChosenModel{bundle_named(args), {}};
+  if (!args.model.empty()) {
+    const ChosenModel named{bundle_named(args), {}};
+    if (model::is_own_network(named.bundle.folder))
+      throw Error(args.model + ": is not trained by tactile; expected a model's folder, since --unseen trains others like it");
+    return named;
+  }
   const std::string& hash = dataset.manifest_hash();
   auto chosen = model_without_name(args.models, &hash);
   if (chosen && model::read_description(chosen->bundle).manifest_hash != hash) {
@@ -250,15 +250,17 @@ void evaluate_unseen(const EvalArguments& args, const CommonArguments& common) {
                known && !known->why.empty() ? fmt::format("; {} is {}", known->bundle.name(), known->why) : "");
 
   const UnseenTrainings trainings = open_trainings(args, common, dataset, seen, held_out, count);
-  const evaluation::EvaluationOptions options = options_of(args, common);
+  const model::ModelKind kind = trainings.classifiers.front().kind();
+  const evaluation::EvaluationOptions options = options_of(args, common, kind);
   const results::UnseenComparison comparison =
       evaluation::compare_unseen(dataset, trainings.pairs, options, progress_line(common));
-  const results::Evaluation evaluation = evaluation::evaluate(dataset, trainings.unseen, options, progress_line(common));
+  const evaluation::Evaluated evaluated = evaluation::evaluate(dataset, trainings.unseen, options, progress_line(common));
+  const results::Evaluation& evaluation = evaluated.evaluation;
   nlohmann::json json = evaluation;
   json["unseen"] = comparison;
   json["warnings"] = trainings.warnings;
   const std::string written =
-      write_result(result_file(seen.unseen_evaluation(), args, options, dataset), json, evaluation, common, seen);
+      write_result(result_file(seen.unseen_evaluation(), options, kind), json, evaluated.cells, common, seen);
   print_result(common, json,
                (args.verbose ? text_of(comparison, evaluation.simulated) + "\nThe model that never saw these objects:\n\n" +
                                    text_of(evaluation)
@@ -298,13 +300,8 @@ void add_eval_command(CLI::App& app) {
   command.add_flag("--verbose", args->verbose, "Print all tables");
   command.add_flag("--no-train", args->no_train, "With --unseen: do not train; a missing model is an error");
   add_strict_option(command, args->strict);
-  command
-      .add_option("--guard-ms", args->guard_ms,
-                  "Count alarms that begin within this time after an interval separately [ms]; default: the dataset's guard")
-      .check(in_range(0.0, 1e6));
-  add_decision_options(command, args->decision);
+  add_confirm_option(command, args->decision);
   add_thresholds_option(command, args->decision);
-  add_gate_options(command, args->gate);
   add_engine_option(command, args->engine);
   const Option run =
       command

@@ -10,6 +10,7 @@
 
 #include "figure_text.hpp"
 #include "tactile/core/text_lines.hpp"
+#include "tactile/results/whole_runs_tables.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -33,13 +34,12 @@ constexpr const char* delay_legend =
     "before "
     "it.";
 
-constexpr const char* false_alarm_legend =
-    "Outside labels: all episodes that begin outside labelled intervals, as one sees them in a laboratory. No unlabelled: the "
-    "same without true motion that has no label; only in simulated runs. None in alarm: the share of press and slip among the "
-    "ticks without motion, and not just after it. An episode counts again for each further 500 ms; a detector that stays on one "
-    "class has few of them, and is in alarm all the time. Wrong class: episodes of "
-    "another class that begin in a labelled interval, or last longer than the guard in it. The interval per minute is wider if "
-    "there are few alarms in a short time.";
+constexpr const char* whole_legend =
+    "Every run counts, also firm lifts, those without a press or a slip, and flagged ones. A false alarm is an episode that "
+    "begins "
+    "outside of touches, whatever moves; it counts again for each further 500 ms. Wrong class: episodes that begin in a touch of "
+    "the other class. Delays are over all touches: one that is missed, or in alarm since before its onset (early), is later than "
+    "all others.";
 
 constexpr const char* labels_legend =
     "Onsets and ends are drawn {} times from their own 95 % intervals in labels.json. labels alone: the middle 95 % of these "
@@ -132,40 +132,14 @@ std::string delays_text(const results::Evaluation& evaluation) {
          paper_delays_text(evaluation, Touch::slip) + wrapped(delay_legend) + "\n\n";
 }
 
-std::string false_alarms_text(const results::Evaluation& evaluation) {
-  using results::FalseAlarmTable;
-  Row header{"false alarms", "model", "95 %"};
-  std::vector<const FalseAlarmTable*> others;
-  const auto add = [&](const std::string& name, const FalseAlarmTable& table) {
-    header.push_back(name);
-    others.push_back(&table);
-  };
-  if (evaluation.truth) add("by truth", evaluation.truth->false_alarms);
-  for (const auto& [name, score] : evaluation.trivial) add("(" + name + ")", score.false_alarms);
-  const FalseAlarmTable& network = evaluation.network.false_alarms;
-  std::vector<Row> rows;
-  const auto add_row = [&](const std::string& name, results::Figure FalseAlarmTable::*figure, double scale) {
-    Row row{name, number(scale * (network.*figure).value), bounds(network.*figure, scale)};
-    for (const FalseAlarmTable* other : others) row.push_back(results::value_text(other->*figure, scale, 1));
-    rows.push_back(row);
-  };
-  const results::FalseAlarms& total = network.total;
-  add_row("outside labels [1/min]", &FalseAlarmTable::outside_labels_per_min, 1);
-  add_row("  in alarm [% of time]", &FalseAlarmTable::outside_labels_share, 100);
-  add_row("no unlabelled [1/min]", &FalseAlarmTable::outside_motion_per_min, 1);
-  add_row("  in alarm [% of time]", &FalseAlarmTable::outside_motion_share, 100);
-  add_row("none in alarm [%]", &FalseAlarmTable::none_in_alarm_share, 100);
-  add_row("wrong class [1/min]", &FalseAlarmTable::wrong_class_per_min, 1);
-  add_row("  wrong [% of time]", &FalseAlarmTable::wrong_class_share, 100);
-  const std::string outside_motion =
-      total.outside_motion_time == microseconds{0}
-          ? "unlabelled motion is known in simulated runs only"
-          : fmt::format("no unlabelled: {} in {:.3f} min", total.outside_motion, results::in_minutes(total.outside_motion_time));
-  const std::string times =
-      fmt::format("Outside labels: {} in {:.3f} min; {}; none: {:.3f} min; labels: {} in {:.3f} min. ", total.outside_labels,
-                  results::in_minutes(total.outside_labels_time), outside_motion, results::in_minutes(total.none_time),
-                  total.wrong_class, results::in_minutes(total.labelled_time));
-  return text_table(header, rows) + wrapped(evaluation.runs_counted() + " " + times + false_alarm_legend) + "\n\n";
+std::string whole_runs_text(const results::Evaluation& evaluation) {
+  const results::WholeRuns& whole = evaluation.whole_runs;
+  std::string text;
+  for (const results::TextTable& table :
+       {results::calm_table(whole), results::confirmed_table(whole), results::cause_table(whole), results::object_table(whole)}) {
+    if (!table.rows.empty()) text += wrapped(table.caption + ":") + "\n" + text_table(table.head, table.rows) + "\n";
+  }
+  return text + wrapped(results::runs_in_words(whole) + " " + whole_legend) + "\n\n";
 }
 
 std::string labels_text(const results::Evaluation& evaluation) {
@@ -189,23 +163,7 @@ std::string labels_text(const results::Evaluation& evaluation) {
                       rows) +
            wrapped(fmt::format(fmt::runtime(labels_legend), uncertainty.draws)) + "\n\n";
   }
-  if (!evaluation.with_flagged) return text + "No label is flagged.\n\n";
-  const results::WithFlagged& with = *evaluation.with_flagged;
-  rows = {{"accuracy [%]", percent(evaluation.accuracy.mean), percent(with.accuracy), bounds(with.accuracy, 100)}};
-  for (const auto& [name, without, flagged] : {std::tuple("press", &press, &with.press), std::tuple("slip", &slip, &with.slip)}) {
-    rows.push_back({fmt::format("median of all of {} [ms]", name), quantile_text(without->median_of_all_ms),
-                    quantile_text(flagged->median_of_all_ms), bounds(flagged->median_of_all_ms.ms, 1)});
-    rows.push_back({fmt::format("mean delay of {} [ms]", name), number(without->mean_ms), number(flagged->mean_ms),
-                    bounds(flagged->mean_ms, 1)});
-    rows.push_back({fmt::format("{}, misses + early of all", name),
-                    fmt::format("{} of {}", misses_and_early(*without), without->intervals),
-                    fmt::format("{} of {}", misses_and_early(*flagged), flagged->intervals)});
-  }
-  return text + text_table({"with flagged labels", "without", "with", "95 %"}, rows) +
-         wrapped(fmt::format("With {} flagged run{} that the dataset leaves out, and {} flagged interval{} of the others.",
-                             with.runs.size(), with.runs.size() == 1 ? "" : "s", with.intervals,
-                             with.intervals == 1 ? "" : "s")) +
-         "\n\n";
+  return text;
 }
 
 }  // namespace tactile::cli

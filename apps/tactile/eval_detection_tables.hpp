@@ -8,8 +8,8 @@ namespace tactile::cli {
 
 // The results of every tick as tables.
 
-std::string delays_text(const results::Evaluation& evaluation);        ///< all intervals first, then the paper's mean
-std::string false_alarms_text(const results::Evaluation& evaluation);  ///< in three forms, and of the wrong class
-std::string labels_text(const results::Evaluation& evaluation);        ///< what the labels add to both
+std::string delays_text(const results::Evaluation& evaluation);  ///< all intervals first, then the paper's mean
+std::string whole_runs_text(const results::Evaluation& evaluation);
+std::string labels_text(const results::Evaluation& evaluation);  ///< what the labels add to both
 
 }  // namespace tactile::cli

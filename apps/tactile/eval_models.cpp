@@ -36,10 +36,7 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
       command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
   }
   add("kind", name_of(settings.kind), name_of(defaults.kind));
-  add("rounds", settings.trees.rounds, defaults.trees.rounds);
-  add("depth", settings.trees.depth, defaults.trees.depth);
-  add("channels", settings.temporal.channels, defaults.temporal.channels);
-  add("shrinkage", settings.trees.learning_rate, defaults.trees.learning_rate);
+  add("steps", settings.stream.steps, defaults.stream.steps);
   add("train-run", settings.split.train_run, defaults.split.train_run);
   add("seed", settings.training.seed, defaults.training.seed);
   add("epochs", settings.training.epochs, defaults.training.epochs);
@@ -50,8 +47,6 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
   add("engine", name_of(settings.training.engine), name_of(defaults.training.engine));
   add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
   add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
-  add("width", settings.network.width, defaults.network.width);
-  add("last-pool", settings.network.last_pool, defaults.network.last_pool);
   add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
   add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
   // An early stop has a default validation share.
@@ -70,8 +65,8 @@ std::string train_command(const EvalArguments& args, const model::ModelSettings&
 }
 
 model::ModelBundle bundle_named(const EvalArguments& args) {
-  const model::ModelBundle bundle = named_model(args.model, args.models);
-  if (fs::exists(bundle.description())) return bundle;
+  model::ModelBundle bundle = named_model(args.model, args.models);
+  if (fs::exists(bundle.description()) || model::is_own_network(bundle.folder)) return bundle;
   if (model::CheckpointFolder::holds_state(model::CheckpointFolder::beside(bundle.folder))) {
     throw Error(
         fmt::format("{}: its training was interrupted; expected a finished model: 'tactile train' with the same options and "
@@ -116,7 +111,7 @@ model::ModelBundle partner_of(const EvalArguments& args, const CommonArguments& 
   if (args.held_out.empty() && !exactly) {
     if (const auto found = model::newest_bundle(args.models, same_but_held_out)) return *found;
   }
-  const model::ModelBundle bundle = model::bundle_for(args.models, dataset, settings);
+  model::ModelBundle bundle = model::bundle_for(args.models, dataset, settings);
   const std::string command = train_command(args, settings);
   if (settings.from) {
     const bool holds_out = settings.split.kind == windows::SplitKind::unseen;

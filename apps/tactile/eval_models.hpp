@@ -16,9 +16,7 @@ struct EvalArguments {
   std::string data = "data";
   std::string models = "models", model;
   bool unseen = false, no_train = false, strict = false, verbose = false;
-  double guard_ms = -1;
-  DecisionArguments decision;
-  GateArguments gate;
+  DecisionArguments decision{.thresholds = "by-kind"};
   std::optional<unsigned> trainings;  ///< of --unseen; their usual number if not given
   std::string engine = "fast";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has

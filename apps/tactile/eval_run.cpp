@@ -95,17 +95,12 @@ pictures::PredictionPicture picture_of(const evaluation::RunPrediction& predicti
   std::string settings = fmt::format("History t_h {} ms, a tick every {} ms", history_ms, in_ms(classifier.rendering().tick));
   if (decision.thresholds) {
     settings += "; decided by the thresholds " + text_of(*decision.thresholds);
-  } else if (decision.filter) {
-    settings += fmt::format("; filtered with an alarm cost of {:g}", decision.filter->alarm_cost);
   } else if (decision.confirmation.of > 1) {
     settings +=
         fmt::format("; predicted in at least {} of the last {} ticks", decision.confirmation.needed, decision.confirmation.of);
   }
   picture.remarks.push_back(settings + ".");
-  if (picture.has_truth)
-    picture.remarks.push_back("By the truth. " + results::words_of(prediction.true_alarms));
-  else if (picture.has_labels)
-    picture.remarks.push_back(results::words_of(prediction.false_alarms));
+  if (prediction.truth.is_known()) picture.remarks.push_back(results::words_of(prediction.judged));
   return picture;
 }
 
@@ -123,22 +118,18 @@ nlohmann::json json_of(const evaluation::RunPrediction& prediction, const model:
                       {"svg", stem.string() + ".svg"},
                       {"intervals", nlohmann::json::array()}};
   for (const results::Detection& detection : prediction.detections) json["intervals"].push_back(detection);
-  json["false_alarms"] = prediction.truth.labels.empty() ? nlohmann::json() : nlohmann::json(prediction.false_alarms.alarms);
+  json["false_alarms"] = prediction.truth.is_known() ? nlohmann::json(prediction.judged.alarm_count()) : nlohmann::json();
   return json;
 }
 
 fs::path stem_of(const EvalArguments& args, const model::ModelBundle& bundle, const RunFolder& run) {
-  return (args.out.empty() ? bundle.folder / "runs" : fs::path(args.out)) / (run.object + "-" + run.run);
+  return (args.out.empty() ? bundle.results() / "runs" : fs::path(args.out)) / (run.object + "-" + run.run);
 }
 
 evaluation::PredictionOptions prediction_options(const EvalArguments& args, unsigned threads,
-                                                 const std::optional<windows::Dataset>& dataset, const model::ModelBundle& bundle,
-                                                 const model::ModelDescription& model) {
-  evaluation::PredictionOptions options{.decision = decision_of(args.decision, bundle, model), .threads = threads};
-  if (args.gate.on) options.gate = model::gate_rule(bundle, model, args.gate.miss);
-  if (dataset) options.guard = dataset->sampling().guard;
+                                                 const std::optional<windows::Dataset>& dataset, model::ModelKind kind) {
+  evaluation::PredictionOptions options{.decision = decision_of(args.decision, kind), .threads = threads};
   if (dataset) options.include_flagged = member<bool>(dataset->settings(), "include_flagged", dataset->file().string());
-  if (args.guard_ms >= 0) options.guard = microseconds{std::llround(args.guard_ms * 1000)};
   return options;
 }
 
@@ -152,9 +143,9 @@ std::map<CameraTime, Touch> samples_of(const windows::Dataset& dataset, std::uin
 
 /// The row of a run in the table.
 std::vector<std::string> row_of(const evaluation::RunPrediction& prediction, bool learned_from) {
-  const auto count = [&](std::uint64_t alarms) { return prediction.truth.labels.empty() ? "-" : std::to_string(alarms); };
-  return {prediction.run, std::to_string(prediction.verdicts.size()), count(prediction.false_alarms.outside_labels),
-          count(prediction.false_alarms.wrong_class), learned_from ? "learned from" : ""};
+  const auto count = [&](std::uint64_t alarms) { return prediction.truth.is_known() ? std::to_string(alarms) : "-"; };
+  return {prediction.run, std::to_string(prediction.verdicts.size()), count(prediction.judged.alarm_count()),
+          count(prediction.judged.wrong_class), learned_from ? "learned from" : ""};
 }
 
 /// The rows of a run's intervals in their table.
@@ -232,7 +223,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   const model::ModelBundle& bundle = by.bundle;
   const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
   log_choice("every tick, predicted by", by);
-  const evaluation::PredictionOptions options = prediction_options(args, common.threads, dataset, bundle, classifier.model());
+  const evaluation::PredictionOptions options = prediction_options(args, common.threads, dataset, classifier.kind());
   RunsOfModel shown{.args = args, .dataset = dataset, .bundle = bundle, .classifier = classifier, .options = options};
 
   std::vector<ChosenRun> runs;
@@ -259,10 +250,10 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   print_result(common,
                {{"model", bundle.folder.string()},
                 {"confirm", text_of(options.decision.confirmation)},
-                {"engine", args.engine},
+                {"engine", name_of(classifier.engine())},
                 {"runs", shown.json}},
                fmt::format("Every tick, predicted by {}\n\n", bundle.name()) +
-                   text_table({"run", "ticks", "alarms outside labels", "of wrong class", ""}, shown.rows) +
+                   text_table({"run", "ticks", "false alarms", "of wrong class", ""}, shown.rows) +
                    (shown.intervals.empty() ? "" : "\n" + text_table({"run", "label", "onset [s]", "delay"}, shown.intervals)) +
                    "\nWritten to " + folder.string() + ": a CSV, JSON, PNG and SVG each\n");
   end_with(errors);

@@ -17,7 +17,7 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
 /// The comparison of each object, and how the models that never saw them detect.
 std::string summary_of(const results::UnseenComparison& comparison, const results::Evaluation& held_out);
 
-/// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks, gated"
+/// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks"
 std::string heading_of(const results::Evaluation& evaluation);
 
 /// Whether the model's accuracy interval lies above every baseline's, in a sentence.

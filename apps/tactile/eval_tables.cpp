@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "eval_detection_tables.hpp"
@@ -95,60 +94,6 @@ std::string over_time_text(const results::Evaluation& evaluation) {
   return text_table(header, rows) + "\n";
 }
 
-std::string gate_text(const results::Evaluation& evaluation) {
-  if (!evaluation.gate_off) return {};
-  const results::GateOff& off = *evaluation.gate_off;
-  // Two columns side by side: all figures of each would be a long row.
-  std::vector<Row> rows;
-  const auto add = [&](const std::string& name, const auto& text_of) {
-    rows.push_back({name, text_of(evaluation.accuracy, evaluation.network), text_of(off.accuracy, off.network)});
-  };
-  add("accuracy [%]", [](const results::Accuracy& accuracy, const results::DetectorScore&) { return percent(accuracy.mean); });
-  for (const auto& [name, table] :
-       {std::pair("press", &results::DetectorScore::press), std::pair("slip", &results::DetectorScore::slip)}) {
-    add(fmt::format("mean delay of {} [ms]", name),
-        [table = table](const results::Accuracy&, const results::DetectorScore& score) {
-          return number((score.*table).all.mean_ms);
-        });
-    add(fmt::format("{}, misses + early", name), [table = table](const results::Accuracy&, const results::DetectorScore& score) {
-      return misses_and_early((score.*table).all);
-    });
-  }
-  add("false alarms outside labels", [](const results::Accuracy&, const results::DetectorScore& score) {
-    return std::to_string(score.false_alarms.total.outside_labels);
-  });
-  add("false alarms outside labels per min", [](const results::Accuracy&, const results::DetectorScore& score) {
-    return number(score.false_alarms.outside_labels_per_min);
-  });
-  add("wrong class per min of labels", [](const results::Accuracy&, const results::DetectorScore& score) {
-    return number(score.false_alarms.wrong_class_per_min);
-  });
-  const double share = off.ticks > 0 ? 100.0 * static_cast<double>(off.gated) / static_cast<double>(off.ticks) : 0;
-  return text_table({off.ratio ? fmt::format("gate: none below a log ratio of {:.1f}", *off.ratio)
-                               : fmt::format("gate: none below {} events", off.limit),
-                     "on", "off"},
-                    rows) +
-         fmt::format("The gate skips the model at {:.1f} % of {} ticks.\n\n", share, off.ticks);
-}
-
-constexpr const char* operating_legend =
-    "threshold: the more probable of press and slip is predicted if its probability reaches this value. m + e: missed + early "
-    "intervals; alarms: false alarms outside labels; wrong: episodes of the wrong class per minute of labelled time.";
-
-std::string operating_text(const results::Evaluation& evaluation) {
-  std::vector<Row> rows;
-  for (const results::OperatingPoint& point : evaluation.operating_curve) {
-    // A selection; eval.json has them all.
-    const auto shown = {0.1, 0.5, 0.9, 0.99, 0.999};
-    if (std::find(shown.begin(), shown.end(), point.threshold) == shown.end()) continue;
-    rows.push_back({fmt::format("{}", point.threshold), number(point.press.mean_ms), misses_and_early(point.press),
-                    number(point.slip.mean_ms), misses_and_early(point.slip), number(point.outside_labels_per_min),
-                    bounds(point.outside_labels_per_min, 1), number(point.wrong_class_per_min)});
-  }
-  return text_table({"threshold", "press [ms]", "m + e", "slip [ms]", "m + e", "alarms/min", "95 %", "wrong/min"}, rows) +
-         wrapped(operating_legend) + "\n";
-}
-
 std::string engine_text(const results::Evaluation& evaluation) {
   return "\n" +
          wrapped(fmt::format("Engine {}: at {} of {} ticks the two largest logits differ by less than 0.0001. At these ticks "
@@ -160,9 +105,9 @@ std::string engine_text(const results::Evaluation& evaluation) {
 }  // namespace
 
 std::string text_of(const results::Evaluation& evaluation) {
-  return wrapped(heading_of(evaluation)) + "\n\n" + accuracy_text(evaluation) + classes_text(evaluation) +
-         guards_text(evaluation) + delays_text(evaluation) + false_alarms_text(evaluation) + labels_text(evaluation) +
-         gate_text(evaluation) + over_time_text(evaluation) + operating_text(evaluation) + engine_text(evaluation);
+  return wrapped(heading_of(evaluation)) + "\n\n" + whole_runs_text(evaluation) + accuracy_text(evaluation) +
+         classes_text(evaluation) + guards_text(evaluation) + delays_text(evaluation) + labels_text(evaluation) +
+         over_time_text(evaluation) + engine_text(evaluation);
 }
 
 std::string text_of(const results::UnseenComparison& comparison, bool simulated) {

@@ -11,9 +11,10 @@
 #include "commands.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/error.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/model/bundle/model_bundle.hpp"
+#include "tactile/model/bundle/exported_network.hpp"
 #include "tactile/model/bundle/onnx_model.hpp"
 #include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/definition/model_network.hpp"
@@ -28,6 +29,9 @@ struct ExportArguments {
   std::string model, models = "models";
   std::string onnx, safetensors;
   bool force = false;
+
+  /// NAME.json beside NAME.onnx: what the network reads. Empty without an ONNX file.
+  std::string description() const { return onnx.empty() ? "" : model::own_description_file(onnx).string(); }
 };
 
 struct ExportedFile {
@@ -47,6 +51,10 @@ void check_places(const ExportArguments& args) {
     throw Error(args.onnx + ": is given for both formats; expected a file for each");
   }
   for (const std::string& file : {args.onnx, args.safetensors}) {
+    if (!file.empty() && !args.onnx.empty() && place(file) == place(args.description()))
+      throw Error(file + ": is the file that says what the ONNX model reads; expected another name, such as NAME.onnx");
+  }
+  for (const std::string& file : {args.onnx, args.description(), args.safetensors}) {
     if (file.empty() || !fs::exists(fs::symlink_status(file))) continue;
     if (fs::is_directory(file)) throw Error(file + ": is a folder; expected the name of a file");
     if (!args.force) throw Error(file + ": exists already; expected a new name, or --force to replace it");
@@ -61,15 +69,15 @@ nlohmann::json json_of(const std::vector<ExportedFile>& files) {
 }
 
 std::string input_words(const model::ModelDescription& model) {
-  if (!reads_heatmaps(model.settings.kind))
-    return fmt::format("Input: the features of {}", input_text(model.settings.kind, model.input));
+  if (model.settings.kind == model::ModelKind::stream)
+    return fmt::format("Input: counts of the {}, and the states", input_text(model.settings.kind, model.input));
   return fmt::format("Input: float32 [n, 1, {}, {}], a heatmap / 255", model.input.height, model.input.width);
 }
 
-/// What `--json` prints. @param has_onnx  a file was written as ONNX
+/// What `--json` prints. @param network  what the ONNX file reads and gives; null without one
 nlohmann::json export_json(const model::ModelBundle& bundle, const model::ModelDescription& model,
                            const std::map<std::string, std::string>& metadata, double temperature,
-                           const std::vector<ExportedFile>& files, bool has_onnx) {
+                           const std::vector<ExportedFile>& files, const nlohmann::json& network) {
   nlohmann::json json = {
       {"model", bundle.folder.string()},
       {"name", bundle.name()},
@@ -81,11 +89,15 @@ nlohmann::json export_json(const model::ModelBundle& bundle, const model::ModelD
       {"settings", {{"rendering", model.settings.rendering}, {"network", nlohmann::json(model.settings).at("network")}}},
       {"parameters", model::network_json(model.settings, model.input).at("parameters")},
       {"files", json_of(files)}};
-  json["onnx"] = !has_onnx ? nlohmann::json()
-                           : nlohmann::json{{"ir_version", model::onnx_ir_version},
-                                            {"opset", model::onnx_opset},
-                                            {"input", "heatmaps"},
-                                            {"outputs", {"logits", "probabilities"}}};
+  if (network.is_null()) {
+    json["onnx"] = nullptr;
+    return json;
+  }
+  json["onnx"] = {{"ir_version", model::onnx_ir_version},
+                  {"opset", model::onnx_opset},
+                  {"input", network.at("input").at("name")},
+                  {"states", network.at("states")},
+                  {"outputs", {"logits", "probabilities"}}};
   return json;
 }
 
@@ -95,20 +107,17 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   const model::ModelBundle& bundle = chosen.bundle;
   const model::ModelDescription model = model::read_description(bundle);
   if (args.model.empty()) log_choice("exporting", chosen);
-  if (!args.onnx.empty() && !reads_heatmaps(model.settings.kind)) {
-    throw Error(
-        fmt::format("--onnx: {} is of kind {}, which reads features of events; expected a model of kind lenet, or "
-                    "--safetensors alone",
-                    bundle.name(), name_of(model.settings.kind)));
-  }
   const model::Weights weights = model::read_bundle_weights(bundle, model);
   auto metadata = model::weights_metadata(model);
   metadata["model"] = bundle.name();
   const double temperature = model::read_temperature(bundle, model).value;
   metadata["temperature"] = fmt::format("{}", temperature);
 
+  nlohmann::json network;
+  if (!args.onnx.empty()) network = model::exported_description(model, weights, temperature);
+
   const IfThere if_there = args.force ? IfThere::replace : IfThere::refuse;
-  std::optional<WholeFile> onnx, safetensors;
+  std::optional<WholeFile> onnx, description, safetensors;
   std::vector<ExportedFile> files;
   const auto written = [&](const std::string& format, const fs::path& file, const WholeFile& whole) {
     files.push_back({format, file, fs::file_size(whole.path()), sha256_of_file(whole.path())});
@@ -117,10 +126,15 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
     auto about = metadata;
     about.erase("format");  // of safetensors only
     about["weights_sha256"] = model.weights_sha256;
+    if (model.settings.kind == model::ModelKind::stream) {
+      for (const char* key : {"input", "states", "grid"}) about[key] = network.at(key).dump();
+    }
     onnx.emplace(args.onnx, if_there);
-    write_whole(onnx->path(), model::onnx_model(model::lenet_layers(model.input, model.settings.network), model.settings.network,
-                                                weights, bundle.name(), about));
+    write_whole(onnx->path(), model::exported_onnx(model, weights, bundle.name(), about));
     written("onnx", args.onnx, *onnx);
+    description.emplace(args.description(), if_there);
+    write_json(description->path(), network);
+    written("json", args.description(), *description);
   }
   if (!args.safetensors.empty()) {
     safetensors.emplace(args.safetensors, if_there);
@@ -129,10 +143,12 @@ void export_model(const ExportArguments& args, const CommonArguments& common) {
   }
   stop_if_interrupted();
   if (onnx) onnx->commit();
+  if (description) description->commit();
   if (safetensors) safetensors->commit();
 
-  const nlohmann::json json = export_json(bundle, model, metadata, temperature, files, onnx.has_value());
+  const nlohmann::json json = export_json(bundle, model, metadata, temperature, files, network);
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(files.size());
   for (const ExportedFile& file : files) rows.push_back({file.file.string(), file.format, bytes_text(file.bytes)});
   std::string text = text_table({"file", "format", "size"}, rows) + "\n";
   text += wrapped(fmt::format("{}: trained on {} runs. {}; output: the logits of none, press, slip", bundle.folder.string(),
@@ -149,7 +165,8 @@ void add_export_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { export_model(*args, common); });
   command.add_option("--model", args->model, default_model_help);
   command.add_option("--models", args->models, "Folder of models").type_name("DIR").show_default();
-  command.add_option("--onnx", args->onnx, "Write an ONNX model: network and weights").type_name("FILE");
+  command.add_option("--onnx", args->onnx, "Write an ONNX model, network and weights, and NAME.json, what it reads")
+      .type_name("FILE");
   command.add_option("--safetensors", args->safetensors, "Write only the weights, as safetensors").type_name("FILE");
   command.add_flag("--force", args->force, "Replace existing files");
 }

@@ -14,22 +14,11 @@ void add_kind_options(Command command, KindArguments& args) {
   command
       .add_option("--kind", args.kind,
                   "Kind of model: lenet, on heatmaps; stream, a recurrent network on the events of each tick, trained on whole "
-                  "runs; trees, gradient-boosted trees on 84 numbers of the events of a tick; temporal, a "
-                  "convolution over 16 steps of twelve such numbers")
-      .check(one_of({"lenet", "stream", "trees", "temporal"}))
+                  "runs")
+      .check(one_of({"lenet", "stream"}))
       .show_default();
   command.add_option("--steps", args.stream.steps, "With --kind stream: steps of the training")
       .check(in_range(1U, 100'000U))
-      .show_default();
-  command.add_option("--rounds", args.trees.rounds, "With --kind trees: number of rounds, each with one tree per class")
-      .check(in_range(1U, 10'000U))
-      .show_default();
-  command.add_option("--depth", args.trees.depth, "With --kind trees: depth of each tree").check(in_range(1U, 8U)).show_default();
-  command.add_option("--shrinkage", args.trees.learning_rate, "With --kind trees: share of each tree that counts")
-      .check(in_range(1e-6, 1.0))
-      .show_default();
-  command.add_option("--channels", args.temporal.channels, "With --kind temporal: channels of each layer")
-      .check(in_range(1U, 64U))
       .show_default();
 }
 
@@ -45,31 +34,19 @@ void check_options_of_kind(const model::ModelSettings& settings, bool starts_fro
             fmt::format("{}: a model of kind {} has none; expected --kind {} with it", name, name_of(settings.kind), others));
     }
   };
-  if (settings.kind != model::ModelKind::trees) {
-    refuse({{"--rounds", settings.trees.rounds != usual.trees.rounds},
-            {"--depth", settings.trees.depth != usual.trees.depth},
-            {"--shrinkage", settings.trees.learning_rate != usual.trees.learning_rate}},
-           "trees");
-  }
-  if (settings.kind != model::ModelKind::stream) refuse({{"--steps", settings.stream.steps != usual.stream.steps}}, "stream");
-  if (settings.kind != model::ModelKind::temporal)
-    refuse({{"--channels", settings.temporal.channels != usual.temporal.channels}}, "temporal");
-  if (settings.kind == model::ModelKind::lenet) return;
+  if (settings.kind == model::ModelKind::lenet)
+    return refuse({{"--steps", settings.stream.steps != usual.stream.steps}}, "stream");
   refuse({{"--engine", training.engine != usually.engine},
           {"--augment", training.augmentation != usually.augmentation},
           {"--early-stop", training.early_stop != usually.early_stop},
           {"--validation", training.validation_share != usually.validation_share},
           {"--activation", settings.network.activation != usual.network.activation},
           {"--pool", settings.network.pooling != usual.network.pooling},
-          {"--width", settings.network.width != usual.network.width},
-          {"--last-pool", settings.network.last_pool != usual.network.last_pool},
           {"--denoise", rendering.denoise != rendered.denoise},
           {"--resize", rendering.resize != rendered.resize},
           {"--factor", rendering.factor != rendered.factor},
-          {"--from", starts_from_a_model}},
-         "lenet");
-  if (settings.kind == model::ModelKind::temporal) return;
-  refuse({{"--epochs", training.epochs != usually.epochs},
+          {"--from", starts_from_a_model},
+          {"--epochs", training.epochs != usually.epochs},
           {"--batch", training.batch != usually.batch},
           {"--lr", training.learning_rate != usually.learning_rate},
           {"--schedule", training.schedule != usually.schedule},

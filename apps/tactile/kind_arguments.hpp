@@ -7,15 +7,13 @@
 
 namespace tactile::cli {
 
-/// The kind of model to train, and the options of kinds other than LeNet.
+/// The kind of model to train, and the options of kind stream.
 struct KindArguments {
   std::string kind = "lenet";
   model::StreamOptions stream;
-  model::TreesOptions trees;
-  model::TemporalOptions temporal;
 };
 
-/// `--kind`, `--steps`, `--rounds`, `--depth`, `--shrinkage` and `--channels`.
+/// `--kind` and `--steps`.
 void add_kind_options(Command command, KindArguments& args);
 
 /// @throws Error  that names the option, if one off its default has no meaning for the kind

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <lz4.h>
-#include <xgboost/c_api.h>
 #include <zstd.h>
 
 #include <opencv2/core/utility.hpp>
@@ -26,12 +25,6 @@ std::string hdf5_version() {
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
-std::string xgboost_version() {
-  int major = 0, minor = 0, patch = 0;
-  XGBoostVersion(&major, &minor, &patch);
-  return fmt::format("{}.{}.{}", major, minor, patch);
-}
-
 /// Vector instructions that the engine has code for and this processor has, the fastest first, by their usual names.
 std::vector<std::string> vector_instructions() {
   std::vector<std::string> names;
@@ -46,9 +39,13 @@ std::vector<std::string> vector_instructions() {
 }  // namespace
 
 std::vector<LibraryVersion> library_versions() {
-  return {{"libtorch", model::torch_version()}, {"OpenCV", cv::getVersionString()},       {"HDF5", hdf5_version()},
-          {"FFmpeg", av_version_info()},        {"XGBoost", xgboost_version()},           {"LZ4", LZ4_versionString()},
-          {"zstd", ZSTD_versionString()},       {"libdeflate", LIBDEFLATE_VERSION_STRING}};
+  return {{"libtorch", model::torch_version()},
+          {"OpenCV", cv::getVersionString()},
+          {"HDF5", hdf5_version()},
+          {"FFmpeg", av_version_info()},
+          {"LZ4", LZ4_versionString()},
+          {"zstd", ZSTD_versionString()},
+          {"libdeflate", LIBDEFLATE_VERSION_STRING}};
 }
 
 std::string libraries_text() {

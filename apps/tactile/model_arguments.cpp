@@ -54,11 +54,13 @@ Check is_confirmation() { return readable_by(confirmation_in); }
 
 namespace {
 
-/// "off", or a text that `read` reads.
+constexpr const char* by_kind = "by-kind";
+
+/// "off", or a text that `read` reads. @param word  allowed too
 template <class Read>
-Check is_off_or(const Read& read) {
-  return readable_by([read](const std::string& text) {
-    if (text != "off") read(text);
+Check is_off_or(const Read& read, const std::string& word = "off") {
+  return readable_by([read, word](const std::string& text) {
+    if (text != "off" && text != word) read(text);
   });
 }
 
@@ -120,8 +122,8 @@ std::vector<std::string> objects_to_hold_out(const std::vector<std::string>& nam
 
 std::string training_size(const windows::Dataset& dataset, const model::ModelSettings& settings) {
   const std::size_t samples = model::samples_of_runs(dataset, model::split_of(dataset, settings.split).train_runs).size();
-  const std::string length = settings.kind == model::ModelKind::trees ? counted(settings.trees.rounds, "round") + " of trees"
-                                                                      : counted(settings.training.epochs, "epoch");
+  const std::string length = settings.kind == model::ModelKind::stream ? counted(settings.stream.steps, "step")
+                                                                       : counted(settings.training.epochs, "epoch");
   return fmt::format("{}, {}", counted(samples, "sample"), length);
 }
 
@@ -159,52 +161,22 @@ void add_engine_option(Command command, std::string& engine) {
       .show_default();
 }
 
-void add_network_size(Command command, double& width, int& last_pool) {
-  command.add_option("--width", width, "Share of LeNet's channels and hidden units: 1, 0.5 or 0.25")
-      .check(one_of({"1", "0.5", "0.25"}))
-      .show_default();
-  command
-      .add_option("--last-pool", last_pool,
-                  "Side of the blocks that the last pooling reduces to one value: 2, or 4 for a quarter of the weights")
-      .check(one_of({"2", "4"}))
-      .show_default();
-}
-
-void add_decision_options(Command command, DecisionArguments& args) {
+void add_confirm_option(Command command, DecisionArguments& args) {
   command
       .add_option("--confirm", args.confirm, "Report a class only if it was predicted in at least K of the last N ticks; K > N/2")
       .check(is_off_or(confirmation_in))
       .type_name("K/N")
       .show_default();
-  const Option filter = command.add_flag(
-      "--filter", args.filter,
-      "Filter the probabilities over time by a hidden Markov model, instead of --confirm: fewer and longer alarms");
-  command
-      .add_option("--alarm-cost", args.alarm_cost,
-                  "With --filter: cost of a tick of false alarm, relative to a missed tick; with a smaller cost, verdicts come "
-                  "earlier and there are more false alarms")
-      .check(in_range(1e-6, 1e6))
-      .needs(filter)
-      .show_default();
 }
 
 void add_thresholds_option(Command command, DecisionArguments& args) {
   command
-      .add_option(
-          "--thresholds", args.thresholds,
-          "Report a class from log-odds ON until they are below OFF for HOLD ms, as ON:OFF:HOLD; instead of --confirm and "
-          "--filter")
-      .check(is_off_or(model::two_thresholds_in))
-      .type_name("ON:OFF:HOLD")
-      .show_default();
-}
-
-void add_gate_options(Command command, GateArguments& args) {
-  const Option gate =
-      command.add_flag("--gate", args.on, "Report none without running the network while the events are likely to be background");
-  command.add_option("--gate-miss", args.miss, "With --gate: share of presses and slips at which the gate may open too late")
-      .check(in_range(0.0, 0.999))
-      .needs(gate)
+      .add_option("--thresholds", args.thresholds,
+                  std::string("Report a class from log-odds ON until they are below OFF for HOLD ms, and confirm a slip from "
+                              "CONFIRMED; instead of --confirm") +
+                      (args.usual_thresholds == by_kind ? "; by-kind: those of 'detect' for a stream, off for others" : ""))
+      .check(is_off_or(model::two_thresholds_in, args.usual_thresholds))
+      .type_name("ON:OFF:HOLD:CONFIRMED")
       .show_default();
 }
 
@@ -212,27 +184,17 @@ Confirmation confirmation_of(const DecisionArguments& args) {
   return args.confirm == "off" ? Confirmation{} : confirmation_in(args.confirm);
 }
 
-std::optional<double> alarm_cost_of(const DecisionArguments& args) {
-  if (!args.filter) return std::nullopt;
-  if (confirmation_of(args) != Confirmation{})
-    throw Error(fmt::format("--confirm {}: --filter replaces it; expected one of the two", args.confirm));
-  return args.alarm_cost;
-}
-
-std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args) {
+std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args, model::ModelKind kind) {
   if (args.thresholds == "off") return std::nullopt;
-  if (!args.filter && args.confirm == "off") return model::two_thresholds_in(args.thresholds);
+  if (args.confirm == "off")
+    return args.thresholds == by_kind ? model::usual_thresholds(kind) : model::two_thresholds_in(args.thresholds);
   if (args.thresholds == args.usual_thresholds) return std::nullopt;
-  throw Error(fmt::format("--thresholds {}: cannot be combined with {}; expected one of the two", args.thresholds,
-                          args.filter ? "--filter" : "--confirm " + args.confirm));
+  throw Error(fmt::format("--thresholds {}: cannot be combined with --confirm {}; expected one of the two", args.thresholds,
+                          args.confirm));
 }
 
-model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,
-                            const model::ModelDescription& model) {
-  model::Decision decision{.confirmation = confirmation_of(args), .thresholds = thresholds_of(args)};
-  if (const std::optional<double> alarm_cost = alarm_cost_of(args))
-    decision.filter = model::filter_of(bundle, model, *alarm_cost);
-  return decision;
+model::Decision decision_of(const DecisionArguments& args, model::ModelKind kind) {
+  return {.confirmation = confirmation_of(args), .thresholds = thresholds_of(args, kind)};
 }
 
 }  // namespace tactile::cli

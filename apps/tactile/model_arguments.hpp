@@ -35,38 +35,23 @@ Check is_confirmation();
 /// How predictions become verdicts. "off" leaves a confirmation or thresholds out.
 struct DecisionArguments {
   std::string confirm = "off", thresholds = "off";
-  bool filter = false;
-  double alarm_cost = model::default_alarm_cost;
   std::string usual_thresholds = thresholds;  ///< the command's default
 };
 
-/// The gate, which skips the network while the skin is quiet.
-struct GateArguments {
-  bool on = false;
-  double miss = model::gate_share;
-};
-
-/// `--gate` and `--gate-miss`.
-void add_gate_options(Command command, GateArguments& args);
-
-/// `--confirm`, `--filter` and `--alarm-cost`.
-void add_decision_options(Command command, DecisionArguments& args);
+/// `--confirm`.
+void add_confirm_option(Command command, DecisionArguments& args);
 
 /// `--thresholds`.
 void add_thresholds_option(Command command, DecisionArguments& args);
 
 Confirmation confirmation_of(const DecisionArguments& args);
 
-/// The alarm cost of the filter; nothing without a filter. @throws Error  if a confirmation is given too
-std::optional<double> alarm_cost_of(const DecisionArguments& args);
+/// The thresholds; nothing if they are off, or if they are the command's default and a confirmation is given.
+/// @param kind    of the model
+/// @throws Error  if others than the default are given with a confirmation
+std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args, model::ModelKind kind);
 
-/// The thresholds; nothing if they are off, or if they are the command's default and a confirmation or a filter is given.
-/// @throws Error  if others than the default are given with a confirmation or a filter
-std::optional<model::TwoThresholds> thresholds_of(const DecisionArguments& args);
-
-/// @throws Error  also if the model has no transitions for the filter
-model::Decision decision_of(const DecisionArguments& args, const model::ModelBundle& bundle,
-                            const model::ModelDescription& model);
+model::Decision decision_of(const DecisionArguments& args, model::ModelKind kind);  ///< @throws Error  as `thresholds_of`
 
 /// The objects to hold out: `named`, or those of the paper's five that the dataset has.
 /// @throws Error  if none is left to hold out, or none to train on
@@ -97,8 +82,5 @@ class TrainingEstimate {
 
 /// `--engine`, which runs a model.
 void add_engine_option(Command command, std::string& engine);
-
-/// `--width` and `--last-pool` of a network to train.
-void add_network_size(Command command, double& width, int& last_pool);
 
 }  // namespace tactile::cli

@@ -54,8 +54,6 @@ struct ReproduceArguments {
   std::uint64_t seed = 1;
   std::string splits;
   std::string engine = "fast";
-  double width = 1;
-  int last_pool = 2;
   bool include_flagged = false, strict = false;
   bool without_report = false, verbose = false, dry_run = false;
   ExecutorArguments executor;
@@ -94,8 +92,6 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   if (!args.splits.empty()) options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
   options.engine = model::engine_named(args.engine);
-  options.network.width = args.width;
-  options.network.last_pool = args.last_pool;
   options.threads = common.threads;
   options.slurm = slurm_of(args.executor);
   return options;
@@ -335,7 +331,6 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
       .check(readable_by(number_of_splits))
       .type_name("N|all");
-  add_network_size(command, args->width, args->last_pool);
   command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
       .check(one_of({"fast", "libtorch"}))
       .show_default();

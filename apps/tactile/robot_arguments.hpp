@@ -11,7 +11,7 @@ namespace tactile::cli {
 /// The options of a robot that `detect` reports to.
 struct RobotArguments {
   std::string host;  ///< HOST[:PORT]; empty: none
-  std::optional<int> bit, press_bit, slip_bit;
+  std::optional<int> bit, press_bit, slip_bit, confirmed_bit;
   std::optional<double> clear_ms;
   bool latch = false;
 };

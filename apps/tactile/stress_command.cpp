@@ -50,7 +50,7 @@ struct StressArguments {
   std::uint64_t seed = 1;
   DecisionArguments decision;
   ExecutorArguments executor;
-  bool gate = false, quick = false, force = false, verbose = false, no_figures = false, dry_run = false;
+  bool quick = false, force = false, verbose = false, no_figures = false, dry_run = false;
 };
 
 std::vector<stress::StressSeries> series_of(const StressArguments& args) {
@@ -111,8 +111,6 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   for (const std::string& file : args.quiet) options.quiet.emplace_back(file);
   options.runs = args.runs;
   options.judging.confirmation = confirmation_of(args.decision);
-  options.judging.alarm_cost = alarm_cost_of(args.decision);
-  options.judging.gate = args.gate;
   options.judging.threads = common.threads;
   options.engine = model::engine_named(args.engine);
   options.seed = args.seed;
@@ -129,7 +127,7 @@ std::string holds_table(const results::Stress& stress) {
   std::vector<std::string> head{"recipe", "last severity"};
   for (std::size_t i = 0; i < stress.models.size(); ++i) {
     const std::string of = stress.models.size() > 1 ? letter_of(i) + " " : "";
-    for (const char* column : {"holds", "accuracy [%]", "press, slip in 50 ms [%]", "alarms/min"}) head.push_back(of + column);
+    for (const char* column : {"holds", "accuracy [%]", "in 50 ms [%]", "alarms/min"}) head.push_back(of + column);
   }
   std::vector<std::vector<std::string>> rows;
   const auto add_row = [&](const std::string& name, const std::string& severity, auto point_of, auto holds_of) {
@@ -138,9 +136,8 @@ std::string holds_table(const results::Stress& stress) {
       const results::StressPoint& point = point_of(model);
       row.push_back(holds_of(model));
       row.push_back(results::value_text(point.accuracy, 100, 1));
-      row.push_back(results::value_text(point.press.within_50_ms, 100, 1) + ", " +
-                    results::value_text(point.slip.within_50_ms, 100, 1));
-      row.push_back(results::value_text(point.false_alarms.outside_labels_per_min, 1, 1));
+      row.push_back(results::value_text(point.whole.within_50_ms, 100, 1));
+      row.push_back(results::value_text(point.whole.alarms_per_min, 1, 1));
     }
     rows.push_back(std::move(row));
   };
@@ -188,8 +185,8 @@ std::string text_of(const stress::StressSummary& summary) {
 /// Where a curve ends, compared with its start: the loss of accuracy, or of quiet recordings the further alarms.
 double harm_of(const results::StressCurve& curve, bool quiet) {
   const results::StressPoint &clean = curve.points.front(), &worst = curve.points.back();
-  const double harm = quiet ? worst.false_alarms.outside_labels_per_min.value - clean.false_alarms.outside_labels_per_min.value
-                            : clean.accuracy.value - worst.accuracy.value;
+  const double harm =
+      quiet ? worst.whole.alarms_per_min.value - clean.whole.alarms_per_min.value : clean.accuracy.value - worst.accuracy.value;
   return std::isfinite(harm) ? harm : -std::numeric_limits<double>::infinity();
 }
 
@@ -211,7 +208,7 @@ std::string short_text(const stress::StressSummary& summary) {
     };
     rows.push_back({curves[i].name, quiet ? "" : results::words_of(curves[i]),
                     change(clean.accuracy.value, worst.accuracy.value, 100),
-                    change(clean.false_alarms.outside_labels_per_min.value, worst.false_alarms.outside_labels_per_min.value, 1)});
+                    change(clean.whole.alarms_per_min.value, worst.whole.alarms_per_min.value, 1)});
   }
   std::string text = wrapped(stress.title) + "\n\n" + text_table({"recipe", "holds", "accuracy [%]", "alarms/min"}, rows);
   if (const std::size_t more = curves.size() - rows.size(); more > 0) text += fmt::format("and {} less harmful\n", more);
@@ -357,8 +354,7 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
       .check(is_existing_file())
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();
-  add_decision_options(command, args->decision);
-  command.add_flag("--gate", args->gate, "While the events are likely to be background, report none and do not run the network");
+  add_confirm_option(command, args->decision);
   add_engine_option(command, args->engine);
   add_executor_options(command, args->executor);
   command.add_flag("--dry-run", args->dry_run, "Only print the number of judgements, their hours and their size");

@@ -24,12 +24,13 @@ constexpr std::size_t kept_at_most = 2'000'000;  // more than an hour
 TickReader::TickReader(TickReaderOptions options, LiveLine& line) : options_(std::move(options)), line_(line) {
   if (options_.csv.empty()) return;
   file_.open(options_.csv, std::ios::binary | std::ios::trunc);
-  file_ << model::tick_columns << ",predicted,events,gated,closed,skipped,beginning,incomplete\n";
+  file_ << model::tick_columns << ",predicted,events,closed,skipped,beginning,incomplete,slip_confirmed\n";
   check_file();
 }
 
 detect::TickOutput TickReader::output() {
   return {.episode = [this](const detect::ReportedTick& tick) { begin_episode(tick); },
+          .confirmed = [this](const detect::VerdictEpisode& episode) { confirm(episode); },
           .episode_end = [this](const detect::VerdictEpisode& episode) { end_episode(episode); },
           .ticks = [this](std::span<const detect::ReportedTick> ticks) { read(ticks); },
           .end = [this] { end(); },
@@ -54,8 +55,8 @@ void TickReader::read(std::span<const detect::ReportedTick> ticks) {
 void TickReader::write(const detect::ReportedTick& tick) {
   const detect::TickVerdict& verdict = tick.verdict;
   file_ << csv_row(model::tick_cells(verdict.t, verdict.probabilities, verdict.verdict), name_of(verdict.predicted),
-                   verdict.events, verdict.gated ? 1 : 0, tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning,
-                   tick.incomplete ? 1 : 0)
+                   verdict.events, tick.due.by_events ? "event" : "host", tick.due.skipped, tick.beginning,
+                   tick.incomplete ? 1 : 0, verdict.slip_is_confirmed ? 1 : 0)
         << '\n';
 }
 
@@ -72,6 +73,13 @@ void TickReader::begin_episode(const detect::ReportedTick& tick) {
   zero_ = zero_of_times(options_.camera_time, tick.first_event);
   print(fmt::format("{:<5} at {:.6f} s, probability {:.3f}\n", name_of(touch), in_s(between(zero_, tick.verdict.t)),
                     static_cast<double>(tick.verdict.probabilities[static_cast<std::size_t>(touch)])));
+}
+
+void TickReader::confirm(const detect::VerdictEpisode& episode) {
+  if (!options_.prints) return;
+  line_.clear();
+  print(fmt::format("slip  confirmed at {:.6f} s, {:.0f} ms after its beginning\n", in_s(between(zero_, *episode.confirmed)),
+                    in_ms(between(episode.first, *episode.confirmed))));
 }
 
 void TickReader::end_episode(const detect::VerdictEpisode& episode) {

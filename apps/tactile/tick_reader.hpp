@@ -36,6 +36,7 @@ class TickReader {
   void read(std::span<const detect::ReportedTick> ticks);
   void write(const detect::ReportedTick& tick);
   void begin_episode(const detect::ReportedTick& tick);
+  void confirm(const detect::VerdictEpisode& episode);
   void end_episode(const detect::VerdictEpisode& episode);
   void end();
   void draw();

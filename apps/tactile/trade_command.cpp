@@ -42,19 +42,17 @@ struct TradeArguments {
   std::string data = "data", models, out = "trade";
   std::string train_run = "01";
   std::vector<std::string> choice_runs{"02"};
-  unsigned epochs = 10;
+  unsigned epochs = 10, steps = model::StreamOptions{}.steps;
   std::optional<unsigned> trainings;
   std::uint64_t seed = 1;
-  std::vector<std::string> kinds{"lenet", "trees", "temporal"};
+  std::vector<std::string> kinds{"lenet", "stream"};
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::vector<std::int64_t> ticks_us{1000, 2000, 4000, 5000, 10'000};
   std::vector<double> factors{0.1, 0.2, 0.25};
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
-  std::vector<double> widths{1, 0.5, 0.25};
-  std::vector<int> last_pools{2, 4};
   std::vector<std::string> augmentations{"none", "flip"};
   std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
-  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"}, filters{"off", "0.01"}, gates{"off", "on"};
+  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"};
   std::uint64_t timed_ticks = 20'000;
   bool full = false, verbose = false, no_growth = false, no_figures = false, no_trial = false, strict = false, dry_run = false;
   unsigned corners = 6;
@@ -88,15 +86,11 @@ trade::TradeLevels levels_of(const TradeArguments& args) {
                                          : name == "literal" ? heatmaps::Denoise::literal
                                                              : heatmaps::Denoise::none;
                                 }),
-          .widths = each_once(args.widths, [](double width) { return width; }),
-          .last_pools = each_once(args.last_pools, [](int last_pool) { return last_pool; }),
           .augmentations = each_once(args.augmentations, [](const auto& text) { return trade::joined_augmentation_named(text); }),
           .engines = each_once(args.engines, [](const auto& name) { return model::engine_named(name); }),
           .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
           .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
-          .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); }),
-          .alarm_costs = each_once(args.filters, [](const auto& text) { return number_in(text); }),
-          .gate = each_once(args.gates, [](const auto& name) { return name == "on"; })};
+          .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); })};
 }
 
 /// Replaces a usual value that is not among the values to try by the first of them.
@@ -112,27 +106,13 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.rendering.factor, levels.factors);
   take_usual(usual.rendering.resize, levels.resizes);
   take_usual(usual.rendering.denoise, levels.denoises);
-  take_usual(usual.width, levels.widths);
-  take_usual(usual.last_pool, levels.last_pools);
   take_usual(usual.augmentation, levels.augmentations);
   take_usual(usual.engine, levels.engines);
   take_usual(usual.precision, levels.precisions);
   take_usual(usual.sparse, levels.sparse);
   take_usual(usual.confirmation, levels.confirmations);
-  take_usual(usual.alarm_cost, levels.alarm_costs);
-  take_usual(usual.gate, levels.gate);
   take_usual(usual.kind, levels.kinds);
   return without_idle_values(usual);
-}
-
-Check is_filter() {
-  return Check{[](std::string& text) {
-                 const std::optional<double> cost = text == "off" ? std::optional(1.0) : number_in(text);
-                 return cost && *cost >= 1e-6 && *cost <= 1e6
-                            ? std::string()
-                            : "'" + text + "' is no filter; expected off, or an alarm cost such as 0.01";
-               },
-               ""};
 }
 
 constexpr std::string_view p90 = "p90:";
@@ -162,6 +142,7 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   options.train_run = args.train_run;
   options.choice_runs = args.choice_runs;
   options.epochs = args.epochs;
+  options.steps = args.steps;
   options.trainings = args.trainings.value_or(0);
   options.seed = args.seed;
   options.levels = levels_of(args);
@@ -308,7 +289,7 @@ void add_trade_command(CLI::App& app) {
       .type_name("SHARE");
   command
       .add_option("--at-most-false-alarms-per-min", args->at_most_false_alarms,
-                  "Constraint: highest number of false alarms per minute outside labels")
+                  "Constraint: highest number of false alarms per minute outside of touches")
       .check(in_range(0.0, 1e9))
       .type_name("N");
   command
@@ -332,15 +313,13 @@ void add_trade_command(CLI::App& app) {
   command.add_option("--corners", args->corners, "Promising combinations to try for each of the two Pareto fronts")
       .check(in_range(0U, 1000U))
       .show_default();
-  add_list("--kind", args->kinds, "Kinds of models to try: lenet, trees, temporal").check(one_of({"lenet", "trees", "temporal"}));
+  add_list("--kind", args->kinds, "Kinds of models to try: lenet, stream").check(one_of({"lenet", "stream"}));
   add_list("--th", args->histories_ms, "Histories t_h to try [ms]").check(in_range(0.001, 1e5));
   add_list("--tick-us", args->ticks_us, "Ticks to try [us]").check(in_range(std::int64_t{1}, std::int64_t{1'000'000}));
   add_list("--factor", args->factors, "Heatmap sizes to try, divided by sensor size").check(in_range(0.001, 1.0));
   add_list("--resize", args->resizes, "Resizing methods to try: area, linear").check(one_of({"area", "linear"}));
   add_list("--denoise", args->denoises, "Noise reductions to try: mean, literal, none")
       .check(one_of({"mean", "literal", "none"}));
-  add_list("--width", args->widths, "Widths of the network to try: 1, 0.5, 0.25").check(one_of({"1", "0.5", "0.25"}));
-  add_list("--last-pool", args->last_pools, "Sides of the blocks of the last pooling to try: 2, 4").check(one_of({"2", "4"}));
   add_list("--augment", args->augmentations,
            "Augmentations of the training to try, with + where 'train' has commas: none, flip, flip+shift")
       .type_name("NAME")
@@ -351,14 +330,13 @@ void add_trade_command(CLI::App& app) {
   add_list("--pass", args->passes, "Passes of the network to try: sparse (it skips empty regions), dense (it does not)")
       .check(one_of({"sparse", "dense"}));
   add_list("--confirm", args->confirmations, "Confirmations K/N to try").type_name("K/N").check(is_confirmation());
-  add_list("--filter", args->filters, "Decision filters to try: off, or an alarm cost").check(is_filter());
-  add_list("--gate", args->gates, "Gate settings to try: off, on").check(one_of({"off", "on"}));
   command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .type_name("NN")
       .show_default();
   add_strict_option(command, args->strict);
   add_list("--choice-runs", args->choice_runs, "Runs to choose settings on; results are reported on all others").type_name("NN");
-  command.add_option("--epochs", args->epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--epochs", args->epochs, "Training epochs of a LeNet").check(in_range(1U, 100'000U)).show_default();
+  command.add_option("--steps", args->steps, "Training steps of a stream").check(in_range(1U, 100'000U)).show_default();
   command
       .add_option("--trainings,--seeds", args->trainings,
                   "Trainings of each setting that is compared, each on another run and with another seed; default: 2 for "

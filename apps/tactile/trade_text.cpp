@@ -137,7 +137,7 @@ std::string full_trade_text(const trade::TradeSummary& summary) {
       wrapped(
           "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] (a "
           "missed one counts with the time in which it could be detected), share missed or early [%], false alarms per minute "
-          "outside labels, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
+          "outside of touches, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
           "objects and runs drawn again; a star: on the front. D: the same for delay, misses and false alarms. Fronts are found "
           "on the runs to choose on. All other figures are of the runs to report on.") +
       "\n\n" + settings_text(trade);

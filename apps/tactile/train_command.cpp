@@ -40,8 +40,6 @@ struct TrainArguments {
   model::TrainingOptions training;
   std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
               class_weights = "none";
-  double width = 1;
-  int last_pool = 2;
   std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
   KindArguments kind;
@@ -57,7 +55,7 @@ model::ModelSettings settings_of(const TrainArguments& args) {
   model::ModelSettings settings;
   settings.rendering = heatmap_options(args.history_ms, args.rendering);
   settings.split = {.kind = windows::split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
-  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool), args.width, args.last_pool};
+  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool)};
   settings.training = args.training;
   settings.training.optimizer = model::optimizer_named(args.optimizer);
   settings.training.engine = model::engine_named(args.engine);
@@ -68,8 +66,6 @@ model::ModelSettings settings_of(const TrainArguments& args) {
       args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
   settings.kind = model::kind_named(args.kind.kind);
   settings.stream = args.kind.stream;
-  settings.trees = args.kind.trees;
-  settings.temporal = args.kind.temporal;
   // A stream reads each tick once, and remembers.
   if (settings.kind == model::ModelKind::stream) settings.rendering.history = settings.rendering.tick;
   check(settings.training);
@@ -109,7 +105,6 @@ std::string text_of(const model::ModelBundle& bundle, const TrainArguments& args
   std::vector<std::string> titles{"epoch", "loss", "accuracy [%]"};
   if (judged) titles.insert(titles.end(), {"validation loss", "validation accuracy [%]"});
   titles.insert(titles.end(), {model::reads_heatmaps(model.settings.kind) ? "images/s" : "samples/s", "seconds"});
-  if (model.settings.kind == model::ModelKind::trees) titles.front() = "fit";
   if (model.settings.kind == model::ModelKind::stream) titles.front() = "100 steps";
   std::string text = rows.empty() ? "" : text_table(titles, rows) + "\n";
   if (step > 1)
@@ -185,7 +180,7 @@ std::string difference_of(const model::ModelBundle& bundle, const windows::Datas
 void warn_of_nothing_learned(const model::ModelBundle& bundle, const model::ModelSettings& settings,
                              const model::TrainingSummary& summary) {
   const double of_a_guess = std::log(static_cast<double>(touch_count));
-  if (settings.kind == model::ModelKind::trees || summary.history.empty() || summary.history.back().loss < of_a_guess) return;
+  if (summary.history.empty() || summary.history.back().loss < of_a_guess) return;
   spdlog::warn(
       "{}: has learned nothing: its loss of {:.4f} is not below that of a guess, {:.4f}; try a smaller --lr than {}, or more "
       "than {}",
@@ -223,10 +218,9 @@ model::TrainingSummary train_bundle(const TrainArguments& args, const CommonArgu
                                     const model::ModelSettings& settings, const model::ModelBundle& bundle, IfThere if_there) {
   heatmaps::check_renders(dataset, settings.rendering);
   const bool resumes = resumes_training(args, bundle);
-  // Trees are fitted within seconds, in one go; a stream's steps are counted in hundreds.
-  const unsigned epochs = settings.kind == model::ModelKind::trees    ? 1
-                          : settings.kind == model::ModelKind::stream ? (settings.stream.steps + 99) / 100
-                                                                      : settings.training.epochs;
+  // A stream's steps are counted in hundreds.
+  const unsigned epochs =
+      settings.kind == model::ModelKind::stream ? (settings.stream.steps + 99) / 100 : settings.training.epochs;
   TrainingEstimate estimate(epochs, progress_line(common));
   const auto report_begin = [&](unsigned epoch, double done) {
     estimate.begin(epoch, done);
@@ -347,7 +341,6 @@ void add_training_options(Command& command, TrainArguments& args) {
       .check(one_of({"relu", "tanh", "sigmoid"}))
       .show_default();
   command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
-  add_network_size(command, args.width, args.last_pool);
   command
       .add_option("--augment", args.augment,
                   "Random augmentation: none, or flip, shift and stress:RECIPE[:SEVERITY] of 'convert', separated by commas")
@@ -403,9 +396,8 @@ void add_model_options(Command& command, TrainArguments& args) {
 
 void add_train_command(CLI::App& app) {
   auto args = std::make_shared<TrainArguments>();
-  Command command =
-      add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, trees, or a temporal convolution",
-                  [args](const CommonArguments& common) { train(*args, common); });
+  Command command = add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, or a stream",
+                                [args](const CommonArguments& common) { train(*args, common); });
   add_split_options(command, *args);
   add_kind_options(command, args->kind);
   add_training_options(command, *args);

@@ -11,6 +11,7 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/windows/dataset_split.hpp"
 #include "working_alone.hpp"
 
@@ -87,6 +88,22 @@ EventBytes events_of_run(Dataset& file, std::uint32_t run) {
   return event_bytes_of(std::move(events));
 }
 
+/// The text of NAME.json of a network that learned from these runs' heatmaps.
+std::string network_description(const Dataset& file, const std::string& heatmaps, const std::vector<std::uint32_t>& runs) {
+  const auto stored = file.dataset.find_heatmaps(heatmaps);
+  if (!stored) throw Error(file.dataset.file().string() + ": has no heatmaps " + heatmaps + "; expected those that it had");
+  model::OwnDescription description;
+  description.input_name = "heatmaps";
+  description.output_name = "logits";
+  description.sensor = file.dataset.sensor();
+  description.rendering = stored->settings.get<heatmaps::HeatmapOptions>();
+  for (const std::uint32_t run : runs) {
+    if (run >= file.dataset.runs().size()) throw Error(file.dataset.file().string() + ": has no run " + std::to_string(run));
+    description.learned_from.push_back(model::learned_run_of(file.dataset.runs()[run]));
+  }
+  return nlohmann::json(description).dump();
+}
+
 /// The text of labels.json, once `read_labels` has found it sound.
 std::string labels_text(const std::string& file) {
   labels::read_labels(file);
@@ -107,6 +124,7 @@ void bind_dataset(nb::module_& module) {
       .def("split_runs", &split_runs, nb::arg("kind"), nb::arg("train_run"), nb::arg("held_out"))
       .def("heatmap_size", &heatmap_size, nb::arg("name"))
       .def("heatmaps", &heatmaps_of, nb::arg("name"), nb::arg("samples"))
+      .def("network_description", &network_description, nb::arg("heatmaps"), nb::arg("runs"))
       .def("events", &events_of_run, nb::arg("run"));
 }
 

@@ -13,7 +13,7 @@ from tactile._engine import Engine, EventStream, Predictions
 from tactile._events import EVENT, Frame, ImuSample, Recording, Trigger, event_array
 from tactile._heatmaps import HeatmapRenderer, Heatmaps, heatmaps
 from tactile._labels import Flag, Interval, Labels, read_labels
-from tactile._results import Delay, Evaluation, FalseAlarms, Figure, read_evaluation
+from tactile._results import Delay, Evaluation, Figure, OperatingPoint, WholeRuns, read_evaluation
 from tactile._studies import (
     Claim,
     Stress,
@@ -41,7 +41,6 @@ __all__ = [
     "Error",
     "Evaluation",
     "EventStream",
-    "FalseAlarms",
     "Figure",
     "Flag",
     "Frame",
@@ -50,6 +49,7 @@ __all__ = [
     "ImuSample",
     "Interval",
     "Labels",
+    "OperatingPoint",
     "Predictions",
     "Recording",
     "Stress",
@@ -59,6 +59,7 @@ __all__ = [
     "Trade",
     "TradePoint",
     "Trigger",
+    "WholeRuns",
     "__version__",
     "event_array",
     "heatmaps",

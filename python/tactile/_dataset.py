@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from typing import Any
@@ -120,6 +121,12 @@ class Dataset:
         if not 0 <= run < len(self.runs):
             raise IndexError(f"run {run} of {len(self.runs)}")
         return self._of_this_process().events(run).view(EVENT)[:, 0]
+
+    def network_description(self) -> dict[str, Any]:
+        """What a network that learned from these samples reads. Saved as NAME.json beside NAME.pt (TorchScript) or NAME.onnx,
+        it lets `tactile eval` and `tactile detect` run the network; `eval` leaves out the runs of these samples."""
+        runs = [int(run) for run in np.unique(self.run)]
+        return json.loads(self._of_this_process().network_description(self.history, runs))
 
     @property
     def simulated(self) -> bool:

@@ -44,14 +44,38 @@ class Delay:
 
 
 @dataclass(frozen=True)
-class FalseAlarms:
-    """False alarms in the three forms that are reported together, and episodes of the wrong class."""
+class OperatingPoint:
+    """A detector on whole runs, at one threshold."""
 
-    outside_labels_per_min: Figure
-    outside_motion_per_min: Figure
-    none_in_alarm: Figure
-    """share of the time without motion that is in alarm"""
-    wrong_class_per_min: Figure
+    threshold: float | None
+    """log-odds from which a touch is reported; None: the verdicts as they were decided"""
+    alarms_per_min: Figure
+    """false alarms, of the time outside of touches"""
+    median_ms: Figure
+    p90_ms: Figure
+    """delay over all touches"""
+    missed: Figure
+    """share of touches that are missed, or in alarm since before their onset"""
+    wrong_class: Figure
+    """episodes of the other class per touch"""
+    false_slips: Figure
+    """share of lifts without slip in which slip is reported"""
+
+
+@dataclass(frozen=True)
+class WholeRuns:
+    """A detector on every run: also those without a press or a slip, firm lifts, and flagged ones."""
+
+    runs: list[str]
+    left_out: dict[str, str]
+    """runs that are not judged, and why"""
+    decided: OperatingPoint
+    causes: dict[str, int]
+    """false alarms of `decided` by cause"""
+    curve: list[OperatingPoint]
+    """by ascending threshold"""
+    calm: dict[float, OperatingPoint | None]
+    """the earliest point with at most so many false alarms a minute; None: no threshold has so few"""
 
 
 @dataclass(frozen=True)
@@ -64,7 +88,7 @@ class Evaluation:
     accuracy_by_object: dict[str, Figure]
     delay: dict[str, Delay]
     """of "press" and "slip" """
-    false_alarms: FalseAlarms
+    whole_runs: WholeRuns
     baselines: dict[str, Figure]
     """accuracy of simpler methods, by name"""
     calibration_error: Figure
@@ -105,20 +129,30 @@ def read_json(path: str, written_as: str, build: Callable[[dict[str, Any]], T], 
         raise _tactile.Error(f"{path}: its contents cannot be used ({error!r:.80}); expected {written_as}") from None
 
 
+def _point(entry: dict[str, Any]) -> OperatingPoint:
+    names = ("alarms_per_min", "median_ms", "p90_ms", "missed", "wrong_class", "false_slips")
+    return OperatingPoint(entry["threshold"], *(figure(entry[name]) for name in names))
+
+
+def _whole_runs(content: dict[str, Any]) -> WholeRuns:
+    return WholeRuns(
+        runs=content["runs"],
+        left_out={run["run"]: run["why"] for run in content["left_out"]},
+        decided=_point(content["decided"]),
+        causes=content["causes"],
+        curve=[_point(entry) for entry in content["curve"]],
+        calm={entry["at_most_per_min"]: entry["point"] and _point(entry["point"]) for entry in content["calm"]},
+    )
+
+
 def _evaluation(content: dict[str, Any]) -> Evaluation:
-    alarms = content["false_alarms"]
     return Evaluation(
         title=content["title"],
         simulated=content["simulated"],
         accuracy=figure(content["accuracy"]["mean"]),
         accuracy_by_object={name: figure(entry) for name, entry in content["accuracy"]["objects"].items()},
         delay={name: _delay(content["delay_ms"][name]) for name in ("press", "slip")},
-        false_alarms=FalseAlarms(
-            figure(alarms["outside_labels"]["per_min"]),
-            figure(alarms["outside_motion"]["per_min"]),
-            figure(alarms["none_in_alarm"]["share"]),
-            figure(alarms["wrong_class"]["per_min"]),
-        ),
+        whole_runs=_whole_runs(content["whole_runs"]),
         baselines={name: figure(entry["accuracy"]) for name, entry in content["baselines"].items()},
         calibration_error=figure(content["calibration"]["ece"]),
         confusion=content["confusion"],

@@ -61,7 +61,7 @@ class TradePoint:
     median_delay_us        over all presses and slips; a missed one counts with its limit
     p90_delay_us           as above, the delay that 90 % do not exceed
     missed                 share of presses and slips
-    false_alarms_per_min   alarms that begin outside labels, as `tactile trade` prints them
+    false_alarms_per_min   false alarms, of the time outside of touches
     median_tick_us, p99_tick_us   time of a tick
     is_on_accuracy_front   on the front of accuracy and p99_tick_us, on the runs to choose on
     is_on_delay_front      on the front of false alarms, median delay and misses, on the runs to choose on

@@ -33,7 +33,7 @@ TEST(CommandLine, VersionNamesTheGitRevisionTheLibrariesAndTheCpuFeatures) {
   EXPECT_TRUE(std::regex_match(
       result.out, std::regex(R"(tactile \d+\.\d+\.\d+ \(.+\)\n)"
                              R"(libtorch +\d+\.\d+\..+\nOpenCV +\d+\.\d+\..+\nHDF5 +\d+\.\d+\.\d+\n)"
-                             R"(FFmpeg +\d+\..+\nXGBoost +\d+\..+\nLZ4 +\d+\..+\nzstd +\d+\..+\nlibdeflate +\d+\..+\n)"
+                             R"(FFmpeg +\d+\..+\nLZ4 +\d+\..+\nzstd +\d+\..+\nlibdeflate +\d+\..+\n)"
                              R"(CPU features +([A-Z0-9_-]+|no vector instructions) in use(, also [A-Z0-9_, ]+)?\n)")))
       << result.out;
 }
@@ -161,9 +161,8 @@ TEST(CommandLine, EndsWhereThereIsLittleMemory) {
   ASSERT_EQ(run_tactile("label --no-pictures --quiet", folder.path()).exit_code, 0);
   ASSERT_EQ(run_tactile("windows --quiet", folder.path()).exit_code, 0);
   // Training loads libtorch, and a picture the rest of OpenCV.
-  for (const char* arguments :
-       {"--help", "info data/fan/01", "windows --help", "windows --verify --quiet", "label", "doctor --quiet",
-        "train --epochs 1 --width 0.25 --force --quiet", "view data/fan/01 --out a.png --quiet"}) {
+  for (const char* arguments : {"--help", "info data/fan/01", "windows --help", "windows --verify --quiet", "label",
+                                "doctor --quiet", "train --epochs 1 --force --quiet", "view data/fan/01 --out a.png --quiet"}) {
     for (const int limit_mb : {50, 300, 350, 450, 550, 600, 700, 1000}) {
       const auto result = test::run_shell(
           fmt::format("ulimit -v {}; exec timeout -s KILL 300 '{}' {}", limit_mb * 1000, test::tactile_binary, arguments),
@@ -357,7 +356,7 @@ TEST(PrintConfig, HasNumbersTextsListsAndFlagsAsTheFileOfConfigDoes) {
     EXPECT_FALSE(settings.contains(option)) << option;
   const auto trade = nlohmann::json::parse(run_tactile("trade --th 20,40 --print-config", folder.path()).out);
   EXPECT_EQ(trade.at("th"), (std::vector<int>{20, 40}));
-  EXPECT_EQ(trade.at("width"), nlohmann::json::parse("[1, 0.5, 0.25]"));
+  EXPECT_EQ(trade.at("factor"), nlohmann::json::parse("[0.1, 0.2, 0.25]"));
   EXPECT_EQ(trade.at("choice-runs"), std::vector<std::string>{"02"});
   EXPECT_FALSE(trade.contains("trainings"));
   EXPECT_FALSE(trade.contains("models"));

@@ -1,8 +1,6 @@
 // The summaries that `eval` and `detect` print: what they advise, and when.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "detect_report.hpp"
 #include "eval_summary.hpp"
 
@@ -13,26 +11,29 @@ using namespace std::chrono_literals;
 
 bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 
-results::Evaluation evaluation_with(double alarms_per_min) {
+TEST(EvalSummary, HasWhatFewerFalseAlarmsCost) {
   results::Evaluation evaluation;
   evaluation.models = {{.name = "m", .settings = nlohmann::json::object(), .weights_sha256 = {}, .test_runs = {}}};
-  evaluation.network.false_alarms.outside_labels_per_min = {.value = alarms_per_min};
-  return evaluation;
-}
-
-TEST(EvalSummary, AdvisesToDecideOverTicksWhereThereAreManyFalseAlarms) {
-  const auto advises = [](const results::Evaluation& evaluation) {
-    return has(summary_of(evaluation), "try the default of 'detect': --thresholds ");
-  };
-  EXPECT_TRUE(advises(evaluation_with(10)));
-  EXPECT_FALSE(advises(evaluation_with(9.9)));
-  EXPECT_FALSE(advises(evaluation_with(NAN))) << "nothing was measured";
-  results::Evaluation decided = evaluation_with(70);
-  decided.confirm = "2/3";
-  EXPECT_FALSE(advises(decided));
-  decided = evaluation_with(70);
-  decided.alarm_cost = 1;
-  EXPECT_FALSE(advises(decided));
+  results::WholeRuns& whole = evaluation.whole_runs;
+  whole.runs = {"fan/02", "mug/02"};
+  whole.by_truth = {"mug/02"};
+  whole.left_out = {{"fan/03", "it has no labels"}};
+  whole.decided.alarms_per_min = {.value = 21.75, .low = 15.7, .high = 29.5};
+  whole.decided.touches = 170;
+  whole.decided.misses = 2;
+  whole.decided.early = 1;
+  whole.causes = {{"quiet", 2}, {"firm lift", 13}};
+  results::OperatingPoint calm = whole.decided;
+  calm.threshold = 3;
+  whole.calm = {{2, calm}, {0.6, {}}};
+  const std::string text = summary_of(evaluation);
+  EXPECT_TRUE(has(text, "21.8 a minute [15.7, 29.5]")) << text;
+  EXPECT_TRUE(has(text, "3 of 170 missed")) << text;
+  EXPECT_TRUE(has(text, "firm lift 13, quiet 2")) << text;
+  EXPECT_TRUE(has(text, "\nat most 2 ")) << text;
+  EXPECT_TRUE(has(text, "none")) << text;
+  EXPECT_TRUE(has(text, "2 whole runs, 1 judged by their truth, the others by their labels. 1 run is left")) << text;
+  EXPECT_TRUE(has(text, "fan/03, it has no labels.")) << text;
 }
 
 /// 1000 ticks of a live source.

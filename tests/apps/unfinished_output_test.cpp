@@ -57,7 +57,7 @@ TEST_F(UnfinishedOutput, IsNotLeftWhereAFileMayNotBecomeAsLarge) {
         "convert data/fan/01 run.h5", "simulate other --preset tiny --objects usb-hub", "view data/fan/01 --out film.mp4",
         "view data/fan/01 --out still.png", "split data/fan/01 --at 1.2 --object mug --out pieces",
         "import data/fan/01/events.aedat4 --object mug --out imported", "repair data/fan/01/events.aedat4 repaired.aedat4",
-        "train --epochs 1 --width 0.25 --name small --th 40"}) {
+        "train --epochs 1 --name small --th 40"}) {
     const auto result =
         test::run_shell(fmt::format("ulimit -f 8; exec '{}' {} --quiet", test::tactile_binary, arguments), folder.path());
     EXPECT_EQ(result.exit_code, 1) << arguments << "\n" << result.err;

@@ -59,8 +59,8 @@ struct Listener {
 TEST(DetectCommand, SetsTheRobotsBitsAndClearsThemInTheEnd) {
   const FakeController controller;
   const auto result = run_tactile(
-      "detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 --robot "
-      "127.0.0.1:" +
+      "detect --json --quiet --model small --from file:data/fan/02 --speed 1 --bit 64 --press-bit 65 --slip-bit 66 "
+      "--confirmed-bit 67 --robot 127.0.0.1:" +
           std::to_string(controller.port()),
       trained().folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -69,20 +69,20 @@ TEST(DetectCommand, SetsTheRobotsBitsAndClearsThemInTheEnd) {
   EXPECT_GE(json.at("robot").at("event_to_write_us").at("count").get<int>(), 1);
   EXPECT_EQ(json.at("robot").at("controller"), "5.11.6.1071234");
   EXPECT_TRUE(comes_true([&] { return controller.writes() >= 4; }));
-  for (const char* bit : {"64", "65", "66"})
+  for (const char* bit : {"64", "65", "66", "67"})
     EXPECT_TRUE(comes_true([&] { return controller.input(std::string("input_bit_register_") + bit) == false; })) << bit;
 }
 
-TEST(DetectCommand, WritesBitsThatFollowTheFilter) {
+TEST(DetectCommand, WritesBitsThatFollowTheDecision) {
   const fs::path folder = trained().folder.path();
   const FakeController controller;
   const auto result = run_tactile(
-      "detect --json --quiet --model small --filter --from file:data/fan/02 --speed 1 --ticks filtered.csv --press-bit 65 "
+      "detect --json --quiet --model small --from file:data/fan/02 --speed 1 --ticks decided.csv --press-bit 65 "
       "--slip-bit 66 --robot 127.0.0.1:" +
           std::to_string(controller.port()),
       folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::vector<Row> ticks = rows_of(folder / "filtered.csv");
+  const std::vector<Row> ticks = rows_of(folder / "decided.csv");
   const auto rises = [&](const char* column) {
     int count = 0;
     for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -96,7 +96,13 @@ TEST(DetectCommand, WritesBitsThatFollowTheFilter) {
   EXPECT_EQ(json.at("robot").at("raised"), rises("verdict"));
   const bool differs =
       std::any_of(ticks.begin(), ticks.end(), [](const Row& row) { return row.at("verdict") != row.at("predicted"); });
-  EXPECT_TRUE(differs) << "the filter changes no tick";
+  EXPECT_TRUE(differs) << "the thresholds change no tick";
+  const auto confirmed =
+      std::count_if(ticks.begin(), ticks.end(), [](const Row& row) { return row.at("slip_confirmed") == "1"; });
+  EXPECT_GT(confirmed, 0);
+  EXPECT_TRUE(std::all_of(ticks.begin(), ticks.end(),
+                          [](const Row& row) { return row.at("slip_confirmed") == "0" || row.at("verdict") == "slip"; }));
+  EXPECT_GE(json.at("episodes").at("confirmed_slip").get<int>(), 1);
 }
 
 /// Noise of 3 s with 20 times the rate of the training runs. @return  its folder

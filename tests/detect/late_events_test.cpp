@@ -255,7 +255,7 @@ TEST(LiveDetector, ReportsNoSilenceDuringABacklog) {
     std::string faults;
     const heatmaps::HeatmapOptions rendering{.history = 10s, .tick = 2s};
     LiveDetector detector(
-        {sensor, model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
+        {model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
         {.clock = {.tick = 2s, .history = 10s, .slack = 2s},
          .silence = 2'000s,
          .jump = 1'000s,

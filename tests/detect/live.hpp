@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -51,12 +50,10 @@ struct Live {
   bool more_came = false;
   detect::LiveDetector detector;
 
-  explicit Live(bool plays = false, std::optional<model::GateRule> gate = {}, Confirmation confirmation = {},
-                microseconds play_for = microseconds::max(), model::ClassifyHeatmap network = slip_where_anything_is)
+  explicit Live(bool plays = false, Confirmation confirmation = {}, microseconds play_for = microseconds::max(),
+                model::ClassifyHeatmap network = slip_where_anything_is)
       : detector(
-            {sensor,
-             model_of(std::move(network)),
-             {.rendering = short_history, .decision = {.confirmation = confirmation}, .gate = gate}},
+            {model_of(std::move(network)), {.rendering = short_history, .decision = {.confirmation = confirmation}}},
             {.clock = {.tick = 2ms, .history = 10ms, .slack = 2ms, .by_events_alone = plays}, .play_for = play_for},
             [this](const detect::ReportedTick& tick) { reported.push_back(tick); },
             [this](const detect::DetectionFault& fault) { faults.push_back(fault); }, [this] { ++forgotten; }) {}

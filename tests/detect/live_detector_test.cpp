@@ -49,7 +49,7 @@ TEST(LiveDetector, ContinuesInSilenceUntilTheHistoryIsEmpty) {
 }
 
 TEST(LiveDetector, EndsAReplayAfterItsDuration) {
-  Live live(true, {}, {}, 20ms);
+  Live live(true, {}, 20ms);
   std::vector<std::int64_t> times;
   for (std::int64_t t = 0; t <= 100'000; t += 500) times.push_back(t);
   live.take(times, base);
@@ -83,7 +83,7 @@ TEST(LiveDetector, RejectsAReplayWithATimeAYearAhead) {
 }
 
 TEST(LiveDetector, PlaysAPartOfAReplayWithATimeAYearAhead) {
-  Live live(true, {}, {}, 20ms);
+  Live live(true, {}, 20ms);
   live.take({0, 500, a_year}, base);
   EXPECT_EQ(live.reported.size(), 10U) << "at 10 to 28 ms";
   EXPECT_EQ(live.reported.back().verdict.t, camera_time(28'000));
@@ -123,7 +123,7 @@ TEST(LiveDetector, SkipsToTheNewestTickWhenItIsLate) {
 }
 
 TEST(LiveDetector, CountsTheNetworkAsLateness) {
-  Live live(false, {}, {}, microseconds::max(), [](std::span<const std::uint8_t>) {
+  Live live(false, {}, microseconds::max(), [](std::span<const std::uint8_t>) {
     std::this_thread::sleep_for(3ms);
     return model::Logits{};
   });
@@ -156,21 +156,8 @@ TEST(LiveDetector, MarksVerdictsWithAnIncompleteHistory) {
         << us_of(tick.verdict.t);
 }
 
-TEST(LiveDetector, GatesQuietTicksWithoutTheNetwork) {
-  Live live(false, model::GateRule{.events = 5});
-  for (std::int64_t t = 0; t <= 20'000; t += t < 10'000 ? 2'500 : 500) live.take({t}, base + t), live.report_all(base + t);
-  ASSERT_GE(live.reported.size(), 3U);
-  EXPECT_EQ(live.reported[0].verdict.events, 4U);
-  EXPECT_TRUE(live.reported[0].verdict.gated);
-  EXPECT_EQ(live.reported[0].verdict.verdict, Touch::none);
-  EXPECT_EQ(live.reported[0].verdict.probabilities, (model::Probabilities{1, 0, 0}));
-  EXPECT_FALSE(live.reported[1].verdict.gated) << live.reported[1].verdict.events;
-  EXPECT_EQ(live.reported[1].verdict.verdict, Touch::slip);
-  EXPECT_EQ(live.detector.counts().gated, 1U);
-}
-
 TEST(LiveDetector, CountsSkippedTicksAsNoneForTheConfirmation) {
-  Live live(false, {}, {2, 3});
+  Live live(false, {2, 3});
   for (std::int64_t t = 0; t <= 12'000; t += 500) live.take({t}, base + t), live.report_all(base + t);
   ASSERT_EQ(live.reported.size(), 2U);
   EXPECT_EQ(live.reported[0].verdict.verdict, Touch::none);
@@ -216,7 +203,7 @@ TEST(TickDetector, GivesTheSameVerdictsIfEventsWereCountedAhead) {
   std::vector<std::vector<std::uint8_t>> heatmaps[2];
   for (const int ahead : {0, 1}) {
     auto& seen = heatmaps[ahead];
-    TickDetector detector(sensor, model_of([&seen](std::span<const std::uint8_t> heatmap) {
+    TickDetector detector(model_of([&seen](std::span<const std::uint8_t> heatmap) {
                             seen.emplace_back(heatmap.begin(), heatmap.end());
                             return model::Logits{};
                           }),

@@ -21,7 +21,7 @@ TEST(LiveDetector, WakesOnlyForPacketsThatCloseATickOrAreLarge) {
   std::vector<ReportedTick> reported;
   const heatmaps::HeatmapOptions rendering{.history = 1000s, .tick = 1000s};
   LiveDetector detector(
-      {sensor, model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
+      {model_of(slip_where_anything_is, rendering), {.rendering = rendering}},
       {.clock = {.tick = 1000s, .history = 1000s, .slack = 2ms}, .jump = 10'000s, .stopped_for = 10'000s},
       [&reported](const ReportedTick& each) { reported.push_back(each); }, [](const DetectionFault&) {});
   const auto events_at = [](std::int64_t t, std::size_t count) {

@@ -24,17 +24,16 @@ struct Rehearsing {
   inline static const heatmaps::HeatmapOptions long_history{.history = 100s, .tick = 100s};
   static HostTime host_at(std::int64_t t) { return host_time(base + 100 * t); }
 
-  explicit Rehearsing(bool rehearses, std::optional<model::GateRule> gate = {})
+  explicit Rehearsing(bool rehearses)
       : detector(
-            {sensor,
-             model_of(
+            {model_of(
                  [this](std::span<const std::uint8_t> heatmap) {
                    asked.emplace_back(heatmap.begin(), heatmap.end());
                    std::this_thread::sleep_for(2ms);
                    return slip_where_anything_is(heatmap);
                  },
                  long_history),
-             {.rendering = long_history, .decision = {.confirmation = {2, 3}}, .gate = gate}},
+             {.rendering = long_history, .decision = {.confirmation = {2, 3}}}},
             {.clock = {.tick = 100s, .history = 100s, .slack = 2ms}, .rehearses = rehearses},
             [this](const ReportedTick& tick) { reported.push_back(tick); }, [](const DetectionFault&) {}) {}
 
@@ -99,25 +98,6 @@ TEST(LiveDetector, RehearsesNeitherTooEarlyNorTooLate) {
     EXPECT_EQ(live.detector.counts().rehearsals, times) << ahead;
     EXPECT_EQ(live.asked.size(), 1U + times) << ahead;
   }
-}
-
-TEST(LiveDetector, DoesNotRehearseBelowTheGate) {
-  Rehearsing live(true, model::GateRule{.events = 5});
-  live.take(0, 5);
-  live.take(1'000'000, 2);
-  ASSERT_EQ(live.reported.size(), 1U);
-  EXPECT_FALSE(live.reported[0].verdict.gated);
-  live.take(1'500'000);
-  EXPECT_FALSE(live.rehearse_within(1'500'000, 2'000'000)) << "three events are left";
-  live.take(2'000'000);
-  EXPECT_TRUE(live.reported.at(1).verdict.gated);
-  live.take(2'500'000, 9);
-  EXPECT_FALSE(live.rehearse_within(2'500'000, 3'000'000)) << "nor after a tick that it spared";
-  EXPECT_EQ(live.asked.size(), 1U);
-  live.take(3'000'000);
-  EXPECT_FALSE(live.reported.at(2).verdict.gated);
-  live.take(3'500'000, 9);
-  EXPECT_TRUE(live.rehearse_within(3'500'000, 4'000'000));
 }
 
 }  // namespace

@@ -16,8 +16,7 @@ ReportedTick made_tick() {
                   .events = 70'000,
                   .probabilities = {0.25F, 0.5F, 0.125F},
                   .predicted = Touch::press,
-                  .verdict = Touch::slip,
-                  .gated = false};
+                  .verdict = Touch::slip};
   tick.due = {.t = tick.verdict.t, .skipped = 3, .closed = HostTime{microseconds{1'000}}, .by_events = false};
   tick.number = 9;
   tick.beginning = 2;
@@ -54,11 +53,11 @@ TEST(UdpRecords, AreAsTheTableInFormatHasThem) {
 }
 
 TEST(UdpRecords, HaveOneBitForEachPropertyOfATick) {
-  for (std::uint8_t bits = 0; bits < 8; ++bits) {
+  for (const int bits : {0, 2, 4, 6, 8, 14}) {
     ReportedTick tick = made_tick();
-    tick.verdict.gated = (bits & 1) != 0;
     tick.due.by_events = (bits & 2) == 0;
     tick.incomplete = (bits & 4) != 0;
+    tick.verdict.slip_is_confirmed = (bits & 8) != 0;
     EXPECT_EQ(at<std::uint8_t>(verdict_record(tick, HostTime{microseconds{1'250}}), 62), bits);
   }
 }

@@ -53,12 +53,12 @@ TEST(ModelsCommand, ListsComparesPinsAndRemovesModels) {
   EXPECT_FALSE(has(compared.out, "rendering.")) << "what is the same is left out\n" << compared.out;
 
   EXPECT_TRUE(has(run_tactile("eval", folder).err, "models/second, the last one that 'train' made here"));
-  ASSERT_EQ(run_tactile("train --name trees --kind trees --quiet", folder).exit_code, 0);
-  const auto kinds = run_tactile("models compare second trees", folder),
-             all = run_tactile("models compare --verbose second trees", folder);
+  ASSERT_EQ(run_tactile("train --name stream --kind stream --steps 10 --quiet", folder).exit_code, 0);
+  const auto kinds = run_tactile("models compare second stream", folder),
+             all = run_tactile("models compare --verbose second stream", folder);
   EXPECT_TRUE(has(kinds.out, "training.epochs")) << kinds.out;
   EXPECT_GT(all.out.size(), kinds.out.size()) << "settings that neither uses\n" << all.out;
-  ASSERT_EQ(run_tactile("models rm trees", folder).exit_code, 0);
+  ASSERT_EQ(run_tactile("models rm stream", folder).exit_code, 0);
   ASSERT_EQ(run_tactile("train --name third --epochs 1 --quiet --split unseen --held-out fan", folder).exit_code, 0);
   EXPECT_TRUE(has(run_tactile("eval", folder).err, "models/third, the last one")) << "of either split";
   ASSERT_EQ(run_tactile("train --name second --epochs 2 --batch 64 --quiet", folder).exit_code, 0);

@@ -560,9 +560,8 @@ TEST_F(SlurmJobs, OfATradeTrainTheSameModelsAsOneMachine) {
   run_command("label --no-pictures");
   run_command("windows");
   const std::string trade =
-      "trade --th 20,40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine "
-      "fast --precision fp32 --pass sparse --confirm 1/1 --kind lenet --filter off --gate off --epochs 1 --trainings 1 "
-      "--timed-ticks 600 --no-growth --no-figures --threads 2 ";
+      "trade --th 20,40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --augment none --engine fast --precision fp32 "
+      "--pass sparse --confirm 1/1 --kind lenet --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
   for (const std::string where : {"local", "slurm:short"})
     run_command(fmt::format("{}--out {} --executor {}", trade, where, where));
   const auto weights = [this](const std::string& where) {
@@ -585,12 +584,12 @@ TEST_F(SlurmJobs, OfATradeTrainTheSameModelsAsOneMachine) {
 
 TEST_F(SlurmJobs, OfAStressGiveTheSameFiguresAsOneMachine) {
   for (const char* command : {"simulate --preset tiny --objects plastic-container,water-bottle", "label --no-pictures", "windows",
-                              "train --epochs 1", "train --epochs 1 --width 0.5 --name half"})
+                              "train --epochs 1", "train --epochs 1 --lr 0.002 --name other"})
     run_command(command);
   // A recipe with its own seed, a simulated world and a quiet recording.
   const std::string stress =
       "stress --recipe noise:50 --world light-dim:90 --quiet-recording data/water-bottle/01/events.aedat4 --seed 7 --no-figures "
-      "--model th40-single-1-epochs1 --model half ";
+      "--model th40-single-1-epochs1 --model other ";
   std::map<std::string, nlohmann::json> stressed;
   for (const std::string where : {"local", "slurm:short"}) {
     run_command(fmt::format("{}--out {} --executor {}", stress, where, where));

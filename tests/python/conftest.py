@@ -10,8 +10,8 @@ TACTILE = os.environ.get("TACTILE", str(pathlib.Path(__file__).resolve().parents
 
 # One setting alone.
 TRADE = (
-    "--tick-us 2000 --factor 0.2 --resize area --denoise mean --width 1 --last-pool 2 --augment none --engine fast --precision fp32 "
-    "--pass sparse --confirm 1/1 --kind lenet --filter off --gate off --epochs 1 --trainings 1 --timed-ticks 600 --no-growth "
+    "--tick-us 2000 --factor 0.2 --resize area --denoise mean --augment none --engine fast --precision fp32 "
+    "--pass sparse --confirm 1/1 --kind lenet --epochs 1 --trainings 1 --timed-ticks 600 --no-growth "
     "--no-figures"
 ).split()
 

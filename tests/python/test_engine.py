@@ -42,7 +42,7 @@ def test_predictions_equal_those_of_detect(lab, engine):
 
 
 def decided_by_two_thresholds(probabilities, tick_ms, on=1.4, off=-2.6, hold_ms=20):
-    """The verdicts of `detect` without --filter, as `tactile detect --help` and docs/ tell them."""
+    """The verdicts of `detect` as `tactile detect --help` and docs/ tell them."""
     p = np.clip(probabilities, 1e-38, None)
     log_odds = {name: np.log(p[:, i] / np.clip(1 - p[:, i], 1e-38, None)) for i, name in enumerate(tactile.CLASSES) if name != "none"}
     verdicts, reported, below_ms = [], "none", 0
@@ -88,11 +88,11 @@ def test_threads_may_share_an_engine(lab, engine):
 
 
 def test_other_kinds_and_precisions_are_models_too(lab, engine):
-    lab.run("train", "--kind", "trees", "--rounds", "5")
-    (trees,) = [bundle for bundle in lab.bundles() if bundle != lab.bundle]
-    assert tactile.Engine(trees).predict(tactile.Recording(lab.recording)).logits.shape[1] == 3
+    lab.run("train", "--kind", "stream", "--steps", "10")
+    (stream,) = [bundle for bundle in lab.bundles() if bundle != lab.bundle]
+    assert tactile.Engine(stream).predict(tactile.Recording(lab.recording)).logits.shape[1] == 3
     with pytest.raises(tactile.Error):
-        tactile.Engine(trees).classify(np.zeros((1, 96, 128), np.uint8))
+        tactile.Engine(stream).classify(np.zeros((1, 96, 128), np.uint8))
     exact = engine.predict(tactile.Recording(lab.recording))
     for precision in ("bf16", "int8"):
         rounded = tactile.Engine(lab.bundle, precision=precision).predict(tactile.Recording(lab.recording))

@@ -29,7 +29,10 @@ def test_results_are_those_of_eval(lab):
     content = json.loads((lab.bundle / "eval.json").read_text())
     assert result.accuracy.value == content["accuracy"]["mean"]["value"]
     assert result.delay["slip"].median_of_all_ms.value == content["delay_ms"]["slip"]["median_of_all"]["value"]
-    assert result.false_alarms.wrong_class_per_min.value == content["false_alarms"]["wrong_class"]["per_min"]["value"]
+    whole = content["whole_runs"]
+    assert result.whole_runs.decided.alarms_per_min.value == whole["decided"]["alarms_per_min"]["value"]
+    assert [point.threshold for point in result.whole_runs.curve] == [point["threshold"] for point in whole["curve"]]
+    assert list(result.whole_runs.calm) == [20, 6, 2, 0.6] and result.whole_runs.runs == whole["runs"]
     assert set(result.accuracy_by_object) == {"fan", "usb-hub"} and "majority" in result.baselines
     assert sum(map(sum, result.confusion)) == sum(map(sum, content["confusion"]))
     assert result.everything == content
@@ -75,7 +78,7 @@ def test_a_file_that_is_no_result_is_named(tmp_path):
     with pytest.raises(tactile.Error, match="eval.json: No such file or directory; expected eval.json; 'tactile eval"):
         tactile.read_evaluation(tmp_path)
     (tmp_path / "eval.json").write_text("{}")
-    with pytest.raises(tactile.Error, match="'false_alarms'"):
+    with pytest.raises(tactile.Error, match="'title'"):
         tactile.read_evaluation(tmp_path)
     with pytest.raises(tactile.Error, match="study.json: No such file or directory; expected study.json of 'tactile reproduce'"):
         tactile.read_study(tmp_path)

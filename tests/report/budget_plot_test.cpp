@@ -27,16 +27,16 @@ results::TradedSetting setting(const std::string& kind, const std::string& text,
   return made;
 }
 
-results::Trade three_kinds() {
+results::Trade two_kinds() {
   results::Trade trade;
-  trade.points = {setting("lenet", "as usual", 180, 0.94),          setting("lenet", "width 0.25", 45, 0.90),
-                  setting("lenet", "width 0.25, slower", 49, 0.90), setting("trees", "trees", 9, 0.93),
-                  setting("trees", "trees, gate", 30, 0.92),        setting("temporal", "temporal convolution", 900, 0.99)};
+  trade.points = {setting("lenet", "as usual", 180, 0.94), setting("lenet", "factor 0.1", 45, 0.90),
+                  setting("lenet", "factor 0.1, slower", 49, 0.90), setting("stream", "stream", 9, 0.93),
+                  setting("stream", "stream, confirm 2/3", 30, 0.92)};
   return trade;
 }
 
 TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
-  results::Trade trade = three_kinds();
+  results::Trade trade = two_kinds();
   const auto texts = [&] {
     std::vector<std::vector<std::string>> of_kinds;
     for (const BestOfKind& best : best_within_budgets(trade)) {
@@ -46,29 +46,28 @@ TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
     return of_kinds;
   };
   using Texts = std::vector<std::vector<std::string>>;
-  EXPECT_EQ(texts(), (Texts{{"lenet", "", "", "width 0.25", "width 0.25", "as usual"},
-                            {"trees", "", "trees", "trees", "trees", "trees"},
-                            {"temporal", "", "", "", "", ""}}));
+  EXPECT_EQ(texts(), (Texts{{"lenet", "", "", "factor 0.1", "factor 0.1", "as usual"},
+                            {"stream", "", "stream", "stream", "stream", "stream"}}));
   // What the runs to report on show chooses nothing.
   trade.points[0].reported.figures.accuracy.value = 0.1;
   trade.points[0].reported.figures.us_p99.value = 1;
-  EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "width 0.25", "width 0.25", "as usual"}));
+  EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "factor 0.1", "factor 0.1", "as usual"}));
   trade.points[3].choice.figures.accuracy.value = NAN;
-  EXPECT_EQ(texts()[1], (std::vector<std::string>{"trees", "", "", "trees, gate", "trees, gate", "trees, gate"}));
+  EXPECT_EQ(texts()[1],
+            (std::vector<std::string>{"stream", "", "", "stream, confirm 2/3", "stream, confirm 2/3", "stream, confirm 2/3"}));
 }
 
 TEST(TradeBudgetPlot, ShowsAccuracyDelayAndFalseAlarmsOfEachKindAndNamesTheSettings) {
-  const pictures::Plot plot = trade_budget_plot(three_kinds());
-  // Three kinds lie side by side; the last limit is at place 4, 10 us at place 1.
-  EXPECT_TRUE(has_row(plot, {3.88, 94, 93, 95}));
-  EXPECT_TRUE(has_row(plot, {1, 93, 92, 94}));
-  EXPECT_TRUE(has_row(plot, {1, std::log10(7), std::log10(5), std::log10(9)}));
-  EXPECT_TRUE(has_row(plot, {1, 1, 1, 1})) << "log10(9 + 1), without an interval";
+  const pictures::Plot plot = trade_budget_plot(two_kinds());
+  // Two kinds lie side by side; the last limit is at place 4, 10 us at place 1.
+  EXPECT_TRUE(has_row(plot, {3.94, 94, 93, 95}));
+  EXPECT_TRUE(has_row(plot, {1.06, 93, 92, 94}));
+  EXPECT_TRUE(has_row(plot, {1.06, std::log10(7), std::log10(5), std::log10(9)}));
+  EXPECT_TRUE(has_row(plot, {1.06, 1, 1, 1})) << "log10(9 + 1), without an interval";
   const std::string svg = drawn(plot);
-  for (const char* words :
-       {"accuracy [%]", "median delay, misses included [ms]", "false alarms per minute", "time per tick, at most [us]",
-        "LeNet, from 50 us on: width 0.25 (45 us)", "LeNet, from 200 us on: as usual (180 us)",
-        "trees, from 10 us on: trees (9 us)", "temporal convolution: no setting within 200 us"})
+  for (const char* words : {"accuracy [%]", "median delay, misses included [ms]", "false alarms per minute",
+                            "time per tick, at most [us]", "LeNet, from 50 us on: factor 0.1 (45 us)",
+                            "LeNet, from 200 us on: as usual (180 us)", "stream, from 10 us on: stream (9 us)"})
     EXPECT_TRUE(contains(svg, words)) << words;
 }
 

@@ -16,48 +16,38 @@ using test::contains;
 using test::drawn;
 using test::has_row;
 
-/// Of ten intervals so many are missed.
-results::OperatingPoint operating_point(double threshold, double alarms, double press_ms, std::uint64_t press_misses,
-                                        double slip_ms, std::uint64_t slip_misses) {
-  return {.threshold = threshold,
-          .press = {.mean_ms = {.value = press_ms}, .intervals = 10, .misses = press_misses},
-          .slip = {.mean_ms = {.value = slip_ms}, .intervals = 10, .misses = slip_misses},
-          .false_alarms_per_min = {.value = alarms}};
+results::OperatingPoint operating_point(std::optional<double> threshold, double alarms, double median_ms, double p90_ms,
+                                        double missed) {
+  results::OperatingPoint point{.threshold = threshold, .alarms_per_min = {.value = alarms}};
+  point.median_ms.ms.value = median_ms;
+  point.p90_ms.ms.value = p90_ms;
+  point.missed.value = missed;
+  return point;
 }
 
 TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
   const pictures::Plot plot =
-      operating_curve_plot("Operating curve", {operating_point(0.5, 6, 2, 0, 3, 1), operating_point(0.9, 1, 8, 2, 12, 4)});
-  EXPECT_TRUE(has_row(plot, {std::log10(6), 2, 3}));
-  EXPECT_TRUE(has_row(plot, {0, 20, 40}));
+      operating_curve_plot("Operating curve", {operating_point(0, 60, 2, 6, 0), operating_point(4, 1, 8, 300, 0.25)});
+  EXPECT_TRUE(has_row(plot, {std::log10(60), 2, 6, 0}));
+  EXPECT_TRUE(has_row(plot, {0, 8, 100, 25})) << "beyond 100 ms";
   const std::string svg = drawn(plot);
-  for (const char* words : {"0.5", "0.9", "false alarms per minute", "mean delay [ms]", "missed or early [%]"})
+  for (const char* words : {">4<", ">0<", "false alarms per minute", "delay [ms]", "missed or early [%]", "half of the touches"})
     EXPECT_TRUE(contains(svg, words)) << words;
-  drawn(operating_curve_plot("No alarms", {{.threshold = 0.5, .false_alarms_per_min = {.value = 0}}}));
+  drawn(operating_curve_plot("No alarms", {{.threshold = 0.5, .alarms_per_min = {.value = 0}}}));
   drawn(operating_curve_plot("Nothing", {}));
 }
 
-TEST(OperatingCurvePlot, MarksTheNetworksOwnPointAndWritesThresholdsNextToThePoints) {
-  const results::OperatingPoint own = operating_point(NAN, 100, 4, 1, 5, 2);
+TEST(OperatingCurvePlot, MarksTheVerdictsAsDecidedAndWritesSomeThresholds) {
+  const results::OperatingPoint own = operating_point({}, 100, 4, 5, 0.1);
   std::vector<results::OperatingPoint> points;
-  for (const double threshold : {0.1, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999})
-    points.push_back(operating_point(threshold, 10, 2 + threshold, 0, 3 + threshold, 0));
-  const pictures::Plot plot = operating_curve_plot("Crowded", points, own);
-  EXPECT_TRUE(has_row(plot, {2, 4, 5}));
-  EXPECT_TRUE(has_row(plot, {2, 10, 20}));
+  for (int i = 0; i < 41; ++i) points.push_back(operating_point(-4 + 0.5 * i, 200 / (1.0 + i), 2 + i, 4 + 2 * i, 0));
+  const pictures::Plot plot = operating_curve_plot("Curve", points, own);
+  EXPECT_TRUE(has_row(plot, {2, 4, 5, 10}));
   const std::string svg = drawn(plot);
-  EXPECT_TRUE(contains(svg, "the most probable class, without a threshold"));
-  EXPECT_FALSE(contains(svg, ">0.995<")) << "a few are named, not all";
-  EXPECT_TRUE(contains(svg, ">0.5<"));
-  // A label is near its point, in the colour of its curve.
-  EXPECT_NE(plot.script.find("front textcolor rgb '" + std::string(pictures::figure_colours::slip) + "'"), std::string::npos);
-  EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "without a threshold"));
-}
-
-TEST(OperatingCurvePlot, TakesFalseAlarmsOutsideLabelsWhereTheyAreKnown) {
-  results::OperatingPoint point = operating_point(0.5, 6, 2, 0, 3, 1);
-  point.outside_labels_per_min = {.value = 100};
-  EXPECT_TRUE(has_row(operating_curve_plot("Operating curve", {point}), {2, 2, 3}));
+  EXPECT_TRUE(contains(svg, "the verdicts as they were decided"));
+  EXPECT_FALSE(contains(svg, ">2.5<")) << "a few are named, not all";
+  EXPECT_TRUE(contains(svg, ">1.5<"));
+  EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "as they were decided"));
 }
 
 TEST(DetectionCurvePlot, HoldsTheSharesWithTheirIntervals) {

@@ -46,15 +46,19 @@ def evaluation(model, history):
         middle = (low + high) / 2
         bins.append({"from": low, "to": high, "samples": samples, "confidence": middle if samples else None,
                      "accuracy": figure(min(1.0, middle * 0.97), 0.03) if samples else {"value": None, "low": None, "high": None, "n": 10}})
-    curve = []
-    for k in range(20):
-        threshold = 0.34 + 0.65 * k / 19
-        curve.append({"threshold": threshold, "false_alarms_per_min": figure(9 * (1 - threshold) ** 2, 0.2, 10, 1e9), "false_alarms": 12,
-                      "delay_ms": {touch: {"mean": figure(2 + factor * threshold ** 6, 1, 10, 1e9), "intervals": 70, "misses": int(9 * threshold ** 9),
-                                           "early": 0, "sem": 0.4} for touch, factor in (("press", 14), ("slip", 30))}})
+    def point(threshold, alarms, ms):
+        return {"threshold": threshold, "alarms_per_min": figure(alarms, 0.2, 10, 1e9), "median_ms": figure(ms, 1, 10, 1e9),
+                "p90_ms": figure(2.5 * ms, 1, 10, 1e9), "missed": figure(0.002 * ms), "wrong_class": figure(0.01), "outside_min": 20.1,
+                "alarms": int(20.1 * alarms), "touches": 160, "misses": 1, "lifts": 10, "lifts_with_slip": 4}
+    curve = [point(-4 + k / 2, 200 * math.exp(-k / 4), 3 + k / 3) for k in range(41)]
+    whole = {"runs": ["fan/02", "sprayer/02"], "by_truth": ["fan/02", "sprayer/02"], "left_out": [], "units": "objects",
+             "decided": point(None, 21, 4), "objects": {o: point(None, 20 + i, 4 + i / 2) for i, o in enumerate(OBJECTS)},
+             "causes": {"firm lift": 120, "re-contact": 90, "quiet": 12}, "curve": curve,
+             "calm": [{"at_most_per_min": rate, "point": next((p for p in curve if p["alarms_per_min"]["value"] <= rate), None)}
+                      for rate in (20, 6, 2, 0.6)]}
     result = accuracy(history)
     return {
-        "title": "Evaluation (simulated runs)", "simulated": True, "tick_ms": 2.0, "guard_ms": 100.0, "confirm": "1/1",
+        "title": "Evaluation (simulated runs)", "simulated": True, "tick_ms": 2.0, "confirm": "1/1",
         "model": {"name": model, "settings": {"rendering": {"history_us": 1000 * history}}},
         "accuracy": result, "confusion": confusion,
         "accuracy_by_guard": [{"guard_ms": 100.0, **result}, {"guard_ms": 0.0, **accuracy(20)}],
@@ -64,11 +68,8 @@ def evaluation(model, history):
         "calibration": {"ece": figure(0.021), "bins": bins},
         "delay_ms": {"press": delays(0.9), "slip": delays(1.1)},
         "delay_true_ms": {"press": delays(1.0), "slip": delays(1.3)}, "delay_gross_ms": {"slip": delays(-2.0)},
-        "false_alarms_per_min": figure(2.1, 0.4, 10, 1e9),
-        "false_alarms": {"count": 42, "none_min": 20.1, "after_intervals": {"count": 13, "min": 0.3}, "unlabelled": {"count": 24, "min": 1.2}},
-        "trivial": {name: {"false_alarms_per_min": figure(value, 1, 10, 1e9), "delay_ms": {"press": delays(0.5), "slip": delays(9)}}
-                    for name, value in (("always_press", 25.0), ("always_slip", 25.0), ("random", 9000.0))},
-        "operating_curve": curve,
+        "false_alarms_per_min": figure(21, 0.4, 10, 1e9), "whole_runs": whole,
+        "trivial": {name: {"delay_ms": {"press": delays(0.5), "slip": delays(9)}} for name in ("always_press", "always_slip", "random")},
         "over_time": {"press": over_time(0.97, 0.7), "slip": over_time(0.98, 0.85), "both": over_time(0.975, 0.78)},
     }
 
@@ -133,10 +134,9 @@ def write_study(folder, mark=""):
         "intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 2.0},
                       {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None},
                       {"class": "slip", "start_us": start + 2600000, "end_us": start + 2800000, "outcome": "detected", "delay_ms": 2.0}],
-        "false_alarms": {"count": 3, "after_intervals": 1, "unlabelled": 2},
-        "by_truth": {"intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 4.0},
-                                   {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None}],
-                     "false_alarms": {"count": 4, "after_intervals": 1, "unlabelled": 2}}})
+        "true_intervals": [{"class": "press", "start_us": start + 600000, "end_us": start + 1040000, "outcome": "detected", "delay_ms": 4.0},
+                           {"class": "slip", "start_us": start + 1600000, "end_us": start + 2400000, "outcome": "missed", "delay_ms": None}],
+        "whole_run": {"by_truth": True, "outside_s": 4.2, "in_alarm_s": 0.1, "alarms": {"release": 3, "quiet": 1}, "wrong_class": 0}})
     put("models/unseen/history.csv", "epoch,loss,accuracy\n1,0.4,0.85\n2,0.1,0.97\n")
     put("models/th040/model.json", {"training": {"batch": 32, "optimizer": "adam" + mark, "from": None}, "rendering": {"denoise": "mean"},
                                     "network": {"name": "lenet-5", "input": {"width": 128}, "layers": ["conv 6@5x5", "relu"]}})

@@ -44,11 +44,30 @@ json accuracy(double value) {
   return {{"mean", figure(value)}, {"objects", {{"fan", figure(value + 0.02)}, {"usb-hub", figure(value - 0.02)}}}};
 }
 
+json operating_point(json threshold, double alarms_per_min) {
+  return {{"threshold", threshold}, {"alarms_per_min", figure(alarms_per_min)},
+          {"outside_min", 2},       {"median_ms", figure(4)},
+          {"p90_ms", figure(12)},   {"missed", figure(0.01)},
+          {"touches", 412},         {"misses", 3}};
+}
+
+json whole_runs() {
+  return {
+      {"runs", {"fan/02", "usb-hub/02", "usb-hub/03"}},
+      {"by_truth", {"fan/02", "usb-hub/02", "usb-hub/03"}},
+      {"left_out", {{{"run", "fan/09"}, {"why", "it has no labels"}}}},
+      {"units", "objects"},
+      {"decided", operating_point(nullptr, 21.5)},
+      {"objects", {{"fan", operating_point(nullptr, 63.5)}}},
+      {"causes", {{"firm lift", 40}, {"quiet", 3}}},
+      {"curve", {operating_point(1, 9.5), operating_point(3, 1.5)}},
+      {"calm", {{{"at_most_per_min", 2}, {"point", operating_point(3, 1.5)}}, {{"at_most_per_min", 0.6}, {"point", nullptr}}}}};
+}
+
 json evaluation() {
   return {
       {"simulated", true},
       {"tick_ms", 2.0},
-      {"guard_ms", 100.0},
       {"model", {{"name", "m"}, {"settings", {{"rendering", {{"history_us", 40000}}}}}}},
       {"test_runs", {"fan/02", "usb-hub/02"}},
       {"accuracy", accuracy(0.9)},
@@ -58,25 +77,12 @@ json evaluation() {
       {"baselines", {{"majority", {{"accuracy", figure(0.333)}, {"objects", {{"fan", figure(0.333)}}}}}}},
       {"confusion", {{90, 5, 5}, {1, 98, 1}, {0, 10, 90}}},
       {"delay_ms", {{"press", delays(3.25)}, {"slip", delays(4.5)}}},
-      {"false_alarms_per_min", figure(1.5)},
-      {"false_alarms",
-       {{"count", 3},
-        {"none_min", 0.329},
-        {"after_intervals", {{"count", 13}, {"min", 0.1}}},
-        {"unlabelled", {{"count", 24}, {"min", 0.2}}},
-        {"outside_labels", {{"count", 40}, {"min", 0.629}, {"per_min", figure(63.59)}}},
-        {"outside_motion", {{"count", 16}, {"min", 0.429}, {"per_min", figure(37.25)}}},
-        {"none_in_alarm", {{"min", 0.01}, {"share", figure(0.0625)}}},
-        {"wrong_class", {{"count", 3}, {"wrong_min", 0.004}, {"min", 0.25}, {"per_min", figure(12.5)}}}}},
+      {"false_alarms_per_min", figure(21.5)},
+      {"whole_runs", whole_runs()},
       {"label_uncertainty",
        {{"draws", 200},
         {"accuracy", {{"mean", 0.8875}, {"low", 0.88}, {"high", 0.91}, {"with_runs", figure(0.9)}}},
         {"delay_ms", {{"press", {{"mean", {{"mean", 3.5}, {"low", 2.75}, {"high", 4.5}, {"with_runs", figure(3.25)}}}}}}}}},
-      {"with_flagged",
-       {{"runs", {"fan/03"}},
-        {"intervals", 2},
-        {"accuracy", figure(0.8125)},
-        {"delay_ms", {{"press", delays(3.75)}, {"slip", delays(4.75)}}}}},
       {"calibration_whole_runs", {{"ece", figure(0.0575)}}},
       {"over_time",
        {{"press",
@@ -87,15 +93,9 @@ json evaluation() {
           {"still_predicted", figure(0.355)}}}}},
       {"trivial",
        {{"always_press",
-         {{"false_alarms_per_min", figure(20)},
-          {"delay_ms",
+         {{"delay_ms",
            {{"press", {{"mean", {{"value", nullptr}}}, {"intervals", 9}, {"misses", 0}, {"early", 9}}}, {"slip", delays(6)}}}}},
-        {"random",
-         {{"false_alarms_per_min", figure(1)},
-          {"false_alarms", {{"outside_labels", {{"count", 9}, {"min", 0.1}, {"per_min", figure(7777)}}}}},
-          {"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
-      {"operating_curve",
-       {{{"threshold", 0.5}, {"false_alarms_per_min", figure(2)}, {"delay_ms", {{"press", delays(2)}, {"slip", delays(3)}}}}}},
+        {"random", {{"delay_ms", {{"press", delays(6)}, {"slip", delays(6)}}}}}}},
       {"calibration",
        {{"ece", figure(0.03)},
         {"bins", {{{"from", 0.9}, {"to", 1.0}, {"samples", 50}, {"confidence", 0.97}, {"accuracy", figure(0.95)}}}}}}};
@@ -118,18 +118,8 @@ json claim(const std::string& words, const std::string& outcome) {
           {"all_test", {{"measured", figure(91.5)}, {"verdict", "does not"}, {"note", ""}, {"objects", json::object()}}}};
 }
 
-json alarms(int outside_labels) {
-  return {{"count", 5},
-          {"after_intervals", 1},
-          {"unlabelled", 0},
-          {"none_min", 0.5},
-          {"none_in_alarm_min", 0.1},
-          {"outside_labels", outside_labels},
-          {"outside_labels_min", 1},
-          {"outside_motion", 4},
-          {"outside_motion_min", 0.75},
-          {"wrong_class", 2},
-          {"labelled_min", 0.25}};
+json whole_run(int alarms) {
+  return {{"by_truth", true}, {"outside_s", 3.5}, {"in_alarm_s", 0.1}, {"alarms", {{"quiet", alarms}}}, {"wrong_class", 2}};
 }
 
 /// A study with all parts, in `folder`; `mark` goes into its names.
@@ -145,10 +135,9 @@ json write_study(const fs::path& folder, const std::string& mark = "") {
       {{"tick_ms", 2.0},
        {"confirm", "1/1"},
        {"intervals", {{{"class", "press"}, {"start_us", 1500}, {"end_us", 5000}, {"outcome", "detected"}, {"delay_ms", 2.0}}}},
-       {"false_alarms", alarms(99)},
-       {"by_truth",
-        {{"intervals", {{{"class", "press"}, {"start_us", 3000}, {"end_us", 5000}, {"outcome", "detected"}, {"delay_ms", 4.0}}}},
-         {"false_alarms", alarms(6)}}}});
+       {"true_intervals",
+        {{{"class", "press"}, {"start_us", 3000}, {"end_us", 5000}, {"outcome", "detected"}, {"delay_ms", 4.0}}}},
+       {"whole_run", whole_run(6)}});
   const json unseen = {
       {"mean", {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}},
       {"objects", {{"fan" + mark, {{"seen", figure(0.9)}, {"held_out", figure(0.8)}, {"difference", figure(-0.1)}}}}}};
@@ -198,8 +187,8 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
   std::vector<std::string> named;
   const ReportSummary summary =
       write_report(folder / "study", folder / "out", [&](std::string_view name) { named.emplace_back(name); });
-  const std::vector<std::string> figures{"detection-curve", "frames",      "accuracy-by-history", "delays", "operating-curve",
-                                         "confusion",       "reliability", "run-fan-02",          "unseen", "training"};
+  const std::vector<std::string> figures{"operating-curve", "frames",      "accuracy-by-history", "detection-curve", "delays",
+                                         "confusion",       "reliability", "run-fan-02",          "unseen",          "training"};
   EXPECT_EQ(summary.figures, figures);
   EXPECT_EQ(named, figures);
   EXPECT_EQ(summary.claims, 2U);
@@ -226,16 +215,15 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "network input width",
                             "0.0625",
                             "all objects, by always_press",
-                            "all 9 early",
-                            "0.629",
-                            "63.59",
-                            "37.25",
-                            "6.25",
-                            "12.50",
+                            "21.5 [",
+                            "63.5 [",
+                            "3 of 412",
+                            "firm lift",
+                            "20.00",
+                            "at most 0.6",
+                            "1 run is left out: fan/09, it has no labels.",
                             "at least 412.50",
                             "2.75 to 4.50",
-                            "1 flagged runs that the dataset leaves out and 2 flagged intervals",
-                            "81.25 %",
                             "whole runs, with their shares of the classes: 5.75 %",
                             "-11.50",
                             "35.50",
@@ -251,7 +239,6 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "84.00 to 86.00",
                             "baseline majority",
                             "3.25",
-                            "7777.00",
                             "calibration error: 3.00 %",
                             "-10.00",
                             "a processor",
@@ -259,17 +246,16 @@ TEST(Report, OfAStudyHoldsClaimsFiguresTablesAndSettings) {
                             "0.1250",
                             "It is best."})
     EXPECT_TRUE(contains(page, words)) << words;
-  // What was found and the detection curve come before everything else; what was not measured is not on the page.
-  EXPECT_LT(page.find("This was found."), page.find("id=\"figure-detection-curve\""));
-  EXPECT_LT(page.find("id=\"figure-detection-curve\""), page.find("Results are compared with Faris"));
-  EXPECT_LT(page.find("id=\"figure-detection-curve\""), page.find("First claim"));
+  // What was found and the curve come before everything else; what was not measured is not on the page.
+  EXPECT_LT(page.find("This was found."), page.find("id=\"figure-operating-curve\""));
+  EXPECT_LT(page.find("id=\"figure-operating-curve\""), page.find("Results are compared with Faris"));
+  EXPECT_LT(page.find("id=\"figure-operating-curve\""), page.find("First claim"));
   EXPECT_FALSE(contains(page, "What was not measured"));
   EXPECT_TRUE(any_tells(summary.missing, "1 of the 2 claims have too few trainings, runs or objects"));
   const std::string run = read_text(folder / "out/figures/run-fan-02.svg");
-  for (const char* words :
-       {"press: 4 ms", "Above each true touch: its detection delay.",
-        "By the truth. False alarms outside labels: 6 (6.0 per minute)",
-        "without unlabelled motion: 4 (5.3 per minute); 20.0 % of none time", "of the wrong class: 2 (8.0", "A tick every 2 ms"})
+  for (const char* words : {"press: 4 ms", "Above each true touch: its detection delay.",
+                            "By the truth: 6 false alarms in 3.5 s outside of touches (6 quiet)", "2 episodes of the wrong class",
+                            "A tick every 2 ms"})
     EXPECT_TRUE(contains(run, words)) << words;
   EXPECT_FALSE(contains(run, "press: 2 ms")) << "a simulated run is judged by its truth";
 }
@@ -386,17 +372,17 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   EXPECT_EQ(summary.at("title").get<std::string>(), "Results of a (simulated runs)");
   EXPECT_EQ(summary.at("page").get<std::string>(), "models/a/report/report.html");
   EXPECT_EQ(summary.at("figures"),
-            json({"detection-curve", "delays", "operating-curve", "confusion", "reliability", "training"}));
+            json({"operating-curve", "detection-curve", "delays", "confusion", "reliability", "training"}));
   for (const char* words : {"figure 8", "figure 10", "figure 11", "claims"})
     EXPECT_TRUE(any_tells(summary.at("missing"), words)) << words;
   const std::string page = read_text(folder / "models/a/report/report.html");
   const std::size_t first = page.find("the model predicts"), last = page.find("a learned from 0 runs, and is judged on ");
   EXPECT_LT(first, last) << "five sentences";
-  EXPECT_LT(last, page.find("id=\"figure-detection-curve\""));
+  EXPECT_LT(last, page.find("id=\"figure-operating-curve\""));
 
   write_model("b", 2, "2026-01-02");
   const ReportSummary both = write_report(read_models({folder / "models/b", folder / "models/a"}, {}), folder / "out");
-  EXPECT_EQ(both.figures[0], "detection-curve");
+  EXPECT_EQ(both.figures[0], "operating-curve");
   EXPECT_EQ(both.figures[1], "accuracy-by-history");
   EXPECT_EQ(both.title, "Results of b (simulated runs)");
   const auto remarks_of = [&] { return json(read_models({folder / "models/b", folder / "models/a"}, {}).remarks).dump(); };
@@ -408,7 +394,7 @@ TEST(ReportCommand, ReportsAModelAloneAndAllOfADataset) {
   EXPECT_TRUE(contains(remarks_of(),
                        "b and a differ in more than their history: another dataset; training.learning_rate: null and 0.01."))
       << remarks_of();
-  other["network"] = {{"kind", "trees"}, {"rounds", 150}};
+  other["network"] = {{"kind", "stream"}, {"steps", 800}};
   write_json(folder / "models/a/model.json", other);
   EXPECT_TRUE(contains(remarks_of(), "b and a differ in more than their history: another kind of model; another dataset."))
       << remarks_of();

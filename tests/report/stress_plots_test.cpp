@@ -11,8 +11,8 @@ namespace {
 results::StressPoint point(double severity, double accuracy, double alarms) {
   results::StressPoint point{.severity = severity,
                              .accuracy = {.value = accuracy, .low = accuracy - 0.1, .high = accuracy + 0.05}};
-  point.press.within_50_ms.value = accuracy;
-  point.false_alarms.outside_labels_per_min.value = alarms;
+  point.whole.within_50_ms.value = accuracy;
+  point.whole.alarms_per_min.value = alarms;
   return point;
 }
 
@@ -42,7 +42,7 @@ TEST(StressPlot, MarksAnIntervalThatLeavesThePanel) {
   const auto has_mark = [&] { return test::contains(stress_plot(stress, StressMeasure::false_alarms).script, "with points"); };
   EXPECT_FALSE(has_mark());
   // The axis ends at 1.5 times the largest value, 99.
-  results::Figure& alarms = stress.models[0].curves[0].points[2].false_alarms.outside_labels_per_min;
+  results::Figure& alarms = stress.models[0].curves[0].points[2].whole.alarms_per_min;
   alarms.low = 80;
   alarms.high = 148;
   EXPECT_FALSE(has_mark());
@@ -51,8 +51,10 @@ TEST(StressPlot, MarksAnIntervalThatLeavesThePanel) {
   EXPECT_TRUE(test::contains(stress_plot(stress, StressMeasure::false_alarms).script, " pt 9 ")) << "upwards";
 }
 
-TEST(StressPlot, DrawsPressAndSlipAsideOfEachOtherAlsoWithoutCurves) {
-  const pictures::Plot plot = stress_plot(a_stress(), StressMeasure::within_50_ms);
+TEST(StressPlot, DrawsModelsAsideOfEachOtherAlsoWithoutCurves) {
+  results::Stress stress = a_stress();
+  stress.models.push_back(stress.models[0]);
+  const pictures::Plot plot = stress_plot(stress, StressMeasure::within_50_ms);
   EXPECT_TRUE(test::has_row(plot, {-0.025, 90, 90, 90})) << "half of 0.025 of the axis, which is 2 long";
   EXPECT_FALSE(test::drawn(plot).empty());
   EXPECT_FALSE(test::drawn(stress_plot(a_stress(), StressMeasure::false_alarms, true)).empty());

@@ -147,12 +147,12 @@ TEST(TradeDelayPlot, IsLabelledWhateverTheAlarms) {
 
 TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
   const std::vector<std::string> knobs{"t_h 2 ms",        "tick 1 ms", "factor 0.1",  "resize linear", "denoise none",
-                                       "engine libtorch", "int8",      "confirm 2/3", "no gate"};
+                                       "engine libtorch", "int8",      "confirm 2/3", "dense"};
   std::string name;
   for (const std::string& knob : knobs) name += (name.empty() ? "" : ", ") + knob;
   results::TradedSetting long_one = setting(name, 20, 0.7, 900, 5000);
   long_one.reported.figures.missed.value = 0.125;
-  results::TradedSetting other = beaten(setting("temporal convolution", 10, 0.8, 5, 9000));  // has less room
+  results::TradedSetting other = beaten(setting("stream", 10, 0.8, 5, 9000));  // has less room
   other.reported.figures.missed.value = 0.25;
   const results::Trade trade =
       trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000)), other});
@@ -260,7 +260,7 @@ TEST(TradePlots, KeepNumbersApartInACrowdAndCountThoseWithoutOne) {
 TEST(TradePlots, NumberThoseOnNoFrontTooAndOnceWhereTheyMeet) {
   const pictures::Plot plot =
       trade_accuracy_plot(trade_of({beaten(setting("as usual", 100, 0.9, 3, 9000)), setting("fast", 10, 0.8, 9, 9000),
-                                    beaten(setting("dense", 500, 0.85, 3, 9000)), beaten(setting("gate", 300, 0.7, 3, 9000)),
+                                    beaten(setting("dense", 500, 0.85, 3, 9000)), beaten(setting("int8", 300, 0.7, 3, 9000)),
                                     beaten(setting("confirm 2/3", 500.1, 0.85, 3, 9000))}));
   const std::vector<Words> words = words_in(plot);
   const auto place_of = [&words](const std::string& text) {
@@ -269,7 +269,7 @@ TEST(TradePlots, NumberThoseOnNoFrontTooAndOnceWhereTheyMeet) {
     return found == words.end() ? Words{} : *found;
   };
   // In the list, from left to right in the panel.
-  for (const auto& [number, name] : {std::pair("2", "gate"), std::pair("3", "dense"), std::pair("4", "confirm 2/3")})
+  for (const auto& [number, name] : {std::pair("2", "int8"), std::pair("3", "dense"), std::pair("4", "confirm 2/3")})
     EXPECT_DOUBLE_EQ(place_of(number).y, place_of(name).y) << name;
   const XAxis axis = x_axes(plot).at(0);
   EXPECT_LT(std::abs(place_of("3–4").x - axis.px(std::log10(500))), 60);

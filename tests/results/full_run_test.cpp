@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "support/error_of.hpp"
 
 namespace tactile::results {
@@ -35,23 +33,6 @@ TEST(FullRun, IsReadFromFilesOfEarlierVersions) {
       R"({"run": "fan/03", "first_us": 0, "tick_us": 2000, "said": "02", "probabilities": "", "events": [1, 2]})");
   const FullRun read = run_in(earlier);
   EXPECT_EQ(read.verdicts, (std::vector{Touch::none, Touch::slip}));
-}
-
-TEST(FullRun, ComesBackWithItsRatios) {
-  FullRun run{.run = "fan/03",
-              .ticks = {.count = 3, .tick = 2ms},
-              .verdicts = {Touch::none, Touch::none, Touch::press},
-              .events = {0, 1, 2}};
-  run.ratios = {std::numeric_limits<float>::infinity(), -0.25F, 12.5F};
-  nlohmann::json json = run;
-  json["probabilities"] = "";
-  EXPECT_EQ(json.at("ratios"), "7f800000be80000041480000");
-  EXPECT_EQ(run_in(json).ratios, run.ratios);
-  for (const char* ratios : {"7f800000be800000", "7f800000be8000004148000g", "7f800000be8000007fc00000"}) {
-    json["ratios"] = ratios;
-    EXPECT_EQ(test::error_of([&] { run_in(json); }),
-              "predictions.json: 'ratios' are not a float32 per tick; expected 8 hexadecimal digits each");
-  }
 }
 
 TEST(FullRun, IsRefusedByFileAndMember) {

@@ -9,15 +9,15 @@ namespace {
 
 Stress a_stress() {
   StressPoint clean{.severity = 0, .accuracy = {.value = 0.9, .low = 0.8, .high = 0.95, .n = 3}};
-  clean.press.within_50_ms.value = 0.75;
-  clean.false_alarms.outside_labels_per_min.value = 4;
+  clean.whole.within_50_ms.value = 0.75;
+  clean.whole.alarms_per_min.value = 4;
   StressPoint worse = clean;
   worse.severity = 100;
   worse.accuracy.value = 0.7;
   worse.accuracy_change.value = -0.2;
   StressCurve curve{.name = "noise", .unit = "kev/s", .meaning = "Noise.", .points = {clean, worse}};
   curve.holds = HoldsUpTo{.severity = {.value = 25, .low = 10, .high = 40, .n = 3}};
-  StressedModel model{.name = "a", .trainings = {"a", "b"}, .runs = {"fan/02"}, .close_ticks = 2, .curves = {curve}};
+  StressedModel model{.name = "a", .trainings = {"a", "b"}, .runs = {"fan/02"}, .curves = {curve}};
   return {.title = "Simulated runs", .simulated = true, .seed = 5, .models = {model}};
 }
 

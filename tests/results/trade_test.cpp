@@ -43,9 +43,9 @@ Trade whole_trade() {
               .steps = {{.name = "times", .command = "tactile trade", .seconds = 1.5, .finished_at = "2026-01-02T03:04:05Z"}}};
   trade.points.push_back({.id = "th40", .text = "as usual", .design = "usual", .models = {"a", "b"}, .trainings = 2});
   trade.points.back().values.th_ms = trade.points.back().values.tick_ms = trade.points.back().values.factor = 1;
-  MeasuredAgain again{.by = "eval", .model = "a", .trainings = 2, .runs = {"fan/03"}};
+  MeasuredAgain again{.model = "a", .trainings = 2, .runs = {"fan/03"}};
   again.result.figures.accuracy = {.value = 0.9, .low = 0.8, .high = 0.95, .n = 9, .trainings = 2};
-  again.result.alarms = 4;
+  again.result.episodes = 4;
   again.result.figures.interrupted = 0.25;
   trade.recommendation = {.wish = {{"at_most_us", 200}},
                           .id = "th40",

@@ -29,33 +29,27 @@ TradeResult result_from(double first) {
                       .missed = figure(),
                       .episodes_per_min = figure()},
           .delay_mean_us = figure(),
-          .false_alarms_per_min = figure(),
           .intervals = count(),
           .misses = count(),
           .early = count(),
-          .alarms = count(),
           .episodes = count(),
           .ticks = count()};
 }
 
 TEST(TradedSetting, ComesBackAsItWasWritten) {
-  TradedSetting setting{.id = "th20-trees",
-                        .text = "trees",
+  TradedSetting setting{.id = "th20-stream",
+                        .text = "stream",
                         .design = "one",
-                        .values = {.kind = "trees",
+                        .values = {.kind = "stream",
                                    .th_ms = 20,
                                    .tick_ms = 2,
                                    .factor = 0.1,
                                    .resize = "area",
                                    .denoise = "mean",
-                                   .width = 0.25,
-                                   .last_pool = 4,
                                    .engine = "fast",
                                    .precision = "int8",
                                    .pass = "dense",
                                    .confirm = "2/3",
-                                   .filter = "0.1",
-                                   .gate = true,
                                    .augment = "flip"},
                         .models = {"a", "b"},
                         .trainings = 5,
@@ -71,9 +65,9 @@ TEST(TradedSetting, ComesBackAsItWasWritten) {
   setting.front_probability = {.accuracy = 0.25, .delay = 0.75};
   const nlohmann::json json = setting;
   const TradedSetting read = setting_in(json);
-  EXPECT_EQ(read.values.kind, "trees");
+  EXPECT_EQ(read.values.kind, "stream");
   EXPECT_EQ(read.reported.figures.us_p99.value, 103);
-  EXPECT_EQ(read.reported.ticks, 116U);
+  EXPECT_EQ(read.reported.ticks, 114U);
   EXPECT_TRUE(read.choice.figures.p90_is_bound);
   EXPECT_TRUE(read.difference && read.difference->us_p99.value == 6);
   EXPECT_EQ(read.front_probability.delay, 0.75);
@@ -83,8 +77,6 @@ TEST(TradedSetting, ComesBackAsItWasWritten) {
 TEST(TradedSetting, OfAnEarlierVersionLacksWhatWasNotMeasured) {
   const TradedSetting usual = setting_in({{"text", "as usual"}, {"difference", nullptr}});
   EXPECT_EQ(usual.values.kind, "lenet");
-  EXPECT_EQ(usual.values.width, 1);
-  EXPECT_EQ(usual.values.last_pool, 2);
   EXPECT_EQ(usual.values.augment, "none");
   EXPECT_FALSE(usual.difference);
   EXPECT_FALSE(usual.front_probability.accuracy);

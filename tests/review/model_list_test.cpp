@@ -26,7 +26,7 @@ model::ModelBundle make_bundle(const std::filesystem::path& models, const std::s
   description.trained_at = "2026-01-01T00:00:00Z";
   description.settings.training.epochs = epochs;
   model::Weights weights;
-  for (const model::ParameterShape& shape : model::lenet_layers(description.input, {}).parameters())
+  for (const model::ParameterShape& shape : model::lenet_layers(description.input).parameters())
     weights.push_back({shape, std::vector<float>(shape.count(), 0.125F)});
   model::TrainingSummary summary;
   summary.history = {{1, 0.5, 0.75, {}, {}, 0.001, 2.5, 321.5, 1.0}, {2, 0.25, 0.875, {}, {}, 0.001, 2.5, 321.5, 1.0}};
@@ -47,7 +47,7 @@ TEST(ModelList, AModelHasItsOtherSettingsItsSizeAndItsTraining) {
   EXPECT_EQ(list.at(0).at("kind"), "lenet");
   EXPECT_EQ(list.at(0).at("settings"), (json{{"split", "single-run"}}));
   EXPECT_EQ(list.at(1).at("settings"), (json{{"split", "single-run"}, {"training.epochs", usual + 5}}));
-  EXPECT_EQ(list.at(0).at("parameters"), model::lenet_layers({32, 24}, {}).parameter_count());
+  EXPECT_EQ(list.at(0).at("parameters"), model::lenet_layers({32, 24}).parameter_count());
   EXPECT_EQ(list.at(0).at("trained").at("runs"), json::array({"fan/01"}));
   EXPECT_EQ(list.at(0).at("history").size(), 2U);
   EXPECT_EQ(list.at(0).at("history").at(1).at("loss"), 0.25);
@@ -61,7 +61,7 @@ TEST(ModelList, AnEvaluatedModelHasItsFigures) {
   evaluation.models.push_back({.name = "a", .settings = json::object(), .weights_sha256 = "", .test_runs = {"fan/02"}});
   evaluation.accuracy.mean = {.value = 0.9, .low = 0.85, .high = 0.95, .n = 5};
   evaluation.network.press.all.median_of_all_ms.ms = {.value = 6, .low = 4, .high = 8, .n = 5};
-  evaluation.network.false_alarms.outside_labels_per_min = {.value = 2.5, .low = 1, .high = 4, .n = 5};
+  evaluation.whole_runs.decided.alarms_per_min = {.value = 2.5, .low = 1, .high = 4, .n = 5};
   write_json(bundle.evaluation(), evaluation);
   const json eval = models_json(folder.path()).at(0).at("eval");
   EXPECT_EQ(eval.at("accuracy"), (json{{"value", 0.9}, {"low", 0.85}, {"high", 0.95}}));

@@ -138,7 +138,7 @@ function detectFacts(state) {
   ];
   if (tick) {
     facts.push(["Probabilities", ["none", "press", "slip"].map((name, i) => `${name} ${tick.p[i].toFixed(2)}`).join(", ")]);
-    facts.push(["Events in t_h", countText(tick.events) + (tick.gated ? ", gate closed" : "")]);
+    facts.push(["Events in t_h", countText(tick.events)]);
   }
   facts.push(["Verdicts", countText(ticks.reported)]);
   facts.push(["Missed ticks", `${countText(ticks.skipped)} skipped, ${countText(ticks.late)} late`, ticks.skipped + ticks.late > 0]);

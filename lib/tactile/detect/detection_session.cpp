@@ -107,9 +107,8 @@ DetectionSession::State::State(DetectionOptions given, const OpenModel& open)
       real_time(!plays && options.real_time),
       ticks(waiting_ticks, plays),
       detector(
-          {*events_of(*source).size, opened(open, *events_of(*source).size), options.detector},
-          detector_options(options, plays, watch_scene()), [this](const ReportedTick& tick) { report(tick); },
-          [this](const DetectionFault& fault) { report(fault); },
+          {opened(open, *events_of(*source).size), options.detector}, detector_options(options, plays, watch_scene()),
+          [this](const ReportedTick& tick) { report(tick); }, [this](const DetectionFault& fault) { report(fault); },
           [this] {
             if (robot) robot->forget();
           }) {
@@ -191,6 +190,7 @@ void DetectionSession::State::pass_ticks_to(const TickOutput& output) {
     const EpisodeChange change = summary.verdicts.add(tick);
     if (change.ended) output.episode_end(*change.ended);
     if (change.begins) output.episode(tick);
+    if (change.confirmed) output.confirmed(*change.confirmed);
   }
   output.ticks(read);
 }

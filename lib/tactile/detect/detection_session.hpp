@@ -24,7 +24,7 @@ namespace tactile::detect {
 struct DetectionOptions {
   std::string source;  ///< as `open_camera_source` takes it
   capture::CameraSourceOptions source_options;
-  TickDetectorOptions detector;                         ///< rendering, confirmation and gate
+  TickDetectorOptions detector;                         ///< rendering and decision
   microseconds slack{2'000};                            ///< a tick waits this long for late events, >= 0
   bool rehearses = true;                                ///< run the model once before each tick
   std::chrono::milliseconds reconnect{10'000};          ///< a source that broke is opened again for this long, >= 0
@@ -44,6 +44,7 @@ struct DetectionOptions {
 /// What the caller does with the ticks while a session runs, on the thread that called `run`. An exception ends the session.
 struct TickOutput {
   std::function<void(const ReportedTick&)> episode = [](const auto&) {};          ///< the first tick of a press or slip
+  std::function<void(const VerdictEpisode&)> confirmed = [](const auto&) {};      ///< a slip, once it is confirmed
   std::function<void(const VerdictEpisode&)> episode_end = [](const auto&) {};    ///< once it is over, or at the end
   std::function<void(std::span<const ReportedTick>)> ticks = [](const auto&) {};  ///< the ticks since the last call, maybe none
   std::function<void()> end = [] {};                                              ///< after the last tick

@@ -184,7 +184,6 @@ void LiveDetector::report(const DueTick& due, HostTime now) {
   tick.first_event = clock_.first_event().value_or(due.t);
   tick.last_arrival = last_arrival_;
   tick.incomplete = lost_pending_ || (hole_until_ && before(due.t, options_.clock.history) < *hole_until_);
-  counts_.gated += tick.verdict.gated ? 1 : 0;
   counts_.by_host += due.by_events ? 0 : 1;
   counts_.incomplete += tick.incomplete ? 1 : 0;
   tick.late_events = counts_.late_events;
@@ -204,13 +203,15 @@ void LiveDetector::report(const DueTick& due, HostTime now) {
   deadlines_.add(times, due.skipped);
   clock_.reported(due);
   rehearsal_.cancel();
-  if (options_.rehearses && !plays() && due.by_events && !tick.verdict.gated)
+  if (options_.rehearses && !plays() && due.by_events)
     rehearsal_.plan(due.closed + options_.clock.tick, std::chrono::duration_cast<microseconds>(cost.rendering + cost.network),
                     now);
 }
 
 void LiveDetector::rehearse(HostTime now) {
-  if (rehearsal_.is_due(now) && detector_.rehearse()) ++counts_.rehearsals;
+  if (!rehearsal_.is_due(now)) return;
+  detector_.rehearse();
+  ++counts_.rehearsals;
 }
 
 /// Whether an event has closed the next tick, and the tick is not so late that it may be skipped.

@@ -31,17 +31,17 @@ struct LiveDetectorOptions {
   microseconds longest_lateness{500'000};  ///< if events are read this late while others wait, the waiting ones are dropped
   microseconds stopped_for{500'000};       ///< if the detector does nothing for this long, it was stopped
   /// Run the network once without use between two ticks, so that its weights are in the cache when the second one closes. Not
-  /// after a tick that the gate or the host's time closed.
+  /// after a tick that the host's time closed.
   bool rehearses = false;
   SceneWatch* scene = nullptr;  ///< gets the events that are counted, if there is one; must outlive the detector
 };
 
 struct LiveCounts {
-  std::uint64_t events = 0;                              ///< counted in a tick, or waiting for one
-  std::uint64_t late_events = 0;                         ///< after the verdict of their tick; left out
-  std::uint64_t lost_events = 0;                         ///< dropped before the detector, for lack of room or of time
-  std::uint64_t packets = 0;                             ///< with events
-  std::uint64_t gated = 0, by_host = 0, incomplete = 0;  ///< reported ticks
+  std::uint64_t events = 0;                   ///< counted in a tick, or waiting for one
+  std::uint64_t late_events = 0;              ///< after the verdict of their tick; left out
+  std::uint64_t lost_events = 0;              ///< dropped before the detector, for lack of room or of time
+  std::uint64_t packets = 0;                  ///< with events
+  std::uint64_t by_host = 0, incomplete = 0;  ///< reported ticks
   std::uint64_t rehearsals = 0;
   std::uint32_t beginnings = 0;  ///< restarts of the stream
 };

@@ -15,7 +15,7 @@ RobotReporter::RobotReporter(const RobotReporterOptions& options, ReportFault fa
 }
 
 void RobotReporter::report(const ReportedTick& tick) {
-  const std::uint64_t high = bits_.next(tick.verdict.t, tick.verdict.verdict);
+  const std::uint64_t high = bits_.next(tick.verdict.t, tick.verdict.verdict, tick.verdict.slip_is_confirmed);
   const bool rises = (high & ~high_) != 0;
   if (high == high_) return;
   high_ = high;

@@ -57,7 +57,8 @@ VerdictRecord verdict_record(const ReportedTick& tick, HostTime sent) {
   writer.put(std::uint32_t{tick.beginning});
   writer.put(static_cast<std::uint8_t>(tick.verdict.verdict));
   writer.put(static_cast<std::uint8_t>(tick.verdict.predicted));
-  writer.put(static_cast<std::uint8_t>((tick.verdict.gated ? 1 : 0) | (tick.due.by_events ? 0 : 2) | (tick.incomplete ? 4 : 0)));
+  writer.put(static_cast<std::uint8_t>((tick.due.by_events ? 0 : 2) | (tick.incomplete ? 4 : 0) |
+                                       (tick.verdict.slip_is_confirmed ? 8 : 0)));
   return record;
 }
 

@@ -16,11 +16,12 @@ namespace tactile::detect {
 struct VerdictEpisode {
   Touch touch = Touch::none;
   CameraTime first{}, last{};
+  std::optional<CameraTime> confirmed{};  ///< of a slip: the first tick at which it is confirmed
 };
 
-/// What a tick changes: the episode that ended before it, and whether one begins with it.
+/// What a tick changes: the episode that ended before it, whether one begins with it, and the slip that it confirms.
 struct EpisodeChange {
-  std::optional<VerdictEpisode> ended;
+  std::optional<VerdictEpisode> ended, confirmed;
   bool begins = false;
 };
 
@@ -29,6 +30,7 @@ struct VerdictCounts {
   static constexpr std::size_t most_episodes = 10'000;  ///< that are listed; further ones are only counted
 
   std::array<std::uint64_t, touch_count> ticks{}, episodes{};  ///< by verdict
+  std::uint64_t confirmed_slips = 0;
   std::vector<VerdictEpisode> first_episodes;
   std::optional<CameraTime> first_tick, last_tick;
 
@@ -51,7 +53,12 @@ struct VerdictCounts {
       if (is_listed_) first_episodes.push_back(*present_);
     }
     present_->last = t;
-    if (is_listed_) first_episodes.back().last = t;
+    if (tick.verdict.slip_is_confirmed && !present_->confirmed) {
+      present_->confirmed = t;
+      change.confirmed = present_;
+      ++confirmed_slips;
+    }
+    if (is_listed_) first_episodes.back() = *present_;
     return change;
   }
 

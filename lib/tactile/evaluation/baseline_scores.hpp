@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,39 +10,29 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/evaluation/baselines.hpp"
 #include "tactile/evaluation/crossed_figure.hpp"
-#include "tactile/model/inference/boosted_trees.hpp"
 #include "tactile/model/inference/classifier.hpp"
-#include "tactile/model/inference/temporal_network.hpp"
 #include "tactile/results/confusion.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile::evaluation {
 
-/// Balanced samples as the baselines see them: number of events, features of the heatmap, and features of the events.
+/// Balanced samples as the baselines see them: number of events, and features of the heatmap.
 struct BaselineSamples {
   std::vector<Touch> truth;
   std::vector<std::uint64_t> events;
-  std::vector<Features> moments, fields;
-  std::vector<float> features{};  ///< `features::feature_count` of each sample; none if there is no `feature_bin`
-  std::vector<float> steps{};     ///< `features::step_values` of each sample; none if the history is too short for them
+  std::vector<Features> moments;
 
   void add(Touch touch, std::uint64_t events_in_window, std::span<const std::uint8_t> heatmap, events::SensorSize size) {
     truth.push_back(touch);
     events.push_back(events_in_window);
     moments.push_back(moments_of(heatmap, size));
-    fields.push_back(shares_of_fields(heatmap, size));
   }
 
   void append(const BaselineSamples& more);
 };
 
-/// Adds the features of all samples of a run, which `add` has added in their order.
-/// @throws Error  if the dataset cannot be read
-void add_features(BaselineSamples& samples, const windows::Dataset& dataset, const model::Classifier& classifier,
-                  std::uint32_t run);
-
-/// All samples of a run, with their features. @throws Error  if the dataset cannot be read
+/// All samples of a run. @throws Error  if the dataset cannot be read
 BaselineSamples samples_of(const windows::Dataset& dataset, const model::Classifier& classifier, std::uint32_t run,
                            unsigned threads);
 
@@ -52,47 +41,28 @@ BaselineSamples samples_of(const windows::Dataset& dataset, const model::Classif
 BaselineSamples training_samples(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads,
                                  const ProgressCallback& progress = {});
 
-inline constexpr std::array baseline_names{"majority",          "event_count",   "logistic_moments",
-                                           "logistic_position", "boosted_trees", "temporal_convolution"};
+inline constexpr std::array baseline_names{"majority", "event_count", "logistic_moments"};
 
-/// The predictions of each baseline on the samples of one run; nothing of one that cannot read the samples.
-using BaselineConfusions = std::array<std::optional<results::Confusion>, baseline_names.size()>;
+/// The predictions of each baseline on the samples of one run.
+using BaselineConfusions = std::array<results::Confusion, baseline_names.size()>;
 
-/// Every baseline, fitted on the samples that a model learned from. They are fitted in parts, which may run beside other work.
+/// Every baseline, fitted on the samples that a model learned from.
 class FittedBaselines {
  public:
-  static constexpr std::size_t parts = 3;
+  /// @throws Error  if there is no sample
+  explicit FittedBaselines(const BaselineSamples& training);
 
-  /// Without samples there are no baselines.
-  FittedBaselines(BaselineSamples training, std::uint64_t seed);
-
-  /// Fits one part. Each part must be fitted once, on any thread. @throws Error  as the function that fits it
-  void fit(std::size_t part);
-
-  /// Whether all parts have been fitted.
-  bool are_fitted() const { return fitted_ == parts; }
-  /// @pre  all parts have been fitted
   BaselineConfusions confusions_of(const BaselineSamples& run) const;
 
  private:
-  void fit_simple();
-  void fit_trees();
-  void fit_temporal();
-
-  BaselineSamples training_;  ///< until all parts are fitted
-  bool has_samples_;
-  std::uint64_t seed_;
   MajorityBaseline majority_;
   EventCountBaseline event_count_;
-  LogisticBaseline moments_, fields_;
-  std::optional<model::BoostedTrees> trees_;
-  std::optional<model::TemporalNetwork> temporal_;
-  std::atomic<std::size_t> fitted_{0};
+  LogisticBaseline moments_;
 };
 
-/// The scores of the baselines that predicted every run.
+/// The scores of the baselines; none if a run has no predictions.
 /// @param confusions  one entry for each of `runs`
-std::vector<results::BaselineScore> baseline_scores(std::span<const BaselineConfusions> confusions,
+std::vector<results::BaselineScore> baseline_scores(std::span<const std::optional<BaselineConfusions>> confusions,
                                                     std::span<const results::JudgedRun> runs,
                                                     const results::BootstrapOptions& bootstrap);
 

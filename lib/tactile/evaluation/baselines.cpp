@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "tactile/core/error.hpp"
@@ -132,25 +131,6 @@ Features moments_of(std::span<const std::uint8_t> heatmap, events::SensorSize si
     moments[8] = sum_xy / sum - x * y;
   }
   return moments;
-}
-
-Features shares_of_fields(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
-  check_whole(heatmap, size);
-  const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
-  Features shares{};
-  double sum = 0;
-  for (std::size_t y = 0; y < height; ++y) {
-    const auto row = heatmap.subspan(y * width, width);
-    for (std::size_t column = 0; column < 3; ++column) {
-      const std::size_t begin = (column * width + 2) / 3, end = ((column + 1) * width + 2) / 3;  // where 3 x / width is `column`
-      const auto cells = row.subspan(begin, end - begin);
-      const auto weight = std::accumulate(cells.begin(), cells.end(), std::uint64_t{0});
-      shares[3 * (3 * y / height) + column] += static_cast<double>(weight);
-      sum += static_cast<double>(weight);
-    }
-  }
-  for (double& share : shares) share = sum > 0 ? share / sum : 1.0 / feature_count;
-  return shares;
 }
 
 MajorityBaseline fit_majority(std::span<const Touch> truth) {

@@ -20,11 +20,6 @@ using Features = std::array<double, feature_count>;
 /// @throws Error  if its size is not width * height, or that is 0
 Features moments_of(std::span<const std::uint8_t> heatmap, events::SensorSize size);
 
-/// Where a heatmap's weight lies, independent of its sum: the share of each of 3 x 3 equal fields of the image, row by row from
-/// the top left. The sensor has one pair of markers in each. 1/9 everywhere where all is 0.
-/// @throws Error  as `moments_of`
-Features shares_of_fields(std::span<const std::uint8_t> heatmap, events::SensorSize size);
-
 /// Always the touch that is most frequent in training; the earlier one of equals.
 struct MajorityBaseline {
   Touch touch = Touch::none;

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <set>
+#include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -12,10 +13,10 @@
 #include "tactile/core/ticks.hpp"
 #include "tactile/evaluation/accuracy.hpp"
 #include "tactile/evaluation/class_scores.hpp"
-#include "tactile/evaluation/flagged_runs.hpp"
 #include "tactile/evaluation/label_uncertainty.hpp"
-#include "tactile/evaluation/operating_curve.hpp"
+#include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_result.hpp"
+#include "tactile/evaluation/whole_runs.hpp"
 #include "tactile/model/training/train_model.hpp"
 
 namespace tactile::evaluation {
@@ -43,14 +44,11 @@ struct ScoredRuns {
     return entries;
   }
 
-  /// @param score  a RunScore of RunResult, or a function that gives one
-  template <class Score>
-  results::DetectorScore detector(Score score) const {
-    const auto detections =
-        each<results::RunDetections>([&](const RunResult& run) { return std::invoke(score, run).detections; });
-    const auto alarms = each<RunFalseAlarms>([&](const RunResult& run) { return std::invoke(score, run).false_alarms; });
-    return {delay_table(detections, Touch::press, bootstrap), delay_table(detections, Touch::slip, bootstrap),
-            false_alarm_table(alarms, bootstrap)};
+  /// @param detections  those of a RunResult, or a function that gives them
+  template <class Detections>
+  results::DetectorScore detector(Detections detections) const {
+    const auto of_runs = each<results::RunDetections>(detections);
+    return {delay_table(of_runs, Touch::press, bootstrap), delay_table(of_runs, Touch::slip, bootstrap)};
   }
 };
 
@@ -70,14 +68,13 @@ std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const r
   }
   if (with_truth.runs.empty()) return std::nullopt;
   const auto confusions = with_truth.each<results::RunConfusion>(&RunResult::true_confusion);
-  const results::DetectorScore detector = with_truth.detector(&RunResult::against_truth);
+  const results::DetectorScore detector = with_truth.detector(&RunResult::true_detections);
   return results::TruthScore{
       accuracy_of(confusions, scored.bootstrap),
       sum_of(confusions),
       detector.press,
       detector.slip,
       delay_table(with_truth.each<results::RunDetections>(&RunResult::gross), Touch::slip, scored.bootstrap),
-      detector.false_alarms,
       accuracy_over_time(with_truth.taken<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
 }
 
@@ -109,10 +106,8 @@ results::Evaluation description_of(const windows::Dataset& dataset, std::span<co
   evaluation.manifest_hash = dataset.manifest_hash();
   evaluation.simulated = dataset.simulated();
   evaluation.sampling_guard = dataset.sampling().guard;
-  evaluation.guard = options.guard.value_or(evaluation.sampling_guard);
   evaluation.tick = first.rendering().tick;
   evaluation.confirm = text_of(options.confirmation);
-  evaluation.alarm_cost = options.alarm_cost;
   if (options.thresholds) evaluation.thresholds = text_of(*options.thresholds);
   evaluation.bootstrap = options.bootstrap;
   evaluation.engine = name_of(first.engine());
@@ -135,113 +130,45 @@ void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored
   }
 }
 
-/// A flagged run that is left out of the dataset, scored by one training.
-struct ScoredFlaggedRun {
-  results::JudgedRun run;
-  WithFlaggedScore score;
-};
-
-/// Nothing where no run and no interval is flagged.
-std::optional<results::WithFlagged> with_flagged(const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
-  results::WithFlagged with;
-  auto confusions = scored.each<results::RunConfusion>([](const RunResult& run) { return run.with_flagged.confusion; });
-  auto detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.with_flagged.detections; });
-  const auto name_of_run = [](const results::JudgedRun& run) { return run.object + "/" + run.run; };
-  std::set<std::string> counted, left_out_runs;  // several trainings may be judged on one run
-  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    if (counted.insert(name_of_run(scored.names[i])).second) with.intervals += scored.runs[i]->with_flagged.flagged;
-  }
-  for (const ScoredFlaggedRun& one : left_out) {
-    confusions.push_back({one.run, one.score.confusion});
-    detections.push_back({one.run, one.score.detections});
-    left_out_runs.insert(name_of_run(one.run));
-  }
-  with.runs.assign(left_out_runs.begin(), left_out_runs.end());
-  if (with.runs.empty() && with.intervals == 0) return std::nullopt;
-  with.accuracy = accuracy_of(confusions, scored.bootstrap).mean;
-  with.press = delay_summary(detections, Touch::press, scored.bootstrap);
-  with.slip = delay_summary(detections, Touch::slip, scored.bootstrap);
-  return with;
-}
-
-/// How much of the figures depends on where labels are, and on which are in doubt.
-void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const ScoredFlaggedRun> left_out) {
+/// How much of the figures depends on where labels are.
+void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored) {
   std::vector<RunByDrawnLabels> by_draws;
   for (std::size_t i = 0; i < scored.runs.size(); ++i) {
     RunResult& run = *scored.runs[i];
-    by_draws.push_back({scored.names[i], {run.confusion, run.network.detections}, std::move(run.by_drawn_labels)});
+    by_draws.push_back({scored.names[i], {run.confusion, run.detections}, std::move(run.by_drawn_labels)});
   }
   evaluation.label_uncertainty = label_uncertainty(by_draws, scored.bootstrap);
-  evaluation.with_flagged = with_flagged(scored, left_out);
-}
-
-results::GateOff gate_off(const ScoredRuns& scored, const model::GateRule& rule) {
-  const auto open = scored.each<results::RunConfusion>(&RunResult::open_confusion);
-  results::GateOff off{.limit = rule.ratio ? 0 : rule.events,
-                       .ratio = rule.ratio,
-                       .accuracy = accuracy_of(open, scored.bootstrap),
-                       .confusion = sum_of(open),
-                       .network = scored.detector(&RunResult::open)};
-  for (const RunResult* run : scored.runs) off.ticks += run->ticks, off.gated += run->gated;
-  return off;
 }
 
 std::vector<results::BaselineScore> baselines_of(const ScoredRuns& scored) {
-  std::vector<BaselineConfusions> confusions;
+  std::vector<std::optional<BaselineConfusions>> confusions;
   for (const RunResult* run : scored.runs) confusions.push_back(run->baselines);
   return baseline_scores(confusions, scored.names, scored.bootstrap);
 }
 
-/// All runs of the judged objects that the models did not learn from: those that are judged, the flagged ones that the dataset
-/// leaves out, and those in which it has no samples.
-std::size_t count_of_runs(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
-                          const results::Evaluation& evaluation) {
-  std::set<std::string> names, objects;
-  for (const std::string& name : evaluation.test_runs()) names.insert(name);
-  if (evaluation.with_flagged) names.insert(evaluation.with_flagged->runs.begin(), evaluation.with_flagged->runs.end());
-  for (const ModelOnRuns& training : trainings) {
-    for (const std::uint32_t run : training.runs) objects.insert(dataset.runs()[run].object);
-  }
-  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
-    const windows::DatasetRun& one = dataset.runs()[run];
-    if (objects.contains(one.object) && model::samples_of_runs(dataset, {&run, 1}).empty()) names.insert(name_of(one));
-  }
-  return names.size();
-}
-
 /// All figures. They do not depend on each other, and threads share them: drawing runs again takes most of their time.
-void add_figures(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards,
-                 std::span<const ScoredFlaggedRun> left_out, const std::optional<model::GateRule>& gate,
-                 const EvaluationOptions& options) {
+void add_figures(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const results::Cell> cells,
+                 std::span<const microseconds> guards, const EvaluationOptions& options) {
   for (const RunResult* run : scored.runs) evaluation.ticks += run->ticks, evaluation.close_ticks += run->close_ticks;
-  evaluation.detections = scored.each<results::RunDetections>([](const RunResult& run) { return run.network.detections; });
-  const auto& thresholds = default_thresholds();
-  evaluation.operating_curve.resize(thresholds.size());
-  std::vector<std::function<void()>> figures{[&] { add_label_scores(evaluation, scored, left_out); },
+  evaluation.detections = scored.each<results::RunDetections>(&RunResult::detections);
+  const unsigned threads = threads_or_all(options.threads);
+  std::vector<std::function<void()>> figures{[&] { evaluation.whole_runs = whole_runs(cells, threads, scored.bootstrap); },
+                                             [&] { add_label_scores(evaluation, scored); },
                                              [&] { add_sample_scores(evaluation, scored, guards); },
                                              [&] { evaluation.truth = truth_score(scored, options.over_time); },
-                                             [&] { evaluation.network = scored.detector(&RunResult::network); },
+                                             [&] { evaluation.network = scored.detector(&RunResult::detections); },
                                              [&] { evaluation.baselines = baselines_of(scored); },
                                              [&] {
                                                evaluation.over_time =
                                                    accuracy_over_time(scored.taken<RunOverTime>(&RunResult::over_time),
                                                                       options.over_time, scored.bootstrap);
                                              }};
-  if (gate) figures.emplace_back([&] { evaluation.gate_off = gate_off(scored, *gate); });
   for (std::size_t i = 0; i < trivial_count; ++i) {
     figures.emplace_back([&scored, i, &into = evaluation.trivial[trivial_names[i]]] {
       into = scored.detector([i](const RunResult& run) { return run.trivial[i]; });
     });
   }
-  for (std::size_t i = 0; i < thresholds.size(); ++i) {
-    figures.emplace_back([&, i] {
-      evaluation.operating_curve[i] = operating_point(
-          thresholds[i],
-          scored.each<results::RunDetections>([i](const RunResult& run) { return run.by_threshold[i].detections; }),
-          scored.each<RunFalseAlarms>([i](const RunResult& run) { return run.by_threshold[i].false_alarms; }), scored.bootstrap);
-    });
-  }
-  parallel_for(figures.size(), threads_or_all(options.threads), [&](std::size_t i) { figures[i](); });
+  parallel_for(figures.size(), threads, [&](std::size_t i) { figures[i](); });
 }
 
 void check_alike(std::span<const ModelOnRuns> trainings) {
@@ -256,6 +183,14 @@ void check_alike(std::span<const ModelOnRuns> trainings) {
   }
 }
 
+/// Several trainings leave out the same runs.
+std::vector<results::LeftOutRun> each_once(std::vector<results::LeftOutRun> runs) {
+  const auto both = [](const results::LeftOutRun& run) { return std::tie(run.run, run.why); };
+  std::sort(runs.begin(), runs.end(), [&](const auto& a, const auto& b) { return both(a) < both(b); });
+  runs.erase(std::unique(runs.begin(), runs.end(), [&](const auto& a, const auto& b) { return both(a) == both(b); }), runs.end());
+  return runs;
+}
+
 /// The progress of a part of the whole, from one share of it to another.
 ProgressCallback part_of(const ProgressCallback& progress, double from, double to) {
   if (!progress) return {};
@@ -264,6 +199,50 @@ ProgressCallback part_of(const ProgressCallback& progress, double from, double t
     const double share = now.total > 0 ? static_cast<double>(now.done) / static_cast<double>(now.total) : 0;
     progress({static_cast<std::uint64_t>(static_cast<double>(whole) * (from + (to - from) * share)), whole, now.what});
   };
+}
+
+/// One training on all of its runs.
+struct JudgedTraining {
+  std::vector<RunResult> runs;  ///< those with samples; their cells are in `cells`
+  std::vector<results::Cell> cells;
+  std::vector<results::LeftOutRun> left_out;
+};
+
+/// @param ticks  of the runs with samples
+JudgedTraining judge_training(const windows::Dataset& dataset, const ModelOnRuns& training, const EvaluationOptions& options,
+                              const std::vector<microseconds>& guards, std::uint64_t ticks, const ProgressCallback& progress) {
+  constexpr double share_of_baselines = 0.05;
+  const unsigned threads = threads_or_all(options.threads);
+  const model::Classifier& classifier = *training.classifier;
+  std::optional<FittedBaselines> baselines;
+  const BaselineSamples samples = training_samples(dataset, classifier, threads, part_of(progress, 0, share_of_baselines));
+  if (!samples.truth.empty()) baselines.emplace(samples);
+  const RunScoring scoring{dataset, classifier, options, guards, decision_of(options), baselines};
+  const OtherRuns others = other_runs(
+      dataset, training.runs, [&](const RunFolder& run) { return model::learned_from(classifier.model(), run.events()); });
+  JudgedTraining judged{std::vector<RunResult>(training.runs.size()), {}, others.left_out};
+  std::vector<std::vector<results::Cell>> cells(others.runs.size());
+  std::vector<std::string> why_not(others.runs.size());
+  for_full_runs(
+      dataset, training.runs, ticks, threads, part_of(progress, share_of_baselines, 1),
+      [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
+        judged.runs[i] = score_run(scoring, training.runs[i], threads, advance);
+      },
+      others.runs.size(),
+      [&](std::size_t i) {
+        try {
+          cells[i] = judge_other_run(scoring, others.runs[i], threads);
+        } catch (const Error& error) {  // the runs with samples are judged all the same
+          why_not[i] = error.what();
+        }
+      });
+  for (std::size_t i = 0; i < why_not.size(); ++i) {
+    if (!why_not[i].empty()) judged.left_out.push_back({others.runs[i].name(), why_not[i]});
+  }
+  for (RunResult& run : judged.runs) cells.push_back(std::move(run.cells));
+  for (std::vector<results::Cell>& of_run : cells)
+    judged.cells.insert(judged.cells.end(), std::make_move_iterator(of_run.begin()), std::make_move_iterator(of_run.end()));
+  return judged;
 }
 
 }  // namespace
@@ -277,68 +256,42 @@ void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows:
   }
 }
 
-results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
-                             const EvaluationOptions& options, const ProgressCallback& progress) {
+Evaluated evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings, const EvaluationOptions& options,
+                   const ProgressCallback& progress) {
   check_alike(trainings);
   for (const ModelOnRuns& training : trainings) check_fits(dataset, *training.classifier, options);
-  const unsigned threads = threads_or_all(options.threads);
-  results::Evaluation evaluation = description_of(dataset, trainings, options);
+  Evaluated evaluated{.evaluation = description_of(dataset, trainings, options), .cells = {}};
+  results::Evaluation& evaluation = evaluated.evaluation;
   const std::vector<microseconds> sampling_guards = guards_beside(evaluation.sampling_guard);
   std::vector<RunResult> runs;
   ScoredRuns scored{{}, {}, options.bootstrap};
-  std::vector<ScoredFlaggedRun> left_out;
+  std::vector<results::LeftOutRun> left_out;
   // A run folder that has changed is reported before other work begins.
   std::vector<std::uint64_t> ticks;
   for (const ModelOnRuns& training : trainings)
-    ticks.push_back(ticks_of_unchanged(dataset, *training.classifier, training.runs, threads));
+    ticks.push_back(ticks_of_unchanged(dataset, *training.classifier, training.runs, threads_or_all(options.threads)));
   for (std::size_t k = 0; k < trainings.size(); ++k) {
-    constexpr double share_of_baselines = 0.05;
     const double each = 1 / static_cast<double>(trainings.size()), before = each * static_cast<double>(k);
-    const double fitted = before + share_of_baselines * each;
-    const model::Classifier& classifier = *trainings[k].classifier;
-    const std::size_t first = runs.size();
-    runs.resize(first + trainings[k].runs.size());
+    JudgedTraining judged =
+        judge_training(dataset, trainings[k], options, sampling_guards, ticks[k], part_of(progress, before, before + each));
     for (const std::uint32_t run : trainings[k].runs)
       scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
-    FittedBaselines baselines(training_samples(dataset, classifier, threads, part_of(progress, before, fitted)),
-                              options.bootstrap.seed);
-    const RunScoring scoring{dataset,
-                             classifier,
-                             options,
-                             evaluation.guard,
-                             sampling_guards,
-                             gate_of(classifier, options),
-                             decision_of(classifier, options),
-                             baselines};
-    const std::vector<RunFolder> flagged = flagged_runs_beside(dataset, trainings[k].runs, classifier.model());
-    const std::size_t first_left_out = left_out.size();
-    left_out.resize(first_left_out + flagged.size());
-    for_full_runs(
-        dataset, trainings[k].runs, ticks[k], threads, part_of(progress, fitted, before + each),
-        [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
-          runs[first + i] = score_run(scoring, trainings[k].runs[i], threads, advance);
-        },
-        FittedBaselines::parts + flagged.size(),
-        [&](std::size_t part) {
-          if (part < FittedBaselines::parts) return baselines.fit(part);
-          const std::size_t i = part - FittedBaselines::parts;
-          left_out[first_left_out + i] = {{flagged[i].object, flagged[i].run, k},
-                                          score_flagged_run(scoring, flagged[i], threads)};
-        });
-    parallel_for(trainings[k].runs.size(), threads, [&](std::size_t i) {
-      RunResult& run = runs[first + i];
-      if (run.for_baselines) run.baselines = baselines.confusions_of(*std::exchange(run.for_baselines, std::nullopt));
-    });
+    std::move(judged.runs.begin(), judged.runs.end(), std::back_inserter(runs));
+    left_out.insert(left_out.end(), judged.left_out.begin(), judged.left_out.end());
+    for (results::Cell& cell : judged.cells) {
+      cell.training = k;
+      cell.setting = evaluation.models.front().name;
+      evaluated.cells.push_back(std::move(cell));
+    }
   }
   for (RunResult& run : runs) scored.runs.push_back(&run);
-  add_figures(evaluation, scored, sampling_guards, left_out, gate_of(*trainings.front().classifier, options), options);
-  evaluation.of_runs = count_of_runs(dataset, trainings, evaluation);
-  return evaluation;
+  add_figures(evaluation, scored, evaluated.cells, sampling_guards, options);
+  evaluation.whole_runs.left_out = each_once(std::move(left_out));
+  return evaluated;
 }
 
-results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
-                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options,
-                             const ProgressCallback& progress) {
+Evaluated evaluate(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> test_runs,
+                   const EvaluationOptions& options, const ProgressCallback& progress) {
   const ModelOnRuns one{&classifier, {test_runs.begin(), test_runs.end()}};
   return evaluate(dataset, {&one, 1}, options, progress);
 }

@@ -11,6 +11,7 @@
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/model/inference/classifier.hpp"
 #include "tactile/model/inference/two_thresholds.hpp"
+#include "tactile/results/cell.hpp"
 #include "tactile/results/evaluation.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -18,13 +19,8 @@
 namespace tactile::evaluation {
 
 struct EvaluationOptions {
-  std::optional<microseconds> guard =
-      std::nullopt;  ///< how long after an interval alarms are counted separately; >= 0; default: the dataset's guard
   Confirmation confirmation{};
-  std::optional<double> alarm_cost = std::nullopt;  ///< of the decision filter, which then replaces the confirmation; > 0
-  std::optional<model::TwoThresholds> thresholds = std::nullopt;  ///< which then replace both
-  bool gate = false;                                              ///< the verdict is none where the model's gate is closed
-  double gate_miss = model::gate_share;                           ///< the share of intervals that it may miss, in [0, 1)
+  std::optional<model::TwoThresholds> thresholds = std::nullopt;  ///< which then replace the confirmation
   DelayOptions delay{};
   results::OverTimeOptions over_time{};
   results::BootstrapOptions bootstrap{};
@@ -44,23 +40,32 @@ struct ModelOnRuns {
 void leave_out_calibration_runs(std::vector<std::uint32_t>& runs, const windows::Dataset& dataset,
                                 const model::Classifier& classifier);
 
-/// Evaluates trainings of one setting on runs of a dataset, by one pass over every tick of their run folders. A balanced sample
-/// takes the verdict at its tick. Intervals are over trainings, objects and runs.
+/// What `evaluate` gives.
+struct Evaluated {
+  results::Evaluation evaluation;
+  std::vector<results::Cell> cells;  ///< that its figures of whole runs are made from
+};
+
+/// Evaluates trainings of one setting by one pass over every tick of run folders. A balanced sample takes the verdict at its
+/// tick. Intervals are over trainings, objects and runs.
+///
+/// Accuracy and delays from labels are of runs of the dataset, which have a press and a slip without a flag. `whole_runs` has all
+/// runs beside them in the data folder, of the same objects, that the training did not learn from: also flagged ones, and those
+/// without a press or a slip.
 ///
 /// @param trainings  at least one, of the same tick
 /// @throws Error  if a model is of another dataset and must not be, or takes heatmaps of another size; if the models have
 ///                different ticks; if events or labels of a run have changed since the dataset was made; if a sample is at no
 ///                tick of the model; or if a recording cannot be read
-results::Evaluation evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings,
-                             const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
+Evaluated evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns> trainings, const EvaluationOptions& options = {},
+                   const ProgressCallback& progress = {});
 
 /// The same of one model.
-results::Evaluation evaluate(const windows::Dataset& dataset, const model::Classifier& classifier,
-                             std::span<const std::uint32_t> test_runs, const EvaluationOptions& options = {},
-                             const ProgressCallback& progress = {});
+Evaluated evaluate(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> test_runs,
+                   const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
 /// The network's predictions on the balanced samples of these runs, one entry for each run: from the dataset's heatmaps, or from
-/// every tick of the run folders where verdicts are confirmed or gated.
+/// every tick of the run folders where verdicts are confirmed or by thresholds.
 /// @throws Error as `evaluate`
 std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dataset, const model::Classifier& classifier,
                                                      std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},

@@ -6,11 +6,9 @@
 #include <iterator>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/infinite.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/events/run_ticks.hpp"
 #include "tactile/model/definition/model_network.hpp"
-#include "tactile/model/inference/background_ratio.hpp"
 
 namespace tactile::evaluation {
 namespace {
@@ -31,11 +29,8 @@ struct Predictions {
 };
 
 /// Follows a recording with a model that reads heatmaps.
-/// @param at  called with each tick and its number of events
 void classify_heatmaps(events::RecordingReader& reader, const events::Stream& stream, const model::Classifier& classifier,
-                       const heatmaps::HeatmapOptions& rendering, const FullRunOptions& options,
-                       const heatmaps::ChangeEvents& change, const std::function<void(CameraTime, std::uint64_t)>& at,
-                       results::FullRun& run) {
+                       const heatmaps::HeatmapOptions& rendering, const FullRunOptions& options, results::FullRun& run) {
   Predictions predictions{classifier, run};
   std::vector<std::uint8_t> waiting;
   const auto classify_waiting = [&] {
@@ -46,18 +41,17 @@ void classify_heatmaps(events::RecordingReader& reader, const events::Stream& st
   };
   const auto use = [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
     if (options.see) options.see(t, heatmap, events);
-    at(t, events);
+    run.events.push_back(events);
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();
   };
-  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use, change);
+  run.ticks = heatmaps::for_every_tick(reader, stream.id, rendering, use, options.change);
   if (!waiting.empty()) classify_waiting();
 }
 
 /// Follows a recording with a model of any kind, tick by tick.
 void classify_events(events::RecordingReader& reader, const events::Stream& stream, const model::Classifier& classifier,
                      model::EventClassifier& model, const heatmaps::HeatmapOptions& rendering, const FullRunOptions& options,
-                     const heatmaps::ChangeEvents& change, const std::function<void(CameraTime, std::uint64_t)>& at,
                      results::FullRun& run) {
   Predictions predictions{classifier, run};
   std::size_t waiting = 0;
@@ -70,17 +64,15 @@ void classify_events(events::RecordingReader& reader, const events::Stream& stre
     model.prepare();
     const model::Logits logits = model.classify();
     predictions.add({&logits, 1});
-    at(t, model.events());
+    run.events.push_back(model.events());
     if (++waiting == batch) advance();
   };
   run.ticks = events::follow_ticks(reader, stream.id, rendering.history, rendering.tick,
-                                   {[&](std::span<const events::Event> events) { model.add(events); }, classify}, change);
+                                   {[&](std::span<const events::Event> events) { model.add(events); }, classify}, options.change);
   if (waiting > 0) advance();
 }
 
 }  // namespace
-
-bool needs_ratios(const std::optional<model::GateRule>& gate) { return gate && gate->ratio; }
 
 results::FullRun classify_full_run(const std::filesystem::path& recording, const model::Classifier& classifier,
                                    const FullRunOptions& options) {
@@ -96,42 +88,16 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
                             classifier.bundle().string()));
   }
   results::FullRun run;
-  std::optional<model::BackgroundRatio> ratio;
-  if (options.ratios) ratio.emplace(sensor, rendering.history, rendering.mask);
-  const auto at = [&](CameraTime t, std::uint64_t events) {
-    run.events.push_back(events);
-    if (ratio) run.ratios.push_back(static_cast<float>(ratio->at(t)));
-  };
-  const heatmaps::ChangeEvents change_and_watch = [&](std::span<const events::Event> recorded, bool is_last) {
-    const std::span<const events::Event> changed = options.change ? options.change(recorded, is_last) : recorded;
-    ratio->add(changed);
-    return changed;
-  };
-  const heatmaps::ChangeEvents& change = ratio ? change_and_watch : options.change;
   if (reads_heatmaps(classifier.kind())) {
-    classify_heatmaps(reader, stream, classifier, rendering, options, change, at, run);
+    classify_heatmaps(reader, stream, classifier, rendering, options, run);
   } else {
-    classify_events(reader, stream, classifier, *classifier.on_events(sensor, rendering), rendering, options, change, at, run);
+    classify_events(reader, stream, classifier, *classifier.on_events(sensor, rendering), rendering, options, run);
   }
   return run;
 }
 
 std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run) {
   return model::decided(decision, run.ticks.tick, run.verdicts, run.probabilities);
-}
-
-std::uint64_t apply_gate(results::FullRun& run, const model::GateRule& rule) {
-  if (rule.ratio && run.ratios.size() != run.events.size())
-    throw Error(fmt::format("a run of {} ticks has {} ratios for its gate; expected one for each tick", run.events.size(),
-                            run.ratios.size()));
-  std::uint64_t gated = 0;
-  for (std::size_t k = 0; k < run.events.size(); ++k) {
-    if (!rule.closes(run.events[k], run.ratios.empty() ? infinite : static_cast<double>(run.ratios[k]))) continue;
-    ++gated;
-    run.verdicts[k] = Touch::none;
-    if (!run.probabilities.empty()) run.probabilities[k] = {1, 0, 0};
-  }
-  return gated;
 }
 
 std::size_t expected_ticks(const std::filesystem::path& recording, const heatmaps::HeatmapOptions& options) {

@@ -19,11 +19,7 @@ struct FullRunOptions {
   heatmaps::TickCallback see = {};                      ///< called with each rendered tick of a model that reads heatmaps
   std::optional<microseconds> tick = std::nullopt;      ///< instead of the model's own
   heatmaps::ChangeEvents change = {};                   ///< changes the events first; the ticks stay those of the recording
-  bool ratios = false;                                  ///< computes the `BackgroundRatio` of each tick, for a gate
 };
-
-/// Whether a gate needs `FullRunOptions::ratios`.
-bool needs_ratios(const std::optional<model::GateRule>& gate);
 
 /// Classifies every full tick of a recording by the model's own settings, batch by batch: memory follows the batch, and the
 /// ticks.
@@ -33,11 +29,6 @@ results::FullRun classify_full_run(const std::filesystem::path& recording, const
 
 /// The verdict at each tick of a run with probabilities.
 std::vector<Touch> decided(const model::Decision& decision, const results::FullRun& run);
-
-/// Sets the ticks at which the gate is closed to none, with the probabilities {1, 0, 0}, as if the network had not run.
-/// @return  the number of these ticks
-/// @throws Error  if the rule compares ratios, and the run has none
-std::uint64_t apply_gate(results::FullRun& run, const model::GateRule& rule);
 
 /// About how many full ticks a recording holds, from its list of packets.
 std::size_t expected_ticks(const std::filesystem::path& recording, const heatmaps::HeatmapOptions& options);

@@ -38,22 +38,17 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.first_event = first_event_of(run.events());
   prediction.truth = read_run_truth(run, options.include_flagged);
   if (options.by_truth) prediction.truth = with_truth_as_labels(prediction.truth);
-  prediction.full = classify_full_run(
-      run.events(), classifier,
-      {.threads = options.threads, .advance = advance, .change = options.change, .ratios = needs_ratios(options.gate)});
+  prediction.full =
+      classify_full_run(run.events(), classifier, {.threads = options.threads, .advance = advance, .change = options.change});
   prediction.decision = options.decision;
-  if (options.gate) apply_gate(prediction.full, *options.gate);
   prediction.verdicts = decided(options.decision, prediction.full);
-  const auto judge = [&](const RunTruth& by, std::vector<results::Detection>& detections, results::FalseAlarms& alarms) {
-    const TickRange& ticks = prediction.full.ticks;
-    detections = detections_of(ticks, prediction.verdicts, by.used(), options.delay);
-    const std::vector<TouchInterval> touches = by.all_labelled();
-    alarms = false_alarms_of(ticks, prediction.verdicts, {touches, by.releases, by.unlabelled, options.guard, by.has_truth},
-                             detections);
-  };
-  if (!prediction.truth.labels.empty()) judge(prediction.truth, prediction.detections, prediction.false_alarms);
-  if (prediction.truth.has_truth)
-    judge(with_truth_as_labels(prediction.truth), prediction.true_detections, prediction.true_alarms);
+  const TickRange& ticks = prediction.full.ticks;
+  const RunTruth& truth = prediction.truth;
+  prediction.detections = detections_of(ticks, prediction.verdicts, truth.used(), options.delay);
+  if (truth.has_truth) prediction.true_detections = detections_of(ticks, prediction.verdicts, truth.true_ones, options.delay);
+  prediction.judged = RunJudge(ticks, course_of(truth), options.delay).judged(prediction.verdicts);
+  prediction.judged.object = run.object;
+  prediction.judged.run = run.run;
   return prediction;
 }
 
@@ -63,13 +58,11 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                       {"tick_ms", in_ms(prediction.full.ticks.tick)},
                       {"first_event_us", nullptr},
                       {"confirm", text_of(prediction.decision.confirmation)},
-                      {"alarm_cost", nullptr},
                       {"thresholds", nullptr},
                       {"intervals", nlohmann::json::array()},
-                      {"false_alarms", nullptr},
-                      {"by_truth", nullptr}};
+                      {"true_intervals", nullptr},
+                      {"whole_run", nullptr}};
   if (prediction.first_event) json["first_event_us"] = us_of(*prediction.first_event);
-  if (prediction.decision.filter) json["alarm_cost"] = prediction.decision.filter->alarm_cost;
   if (prediction.decision.thresholds) json["thresholds"] = text_of(*prediction.decision.thresholds);
   std::size_t next = 0;  // detections are of the labels in use, in their order
   for (const windows::SampledInterval& label : prediction.truth.labels) {
@@ -83,9 +76,8 @@ nlohmann::json outcome_json(const RunPrediction& prediction) {
                                  {"outcome", "in doubt"},
                                  {"delay_ms", nullptr}});
   }
-  if (!prediction.truth.labels.empty()) json["false_alarms"] = prediction.false_alarms;
-  if (prediction.truth.has_truth)
-    json["by_truth"] = {{"intervals", prediction.true_detections}, {"false_alarms", prediction.true_alarms}};
+  if (prediction.truth.has_truth) json["true_intervals"] = prediction.true_detections;
+  if (prediction.truth.is_known()) json["whole_run"] = prediction.judged;
   return json;
 }
 

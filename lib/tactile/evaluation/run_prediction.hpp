@@ -10,8 +10,8 @@
 
 #include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
-#include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/full_run.hpp"
+#include "tactile/evaluation/run_judge.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 
 namespace tactile::evaluation {
@@ -25,17 +25,14 @@ struct RunPrediction {
   std::vector<Touch> verdicts;  ///< after the decision, one for each tick
   RunTruth truth;
   std::vector<results::Detection> detections;       ///< of the labelled intervals that are not in doubt
-  results::FalseAlarms false_alarms;                ///< where the run has labels
   std::vector<results::Detection> true_detections;  ///< of the true intervals of a simulated run
-  results::FalseAlarms true_alarms;                 ///< the same by the truth
+  results::Cell judged;                             ///< whole, as `RunJudge`; where the run has labels or a truth
   model::Decision decision;
 };
 
 struct PredictionOptions {
   model::Decision decision{};
-  std::optional<model::GateRule> gate = std::nullopt;  ///< the verdict is none where it closes
   DelayOptions delay{};
-  microseconds guard{100'000};         ///< how long after an interval alarms are counted separately, >= 0
   bool include_flagged = false;        ///< flagged intervals are used too
   bool by_truth = false;               ///< `with_truth_as_labels`
   heatmaps::ChangeEvents change = {};  ///< changes the events of the run before they are rendered; the ticks stay the same
@@ -46,10 +43,10 @@ struct PredictionOptions {
 RunPrediction predict_run(const RunFolder& run, const model::Classifier& classifier, const PredictionOptions& options = {},
                           const std::function<void(std::size_t ticks)>& advance = {});
 
-/// How the intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "alarm_cost", "thresholds", "intervals":
-/// [{"class", "start_us", "end_us", "outcome", "delay_ms"}], "false_alarms": as `FalseAlarms` has it, "by_truth": the same two by
-/// the truth; null of a run without truth}.
-/// Intervals whose labels are in doubt have the outcome "in doubt"; false alarms are null of a run without labels.
+/// How the intervals of a run were detected: {"run", "simulated", "tick_ms", "confirm", "thresholds", "intervals": [{"class",
+/// "start_us", "end_us", "outcome", "delay_ms"}], "true_intervals": the same by the truth, null of a run without truth,
+/// "whole_run": as `Cell` has it, null of a run without labels and truth}. Intervals whose labels are in doubt have the outcome
+/// "in doubt".
 nlohmann::json outcome_json(const RunPrediction& prediction);
 
 /// One row a tick: t_us, p_none, p_press, p_slip, verdict, label, truth, events, sample. `label` and `truth` are empty where the

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <numeric>
 
@@ -13,7 +12,7 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/full_run.hpp"
-#include "tactile/evaluation/operating_curve.hpp"
+#include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -38,22 +37,13 @@ std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, s
   return samples_by(options, run, folder_of(dataset, run), truth.labels, truth, ticks, history);
 }
 
-RunScore score_of(const TickRange& ticks, std::span<const Touch> verdicts, std::span<const TouchInterval> to_detect,
-                  const MotionZones& zones, const DelayOptions& options) {
-  RunScore score;
-  score.detections = detections_of(ticks, verdicts, to_detect, options);
-  score.false_alarms = false_alarms_of(ticks, verdicts, zones, score.detections);
-  return score;
-}
-
 /// A run with what the model predicts, and what is true.
 struct ClassifiedRun {
   std::uint32_t index = 0;  ///< in the dataset
   std::string name;
   std::vector<windows::Sample> samples;  ///< balanced, ascending in time
-  results::FullRun full{};               ///< none where the gate is closed
-  std::vector<Touch> verdicts{};         ///< confirmed
-  std::vector<Touch> open_verdicts{};    ///< without the gate, where it is on
+  results::FullRun full{};
+  std::vector<Touch> verdicts{};  ///< as decided
   RunTruth truth{};
 
   std::size_t tick_of(const windows::Sample& sample) const { return place_of(sample, full.ticks, name); }
@@ -63,7 +53,6 @@ void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     result.confusion.add(sample.touch, run.verdicts[k]);
-    if (scoring.gate) result.open_confusion.add(sample.touch, run.open_verdicts[k]);
     if (run.truth.has_truth) result.true_confusion.add(touch_at(sample.t, run.truth.true_ones), run.verdicts[k]);
   }
   const microseconds history = scoring.classifier.rendering().history;
@@ -77,28 +66,29 @@ void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring
 
 void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
   const EvaluationOptions& options = scoring.options;
-  const std::vector<TouchInterval> labelled = run.truth.used(), all = run.truth.all_labelled();
-  const auto score = [&](std::span<const Touch> verdicts) {
-    return score_of(run.full.ticks, verdicts, labelled,
-                    {all, run.truth.releases, run.truth.unlabelled, scoring.guard, run.truth.has_truth}, options.delay);
-  };
-  result.network = score(run.verdicts);
-  if (scoring.gate) result.open = score(run.open_verdicts);
+  const std::vector<TouchInterval> labelled = run.truth.used();
+  result.detections = detections_of(run.full.ticks, run.verdicts, labelled, options.delay);
   for (std::size_t i = 0; i < trivial_count; ++i)
-    result.trivial[i] = score(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name));
-  result.by_threshold.reserve(default_thresholds().size());
-  for (const double threshold : default_thresholds()) {
-    model::Decision decision = scoring.decision;
-    const double odds = threshold / (1 - threshold);  // of a touch
-    if (decision.filter) decision.filter->alarm_cost = odds;
-    if (decision.thresholds) decision.thresholds = model::moved_to(*decision.thresholds, std::log(odds));
-    result.by_threshold.push_back(score(model::decided(
-        decision, run.full.ticks.tick, verdicts_above(run.full.probabilities, threshold), run.full.probabilities)));
-  }
-  std::vector<TouchInterval> elsewhere = all;
+    result.trivial[i] = detections_of(run.full.ticks, trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name),
+                                      labelled, options.delay);
+  std::vector<TouchInterval> elsewhere = run.truth.all_labelled();
   elsewhere.insert(elsewhere.end(), run.truth.releases.begin(), run.truth.releases.end());
   elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
   result.over_time = over_time_of(run.full.ticks, run.verdicts, labelled, options.over_time, elsewhere);
+}
+
+/// Named by the run; world and training stay empty.
+std::vector<results::Cell> cells_of(const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
+  const RunJudge judge(run.full.ticks, course_of(run.truth), scoring.options.delay);
+  std::vector<results::Cell> cells = judged_along_curve(judge, run.full.ticks.tick, run.verdicts, run.full.probabilities,
+                                                        scoring.options.thresholds.value_or(model::TwoThresholds{}));
+  for (results::Cell& cell : cells) {
+    cell.world = run.truth.world;
+    cell.object = folder.object;
+    cell.run = folder.run;
+  }
+  for (const windows::Sample& sample : run.samples) cells.front().samples.add(sample.touch, run.verdicts[run.tick_of(sample)]);
+  return cells;
 }
 
 /// Every tick of a sure class: that of its label, or none. Ticks of unclear motion and of labels in doubt have none.
@@ -119,37 +109,18 @@ Reliability reliability_of_ticks(const ClassifiedRun& run) {
   return reliability;
 }
 
-/// The samples are those of the dataset where it has some and no label is flagged.
-WithFlaggedScore score_with_flagged(const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
-  WithFlaggedScore score;
-  std::vector<windows::SampledInterval> all = run.truth.labels;
-  for (windows::SampledInterval& label : all) {
-    score.flagged += label.used ? 0 : 1;
-    label.used = true;
-  }
-  const std::vector<windows::Sample> samples = score.flagged == 0 && !run.samples.empty()
-                                                   ? run.samples
-                                                   : samples_by(scoring.dataset.sampling(), run.index, folder, all, run.truth,
-                                                                run.full.ticks, scoring.classifier.rendering().history);
-  for (const windows::Sample& sample : samples) score.confusion.add(sample.touch, run.verdicts[run.tick_of(sample)]);
-  score.detections = detections_of(run.full.ticks, run.verdicts, run.truth.all_labelled(), scoring.options.delay);
-  return score;
-}
-
-void score_by_doubt(RunResult& result, const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
+void score_by_doubt(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
   std::vector<std::size_t> places;
   for (const windows::Sample& sample : run.samples) places.push_back(run.tick_of(sample));
   result.by_drawn_labels = scores_by_drawn_labels(run.full.ticks, run.verdicts, places, run.truth, scoring.options.delay,
                                                   seed_for(scoring.options.bootstrap.seed, {"labels", run.name}));
-  result.with_flagged = score_with_flagged(run, folder, scoring);
 }
 
 void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
   const RunTruth& truth = run.truth;
-  result.against_truth = score_of(run.full.ticks, run.verdicts, truth.true_ones,
-                                  {truth.true_ones, {}, truth.unlabelled, scoring.guard}, scoring.options.delay);
+  result.true_detections = detections_of(run.full.ticks, run.verdicts, truth.true_ones, scoring.options.delay);
   for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
-    if (truth.gross[i]) result.gross.push_back(counted_from(result.against_truth.detections[i], *truth.gross[i], run.full.ticks));
+    if (truth.gross[i]) result.gross.push_back(counted_from(result.true_detections[i], *truth.gross[i], run.full.ticks));
   }
   result.true_over_time =
       over_time_of(run.full.ticks, run.verdicts, truth.true_ones, scoring.options.over_time, truth.unlabelled);
@@ -172,20 +143,19 @@ void check_fits(const windows::Dataset& dataset, const model::Classifier& classi
   }
 }
 
-std::optional<model::GateRule> gate_of(const model::Classifier& classifier, const EvaluationOptions& options) {
-  if (!options.gate) return std::nullopt;
-  return model::gate_rule({classifier.bundle()}, classifier.model(), options.gate_miss);
-}
-
-model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options) {
-  model::Decision decision{.confirmation = options.confirmation, .thresholds = options.thresholds};
-  if (options.alarm_cost) decision.filter = model::filter_of({classifier.bundle()}, classifier.model(), *options.alarm_cost);
-  return decision;
+model::Decision decision_of(const EvaluationOptions& options) {
+  return {.confirmation = options.confirmation, .thresholds = options.thresholds};
 }
 
 RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run) {
   const windows::DatasetRun& names = dataset.runs()[run];
   return {dataset.run_folder(run), names.object, names.run};
+}
+
+std::vector<RunFolder> folders_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs) {
+  std::vector<RunFolder> folders;
+  for (const std::uint32_t run : runs) folders.push_back(folder_of(dataset, run));
+  return folders;
 }
 
 std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::uint32_t run) {
@@ -226,17 +196,10 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
     ++next;
   };
-  run.full = classify_full_run(folder.events(), scoring.classifier,
-                               {.threads = threads, .advance = advance, .see = see, .ratios = needs_ratios(scoring.gate)});
-  if (reads_heatmaps(scoring.classifier.kind())) {
-    add_features(samples, dataset, scoring.classifier, run_index);
-  } else {
-    samples = samples_of(dataset, scoring.classifier, run_index, threads);
-  }
-  if (scoring.baselines.are_fitted()) {
-    result.baselines = scoring.baselines.confusions_of(samples);
-  } else {
-    result.for_baselines = std::move(samples);
+  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads, .advance = advance, .see = see});
+  if (scoring.baselines) {
+    if (!reads_heatmaps(scoring.classifier.kind())) samples = samples_of(dataset, scoring.classifier, run_index, threads);
+    result.baselines = scoring.baselines->confusions_of(samples);
   }
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
@@ -244,30 +207,26 @@ RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned
     result.reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
                            predicted == sample.touch);
   }
-  run.truth = read_run_truth(folder, member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
+  run.truth = read_run_truth(folder, includes_flagged(dataset));
   result.every_tick = reliability_of_ticks(run);
-  if (scoring.gate) {
-    run.open_verdicts = decided(scoring.decision, run.full);
-    result.gated = apply_gate(run.full, *scoring.gate);
-  }
   run.verdicts = decided(scoring.decision, run.full);
   result.ticks = run.verdicts.size();
   result.close_ticks = run.full.close;
   result.has_truth = run.truth.has_truth;
+  result.cells = cells_of(run, folder, scoring);
   score_samples(result, run, scoring);
   score_ticks(result, run, scoring);
-  score_by_doubt(result, run, folder, scoring);
+  score_by_doubt(result, run, scoring);
   if (run.truth.has_truth) score_against_truth(result, run, scoring);
   return result;
 }
 
-WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads) {
+std::vector<results::Cell> judge_other_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads) {
   ClassifiedRun run{.index = 0, .name = folder.name(), .samples = {}};
-  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads, .ratios = needs_ratios(scoring.gate)});
-  if (scoring.gate) apply_gate(run.full, *scoring.gate);
+  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads});
   run.verdicts = decided(scoring.decision, run.full);
-  run.truth = read_run_truth(folder, true);
-  return score_with_flagged(run, folder, scoring);
+  run.truth = read_run_truth(folder, includes_flagged(scoring.dataset));
+  return cells_of(run, folder, scoring);
 }
 
 std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::Classifier& classifier,

@@ -13,56 +13,36 @@
 #include "tactile/evaluation/baseline_scores.hpp"
 #include "tactile/evaluation/calibration.hpp"
 #include "tactile/evaluation/evaluation.hpp"
-#include "tactile/evaluation/false_alarms.hpp"
 #include "tactile/evaluation/label_uncertainty.hpp"
+#include "tactile/evaluation/run_judge.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/inference/decision.hpp"
 
 namespace tactile::evaluation {
 
-/// The detections and false alarms of one detector in one run.
-struct RunScore {
-  std::vector<results::Detection> detections;
-  results::FalseAlarms false_alarms;
-};
-
 /// Detectors that ignore their input.
 inline constexpr std::size_t trivial_count = 3;
 inline constexpr std::array<const char*, trivial_count> trivial_names{"always_press", "always_slip", "random"};
 
-/// A run scored with its flagged labels, too.
-struct WithFlaggedScore {
-  std::uint64_t flagged = 0;  ///< intervals
-  results::Confusion confusion;
-  std::vector<results::Detection> detections;
-};
-
-/// The counts of one run.
+/// The counts of one run that has samples.
 struct RunResult {
+  std::vector<results::Cell> cells;  ///< as `judged_along_curve`
   std::size_t ticks = 0, close_ticks = 0;
   results::Confusion confusion;
   Reliability reliability;  ///< of the balanced samples
   Reliability every_tick;   ///< of every tick that has a sure class
   DrawnLabelsScores by_drawn_labels;
-  WithFlaggedScore with_flagged;
   std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
-  BaselineConfusions baselines;
-  std::optional<BaselineSamples>
-      for_baselines;  ///< where the baselines were not fitted yet: `baselines` is to be found from these
-  RunScore network;
-  std::array<RunScore, trivial_count> trivial;
-  std::vector<RunScore> by_threshold;  ///< one for each of `default_thresholds`
+  std::optional<BaselineConfusions> baselines;
+  std::vector<results::Detection> detections;  ///< of the labels in use
+  std::array<std::vector<results::Detection>, trivial_count> trivial;
   OverTimeOfRun over_time;
 
   bool has_truth = false;  ///< of a simulated run; the next four are empty without
   results::Confusion true_confusion;
-  RunScore against_truth;
+  std::vector<results::Detection> true_detections;
   std::vector<results::Detection> gross;  ///< delays from gross slip
   OverTimeOfRun true_over_time;
-
-  std::uint64_t gated = 0;  ///< ticks; the next two are without the gate
-  results::Confusion open_confusion;
-  RunScore open;
 };
 
 /// How every run is scored.
@@ -70,11 +50,9 @@ struct RunScoring {
   const windows::Dataset& dataset;
   const model::Classifier& classifier;
   const EvaluationOptions& options;
-  microseconds guard;                         ///< of false alarms
   std::vector<microseconds> sampling_guards;  ///< the dataset's own first
-  std::optional<model::GateRule> gate;
   model::Decision decision;
-  const FittedBaselines& baselines;
+  const std::optional<FittedBaselines>& baselines;  ///< nothing where the dataset has no sample that the model learned from
 };
 
 /// Renders and classifies every tick of a run, and scores it.
@@ -82,19 +60,17 @@ struct RunScoring {
 RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
                     const std::function<void(std::size_t)>& advance);
 
-/// Scores a run that is left out of the dataset because it is flagged. @throws Error  if it cannot be read
-WithFlaggedScore score_flagged_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads);
+/// A run that has no samples, along the curve of thresholds. @throws Error  if it cannot be read
+std::vector<results::Cell> judge_other_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads);
 
 /// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size
 void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options);
 
-/// The model's gate, where it is to be used.
-std::optional<model::GateRule> gate_of(const model::Classifier& classifier, const EvaluationOptions& options);
-
-/// How the model's predictions become verdicts. @throws Error  if a filter is to be used that the model lacks
-model::Decision decision_of(const model::Classifier& classifier, const EvaluationOptions& options);
+/// How predictions become verdicts.
+model::Decision decision_of(const EvaluationOptions& options);
 
 RunFolder folder_of(const windows::Dataset& dataset, std::uint32_t run);
+std::vector<RunFolder> folders_of(const windows::Dataset& dataset, std::span<const std::uint32_t> runs);
 
 /// The dataset's samples of a run, ascending in time.
 std::vector<windows::Sample> samples_in(const windows::Dataset& dataset, std::uint32_t run);

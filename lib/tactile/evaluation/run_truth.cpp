@@ -8,6 +8,15 @@
 #include "tactile/labels/labels.hpp"
 
 namespace tactile::evaluation {
+namespace {
+
+/// What an alarm in this motion is due to: as the truth names it, but a lift without slip by its name in the laboratory.
+std::string cause_of(const TrueInterval& motion) {
+  if (motion.what.empty()) return "unlabelled motion";
+  return motion.what == "firm shear" ? "firm lift" : motion.what;
+}
+
+}  // namespace
 
 std::vector<TouchInterval> RunTruth::all_labelled() const {
   std::vector<TouchInterval> all;
@@ -27,6 +36,8 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
   RunTruth truth;
   if (std::filesystem::exists(run.labels())) {
     const labels::Labels labels = labels::read_labels(run.labels());
+    truth.has_labels = true;
+    truth.run_is_flagged = labels.run_is_flagged();
     truth.releases = labels.releases;
     truth.unclear = labels::unclear_motion(labels);
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
@@ -36,12 +47,17 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
   }
   truth.has_truth = std::filesystem::exists(run.truth());
   if (!truth.has_truth) return truth;
-  for (const TrueInterval& interval : read_truth(run.truth()).intervals) {
+  const Truth read = read_truth(run.truth());
+  truth.lift = read.lift_start;
+  if (const auto settings = read.parameters.find("settings"); settings != read.parameters.end() && settings->contains("seed"))
+    truth.world = settings->at("seed").dump();
+  for (const TrueInterval& interval : read.intervals) {
     if (interval.labelled) {
       truth.true_ones.push_back(interval.interval);
       truth.gross.push_back(interval.gross);
     } else if (interval.first_event) {
       truth.unlabelled.push_back(interval.interval);
+      truth.causes.push_back(cause_of(interval));
     }
   }
   return truth;

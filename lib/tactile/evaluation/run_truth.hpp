@@ -21,15 +21,20 @@ struct LabelBounds {
 
 /// The touches of a run: its labels and, of a simulated run, its truth.
 struct RunTruth {
-  std::vector<windows::SampledInterval> labels;  ///< by start; those whose labels are in doubt are not `used`
-  std::vector<LabelBounds> bounds;               ///< of each of `labels`
-  std::vector<TouchInterval> releases;           ///< that `label` found
-  std::vector<TouchInterval> unclear;            ///< releases, and where an end may lie: no `none` sample is near
-  bool has_truth = false;                        ///< the rest is empty without
-  std::vector<TouchInterval> true_ones;          ///< that labels should have
-  std::vector<std::optional<CameraTime>> gross;  ///< of each of `true_ones`: first motion of object and tip against each other
-  std::vector<TouchInterval> unlabelled;         ///< motion without labels that causes events
+  std::vector<windows::SampledInterval> labels;     ///< by start; those whose labels are in doubt are not `used`
+  bool has_labels = false, run_is_flagged = false;  ///< the file is there; it has an unconfirmed flag on the whole run
+  std::vector<LabelBounds> bounds;                  ///< of each of `labels`
+  std::vector<TouchInterval> releases;              ///< that `label` found
+  std::vector<TouchInterval> unclear;               ///< releases, and where an end may lie: no `none` sample is near
+  bool has_truth = false;                           ///< the rest is empty without
+  std::vector<TouchInterval> true_ones;             ///< that labels should have
+  std::vector<std::optional<CameraTime>> gross;     ///< of each of `true_ones`: first motion of object and tip against each other
+  std::vector<TouchInterval> unlabelled;            ///< motion without labels that causes events
+  std::vector<std::string> causes;                  ///< what each of `unlabelled` is: "release", "firm lift", ...
+  std::optional<CameraTime> lift;                   ///< when the arm begins to lift
+  std::string world;                                ///< the seed of the simulation; runs of one share their objects
 
+  bool is_known() const { return has_truth || has_labels; }  ///< something can be judged by it
   std::vector<TouchInterval> all_labelled() const;
   std::vector<TouchInterval> used() const;
 };

@@ -25,9 +25,7 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
     confusions[i].run = dataset.runs()[runs[i]].run;
     for (std::size_t k = 0; k < samples.size(); ++k) confusions[i].confusion.add(samples[k].touch, predicted_of(k));
   };
-  const std::optional<model::GateRule> gate = gate_of(classifier, options);
-  const model::Decision decision = decision_of(classifier, options);
-  if (options.confirmation.of == 1 && !gate && !decision.filter) {
+  if (options.confirmation.of == 1 && !options.thresholds) {
     // One run is read while others are classified.
     std::mutex reads;
     std::size_t begun = 0;
@@ -54,11 +52,9 @@ std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dat
   }
   for_full_runs(dataset, runs, ticks_of_unchanged(dataset, classifier, runs, threads), threads, progress,
                 [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
-                  results::FullRun run =
-                      classify_full_run(folder_of(dataset, runs[i]).events(), classifier,
-                                        {.threads = threads, .advance = advance, .ratios = needs_ratios(gate)});
-                  if (gate) apply_gate(run, *gate);
-                  const auto verdicts = decided(decision, run);
+                  const results::FullRun run = classify_full_run(folder_of(dataset, runs[i]).events(), classifier,
+                                                                 {.threads = threads, .advance = advance});
+                  const auto verdicts = decided(decision_of(options), run);
                   const auto samples = samples_in(dataset, runs[i]);
                   add(i, samples,
                       [&](std::size_t k) { return verdicts[place_of(samples[k], run.ticks, name_of(dataset.runs()[runs[i]]))]; });

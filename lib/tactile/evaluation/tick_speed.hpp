@@ -26,6 +26,6 @@ std::optional<TickSpeed> measure_tick_speed(const std::filesystem::path& recordi
                                             std::uint64_t most_ticks = 2000);
 
 /// The file in a bundle that has the speed that `eval` measured last.
-inline std::filesystem::path speed_file(const model::ModelBundle& bundle) { return bundle.folder / "speed.json"; }
+inline std::filesystem::path speed_file(const model::ModelBundle& bundle) { return bundle.results() / "speed.json"; }
 
 }  // namespace tactile::evaluation

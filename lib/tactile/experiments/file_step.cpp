@@ -8,9 +8,16 @@ nlohmann::json hash_of_file(const std::filesystem::path& file) {
   return std::filesystem::is_regular_file(file) ? nlohmann::json(sha256_of_file(file)) : nlohmann::json();
 }
 
-nlohmann::json truth_hashes(const windows::Dataset& dataset, std::span<const std::uint32_t> runs) {
+nlohmann::json truth_hashes(const std::vector<RunFolder>& runs) {
   nlohmann::json hashes = nlohmann::json::array();
-  for (const std::uint32_t run : runs) hashes.push_back(hash_of_file(dataset.run_folder(run) / "truth.json"));
+  for (const RunFolder& run : runs) hashes.push_back(hash_of_file(run.truth()));
+  return hashes;
+}
+
+nlohmann::json hashes_of_runs(const std::vector<RunFolder>& runs) {
+  nlohmann::json hashes = nlohmann::json::object();
+  for (const RunFolder& run : runs)
+    hashes[run.name()] = {hash_of_file(run.events()), hash_of_file(run.labels()), hash_of_file(run.truth())};
   return hashes;
 }
 

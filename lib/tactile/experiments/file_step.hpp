@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
+#include <vector>
 
+#include "tactile/core/run_folder.hpp"
 #include "tactile/experiments/step_runner.hpp"
-#include "tactile/windows/dataset.hpp"
 
 namespace tactile::experiments {
 
@@ -18,7 +18,10 @@ constexpr std::size_t largest_step_file = std::size_t{1} << 30;  ///< [B] of a J
 nlohmann::json hash_of_file(const std::filesystem::path& file);
 
 /// SHA-256 of the truth.json of each run, in order; null where there is none. Detection delays depend on them.
-nlohmann::json truth_hashes(const windows::Dataset& dataset, std::span<const std::uint32_t> runs);
+nlohmann::json truth_hashes(const std::vector<RunFolder>& runs);
+
+/// {"fan/03": SHA-256 of its recording, labels.json and truth.json} of each run; null where a file is missing.
+nlohmann::json hashes_of_runs(const std::vector<RunFolder>& runs);
 
 /// A step without a command, whose only output is `file`.
 /// @param work         writes `file`

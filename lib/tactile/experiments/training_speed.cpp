@@ -18,7 +18,7 @@ double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_P
 
 }  // namespace
 
-double measured_training_speed(const model::LeNetOptions& network, model::EngineKind engine) {
+double measured_training_speed(model::EngineKind engine) {
   constexpr std::size_t images = 96, cells = std::size_t{128} * 96;
   constexpr double wanted_s = 1;
   Random random(1);
@@ -42,7 +42,6 @@ double measured_training_speed(const model::LeNetOptions& network, model::Engine
     model::train_lenet({.size = {128, 96},
                         .training = {heatmaps, truth},
                         .options = {.epochs = 1000, .learning_rate = 1e-9, .engine = engine},
-                        .network = network,
                         .threads = 1},
                        {.progress = watch});
   } catch (const Measured&) {

@@ -20,22 +20,12 @@ std::string command_of(const std::vector<std::string>& words) {
 Step training_step(const windows::Dataset& dataset, const model::ModelSettings& settings, const model::ModelBundle& bundle,
                    const TrainingPlaces& places) {
   const heatmaps::HeatmapOptions &rendering = settings.rendering, defaults;
-  std::vector<std::string> words{
-      "train", places.data.string(), "--th", ms_text(rendering.history), "--seed", std::to_string(settings.training.seed)};
+  const bool is_stream = settings.kind == model::ModelKind::stream;
+  std::vector<std::string> words{"train", places.data.string()};
   const auto add = [&words](const std::string& option, const std::string& value) { words.insert(words.end(), {option, value}); };
-  if (settings.kind == model::ModelKind::trees) {
-    const model::TreesOptions &trees = settings.trees, usual;
-    add("--kind", "trees");
-    if (trees.rounds != usual.rounds) add("--rounds", std::to_string(trees.rounds));
-    if (trees.depth != usual.depth) add("--depth", std::to_string(trees.depth));
-    if (trees.learning_rate != usual.learning_rate) add("--shrinkage", fmt::format("{}", trees.learning_rate));
-  } else {
-    add("--epochs", std::to_string(settings.training.epochs));
-  }
-  if (settings.kind == model::ModelKind::temporal) {
-    add("--kind", "temporal");
-    if (settings.temporal != model::TemporalOptions{}) add("--channels", std::to_string(settings.temporal.channels));
-  }
+  add(is_stream ? "--kind" : "--th", is_stream ? "stream" : ms_text(rendering.history));
+  add("--seed", std::to_string(settings.training.seed));
+  add(is_stream ? "--steps" : "--epochs", std::to_string(is_stream ? settings.stream.steps : settings.training.epochs));
   const bool one_thread = model::depends_on_threads(settings);  // a study's models must not depend on the machine
   if (one_thread) add("--threads", "1");
   add("--models", places.models.string());
@@ -45,9 +35,6 @@ Step training_step(const windows::Dataset& dataset, const model::ModelSettings& 
   if (rendering.factor != defaults.factor) add("--factor", fmt::format("{}", rendering.factor));
   if (rendering.resize != defaults.resize) add("--resize", rendered.at("resize"));
   if (rendering.denoise != defaults.denoise) add("--denoise", rendered.at("denoise"));
-  if (settings.network.width != model::LeNetOptions{}.width) add("--width", fmt::format("{:g}", settings.network.width));
-  if (settings.network.last_pool != model::LeNetOptions{}.last_pool)
-    add("--last-pool", std::to_string(settings.network.last_pool));
   if (settings.training.augmentation != model::Augmentation{}) add("--augment", text_of(settings.training.augmentation));
   if (settings.training.engine != model::EngineKind::fast) add("--engine", std::string(name_of(settings.training.engine)));
   if (settings.split.train_run != "01") add("--train-run", settings.split.train_run);

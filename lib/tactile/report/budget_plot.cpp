@@ -18,9 +18,7 @@ namespace {
 constexpr int left_margin = 76, right_margin = 20, panels = 3, plot_height = 150, above_plot = 36, under_plot = 30, list_row = 20;
 constexpr int width = page_width - left_margin - right_margin;
 
-std::string name_of_kind(const std::string& kind) {
-  return kind == "lenet" ? "LeNet" : kind == "temporal" ? "temporal convolution" : kind;
-}
+std::string name_of_kind(const std::string& kind) { return kind == "lenet" ? "LeNet" : kind; }
 
 /// One panel: a figure of a setting, and its axis.
 struct Panel {
@@ -66,7 +64,7 @@ AxisRange range_of(const std::vector<BestOfKind>& all, const Panel& panel) {
   return range_around(least, most, panel.from_zero ? 0.3 : 4, plot_height);
 }
 
-/// "LeNet, from 50 us on: width 0.25, int8", one for each setting of a kind.
+/// "LeNet, from 50 us on: factor 0.1, int8", one for each setting of a kind.
 std::vector<std::string> names_of(const BestOfKind& best) {
   std::vector<std::string> names;
   const results::TradedSetting* before = nullptr;

@@ -17,6 +17,7 @@ namespace {
 using pictures::figure_colours::ink;
 
 constexpr int curve_left = 76, curve_right = 24, curve_top = 136, delay_bottom = curve_top + 240;
+constexpr double longest_shown_ms = 100;          // delays beyond it are drawn at it
 constexpr double x_margin = 0.03;                 // of the axis, on both sides
 constexpr double y_below = 0.03, y_above = 0.18;  // of the largest value
 
@@ -27,11 +28,14 @@ pictures::LineStyle line_of(Touch touch) {
              : pictures::LineStyle{.colour = pictures::figure_colours::slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.7};
 }
 
-/// Of older results, those in none time.
-double alarms_per_min(const results::OperatingPoint& point) {
-  const double outside = point.outside_labels_per_min.value;
-  return std::isfinite(outside) ? outside : point.false_alarms_per_min.value;
+/// Of all touches; for the median and for 90 % of them.
+pictures::LineStyle line_of_quantile(bool median) {
+  return median
+             ? pictures::LineStyle{.colour = pictures::figure_colours::press, .width = 1.6, .mark = 7, .size = 0.9}
+             : pictures::LineStyle{.colour = pictures::figure_colours::slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.6};
 }
+
+double alarms_per_min(const results::OperatingPoint& point) { return point.alarms_per_min.value; }
 
 /// The axes of the figure. False alarms span decades: their logarithm is drawn, and no alarms at all have a place on the left.
 struct CurveAxes {
@@ -45,10 +49,10 @@ struct CurveAxes {
         most_alarms = std::max(most_alarms, alarms);
         least_alarms = std::min(least_alarms, alarms);
       }
-      for (const results::DelaySummary& touch : {point.press, point.slip}) {
-        if (std::isfinite(touch.mean_ms.value)) longest_ms = std::max(longest_ms, touch.mean_ms.value);
-        if (std::isfinite(touch.missed_share())) most_missed = std::max(most_missed, percent(touch.missed_share()));
+      for (const results::CensoredQuantile* delay : {&point.median_ms, &point.p90_ms}) {
+        if (std::isfinite(delay->ms.value)) longest_ms = std::max(longest_ms, std::min(delay->ms.value, longest_shown_ms));
       }
+      if (std::isfinite(point.missed.value)) most_missed = std::max(most_missed, percent(point.missed.value));
     }
     if (most_alarms <= 0) most_alarms = least_alarms = 1;
     if (longest_ms <= 0) longest_ms = 1;
@@ -85,62 +89,35 @@ struct CurveAxes {
   }
 };
 
-/// Writes some thresholds next to their points, only where there is room.
-void add_thresholds(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
-                    const std::optional<results::OperatingPoint>& own) {
-  constexpr double word_character = 8.5, half_mark = 7, half_own = 18;  // [px]
+/// Writes some thresholds next to the points of the median, only where there is room.
+void add_thresholds(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points) {
+  constexpr double word_character = 8.5, half_mark = 7;  // [px]
   pictures::WordPlaces places({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
-  const auto take_marks = [&](const results::OperatingPoint& point, double half) {
-    const double x = axes.across(point);
-    for (const results::DelaySummary& touch : {point.press, point.slip}) {
-      const double y = axes.down(touch.mean_ms.value);
-      if (std::isfinite(x) && std::isfinite(y)) places.take(x - half, y - half, x + half, y + half);
-    }
+  const auto place_of = [&](const results::OperatingPoint& point, const results::CensoredQuantile& delay) {
+    return std::pair(axes.across(point), axes.down(std::min(delay.ms.value, longest_shown_ms)));
   };
-  for (const results::OperatingPoint& point : points) take_marks(point, half_mark);
-  if (own) take_marks(*own, half_own);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const results::OperatingPoint &from = points[i - 1], &to = points[i];
-    const double x = axes.across(from), to_x = axes.across(to);
-    for (const auto& [from_ms, to_ms] : {std::pair(from.press.mean_ms.value, to.press.mean_ms.value),
-                                         std::pair(from.slip.mean_ms.value, to.slip.mean_ms.value)}) {
-      if (std::isfinite(x) && std::isfinite(to_x) && std::isfinite(from_ms) && std::isfinite(to_ms))
-        places.take_line(x, axes.down(from_ms), to_x, axes.down(to_ms));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const auto quantile : {&results::OperatingPoint::median_ms, &results::OperatingPoint::p90_ms}) {
+      const auto [x, y] = place_of(points[i], points[i].*quantile);
+      if (!std::isfinite(x) || !std::isfinite(y)) continue;
+      places.take(x - half_mark, y - half_mark, x + half_mark, y + half_mark);
+      if (i == 0) continue;
+      const auto [from_x, from_y] = place_of(points[i - 1], points[i - 1].*quantile);
+      if (std::isfinite(from_x) && std::isfinite(from_y)) places.take_line(from_x, from_y, x, y);
     }
   }
-  for (const Touch touch : {Touch::slip, Touch::press}) {
-    for (const double wanted : {0.5, 0.99, 0.9, 0.999, 0.1}) {
-      const auto point = std::find_if(points.begin(), points.end(), [wanted](const results::OperatingPoint& one) {
-        return std::abs(one.threshold - wanted) < 1e-9;
-      });
-      if (point == points.end()) continue;
-      const double delay_ms = (touch == Touch::press ? point->press : point->slip).mean_ms.value;
-      const std::string words = fmt::format("{:.4g}", wanted);
-      const pictures::WordPlaces::Place place =
-          places.near(axes.across(*point), axes.down(delay_ms), word_character * static_cast<double>(words.size()));
-      if (!place.is_plain()) continue;
-      places.take(place);
-      script.text(words, place.x, place.y, "center font ',10'", pictures::figure_colours::of(touch));
-    }
+  for (const double wanted : {1.5, 4.0, 8.0, 0.0, 12.0, -2.0}) {
+    const auto point = std::find_if(points.begin(), points.end(), [wanted](const results::OperatingPoint& one) {
+      return one.threshold && std::abs(*one.threshold - wanted) < 1e-9;
+    });
+    if (point == points.end()) continue;
+    const auto [x, y] = place_of(*point, point->median_ms);
+    const std::string words = fmt::format("{:g}", wanted);
+    const pictures::WordPlaces::Place place = places.near(x, y, word_character * static_cast<double>(words.size()));
+    if (!place.is_plain()) continue;
+    places.take(place);
+    script.text(words, place.x, place.y, "center font ',10'", pictures::figure_colours::press);
   }
-}
-
-/// One value of press and slip at each point, joined by lines; of the network's own verdicts as diamonds.
-template <class ValueOf>
-void draw_curves(pictures::PlotScript& script, const CurveAxes& axes, const std::vector<results::OperatingPoint>& points,
-                 const std::optional<results::OperatingPoint>& own, ValueOf value_of) {
-  const auto add = [&](std::vector<double>& values, const results::OperatingPoint& point) {
-    values.insert(values.end(), {axes.place_of(point), value_of(point.press), value_of(point.slip)});
-  };
-  std::vector<double> values, of_own;
-  for (const results::OperatingPoint& point : points) add(values, point);
-  if (own) add(of_own, *own);
-  const std::string table = script.table(3, std::move(values)), own_table = script.table(3, std::move(of_own));
-  const auto press = pictures::figure_colours::press, slip = pictures::figure_colours::slip;
-  script.plot({{table, "1:2", "linespoints", line_of(Touch::press)},
-               {table, "1:3", "linespoints", line_of(Touch::slip)},
-               {own_table, "1:2", "points", {.colour = press, .width = 2.2, .mark = 12, .size = 2.6}},
-               {own_table, "1:3", "points", {.colour = slip, .width = 2.2, .mark = 12, .size = 2.6}}});
 }
 
 }  // namespace
@@ -149,21 +126,37 @@ pictures::Plot operating_curve_plot(const std::string& title, const std::vector<
                                     const std::optional<results::OperatingPoint>& own) {
   constexpr int gap = 28, missed_height = 120, below = 60, missed_top = delay_bottom + gap, bottom = missed_top + missed_height;
   pictures::PlotHead head(title, page_width);
-  head.note("Numbers: probability threshold.");
-  head.key("press", line_of(Touch::press));
-  head.key("slip", line_of(Touch::slip));
-  if (own) head.key("the most probable class, without a threshold", {.colour = ink, .width = 0, .mark = 12, .size = 2});
+  head.note("Numbers: the threshold on the log-odds.");
+  head.key("half of the touches", line_of_quantile(true));
+  head.key("90 %", line_of_quantile(false));
+  if (own) head.key("the verdicts as they were decided", {.colour = ink, .width = 0, .mark = 12, .size = 2});
   pictures::PlotScript script(head, bottom + below);
   std::vector<results::OperatingPoint> all = points;
   if (own) all.push_back(*own);
   const CurveAxes axes(all);
+  const auto rows_of = [&](const std::vector<results::OperatingPoint>& of) {
+    std::vector<double> rows;
+    for (const results::OperatingPoint& point : of)
+      rows.insert(rows.end(), {axes.place_of(point), std::min(point.median_ms.ms.value, longest_shown_ms),
+                               std::min(point.p90_ms.ms.value, longest_shown_ms), percent(point.missed.value)});
+    return rows;
+  };
+  const std::string table = script.table(4, rows_of(points));
+  const std::string own_table = script.table(4, own ? rows_of({*own}) : std::vector<double>());
+  const auto diamond = [](std::string_view colour) {
+    return pictures::LineStyle{.colour = colour, .width = 2.2, .mark = 12, .size = 2.6};
+  };
   script.begin_panel({.left = curve_left, .top = curve_top, .right = page_width - curve_right, .bottom = delay_bottom});
-  script.axes(axes.x(false), axes.y(axes.longest_ms, "mean delay [ms]"));
-  add_thresholds(script, axes, points, own);
-  draw_curves(script, axes, points, own, [](const results::DelaySummary& touch) { return touch.mean_ms.value; });
+  script.axes(axes.x(false), axes.y(axes.longest_ms, "delay [ms]"));
+  add_thresholds(script, axes, points);
+  script.plot({{table, "1:2", "linespoints", line_of_quantile(true)},
+               {table, "1:3", "linespoints", line_of_quantile(false)},
+               {own_table, "1:2", "points", diamond(pictures::figure_colours::press)},
+               {own_table, "1:3", "points", diamond(pictures::figure_colours::slip)}});
   script.begin_panel({.left = curve_left, .top = missed_top, .right = page_width - curve_right, .bottom = bottom});
   script.axes(axes.x(true), axes.y(axes.most_missed, "missed or early [%]"));
-  draw_curves(script, axes, points, own, [](const results::DelaySummary& touch) { return percent(touch.missed_share()); });
+  script.plot({{table, "1:4", "linespoints", {.colour = ink, .width = 1.6, .mark = 7, .size = 0.9}},
+               {own_table, "1:4", "points", diamond(ink)}});
   return std::move(script).finished();
 }
 

@@ -6,8 +6,8 @@
 
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/results/delay_table.hpp"
-#include "tactile/results/operating_point.hpp"
 #include "tactile/results/over_time.hpp"
+#include "tactile/results/whole_runs.hpp"
 
 namespace tactile::report {
 
@@ -18,10 +18,9 @@ namespace tactile::report {
 pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
                                     const std::vector<results::DetectedWithin>& slip);
 
-/// Delay, and the share of intervals that it leaves out, against false alarms over the thresholds. Some thresholds are written
-/// next to the points of each curve, in its colour, where there is room. False alarms are those outside labels, where the
-/// points have them: there, a detector that stays on one class has many.
-/// @param own  of the network's own verdicts, without a threshold: hollow diamonds
+/// Delay, and the share of touches that are not detected, against false alarms over the thresholds. Some thresholds are written
+/// next to the points of the median, where there is room. Delays of more than 100 ms are drawn there.
+/// @param own  of the verdicts as they were decided: hollow diamonds
 pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
                                     const std::optional<results::OperatingPoint>& own = {});
 

@@ -7,6 +7,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/report/detection_plots.hpp"
 #include "tactile/report/report_page.hpp"
+#include "tactile/results/whole_runs_tables.hpp"
 
 namespace tactile::report {
 namespace {
@@ -116,7 +117,7 @@ bool has_standard_errors(const results::DelayTable& delays) {
                      [](const auto& object) { return std::isfinite(object.second.sem_ms); });
 }
 
-/// What the uncertainty of the labels and flagged labels change.
+/// What the uncertainty of the labels changes.
 void add_labels(ReportPage& page, const results::Evaluation& scores) {
   const results::LabelUncertainty& drawn = scores.label_uncertainty;
   const results::DelaySummary &press = scores.network.press.all, &slip = scores.network.slip.all;
@@ -144,14 +145,6 @@ void add_labels(ReportPage& page, const results::Evaluation& scores) {
     add("median of all slips [ms]", slip.median_of_all_ms.ms, drawn.slip_median_ms, 1);
     page.html.table(table);
   }
-  if (!scores.with_flagged) return;
-  const results::WithFlagged& with = *scores.with_flagged;
-  page.html.paragraph(fmt::format(
-      "With {} flagged runs that the dataset leaves out and {} flagged intervals, the accuracy is {:.2f} % instead of "
-      "{:.2f} %, the median of all presses {:g} ms instead of {:g} ms, of all slips {:g} ms instead of {:g} ms.",
-      with.runs.size(), with.intervals, 100 * with.accuracy.value, 100 * scores.accuracy.mean.value,
-      with.press.median_of_all_ms.ms.value, press.median_of_all_ms.ms.value, with.slip.median_of_all_ms.ms.value,
-      slip.median_of_all_ms.ms.value));
 }
 
 std::string suffix_of(const ReportedEvaluation& evaluation) {
@@ -167,7 +160,17 @@ std::string detected_in_words(const results::DelaySummary& press, const results:
                      median(press), median(slip), press.misses, press.intervals, slip.misses, slip.intervals);
 }
 
-void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const std::string& suffix, bool curve_is_shown) {
+void add_detected_within(ReportPage& page, const ReportedEvaluation& evaluation) {
+  const results::DelayTable &press = evaluation.scores.network.press, &slip = evaluation.scores.network.slip;
+  if (press.curve.empty() && slip.curve.empty()) return;
+  page.figure("detection-curve" + suffix_of(evaluation),
+              detection_curve_plot(page.titled("Detected within a time, " + evaluation.model), press.curve, slip.curve),
+              "Share of presses and slips detected by a time after their onset.",
+              "The share of intervals detected within a time after the labelled onset, by Kaplan and Meier: a missed interval "
+              "counts as not detected until its end, at most 500 ms. Those predicted ahead of the onset are at 0.");
+}
+
+void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const std::string& suffix) {
   const results::Evaluation& scores = evaluation.scores;
   const std::string& model = evaluation.model;
   page.html.heading("Detection delay");
@@ -181,7 +184,7 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
   } else {
     if (std::isfinite(press.all.median_of_all_ms.ms.value) && std::isfinite(slip.all.median_of_all_ms.ms.value))
       page.html.paragraph(detected_in_words(press.all, slip.all));
-    if (!curve_is_shown) add_detection_curve(page, evaluation);
+    add_detected_within(page, evaluation);
     page.figure(
         "delays" + suffix,
         delay_plot(page.titled("Detection delay, " + model), {names.begin(), names.end()}, press.objects, slip.objects),
@@ -219,85 +222,32 @@ void add_delays(ReportPage& page, const ReportedEvaluation& evaluation, const st
   page.html.table(table);
 }
 
-/// One column of the table of false alarms.
-std::vector<HtmlCell> alarm_cells(const results::DetectorScore& score) {
-  const results::FalseAlarms& total = score.false_alarms.total;
-  const bool has_counts = total.outside_labels_time > microseconds{0};
-  const auto delay = [](const results::DelaySummary& summary) {
-    HtmlCell cell = number_cell(summary.mean_ms.value);
-    if (summary.misses == summary.intervals && summary.misses > 0)
-      cell.second_line = fmt::format("all {} missed", summary.misses);
-    else if (summary.early == summary.intervals && summary.early > 0)
-      cell.second_line = fmt::format("all {} early", summary.early);
-    else if (summary.misses + summary.early > 0)
-      cell.second_line = fmt::format("{} missed, {} early", summary.misses, summary.early);
-    return cell;
-  };
-  const results::FalseAlarmTable& alarms = score.false_alarms;
-  return {figure_cell(alarms.outside_labels_per_min),
-          percent_cell(alarms.outside_labels_share),
-          figure_cell(alarms.outside_motion_per_min),
-          percent_cell(alarms.outside_motion_share),
-          percent_cell(alarms.none_in_alarm_share),
-          figure_cell(alarms.wrong_class_per_min),
-          percent_cell(alarms.wrong_class_share),
-          has_counts ? number_cell(results::in_minutes(total.outside_labels_time), 3) : number_cell("-"),
-          has_counts ? number_cell(results::in_minutes(total.labelled_time), 3) : number_cell("-"),
-          delay(score.press.all),
-          delay(score.slip.all)};
+HtmlTable html_of(const results::TextTable& table, const std::string& folded = {}) {
+  HtmlTable html{.caption = table.caption, .head = table.head, .rows = {}, .folded = folded};
+  for (const std::vector<std::string>& row : table.rows) {
+    html.rows.push_back({{.text = row.front()}});
+    for (std::size_t i = 1; i < row.size(); ++i) html.rows.back().push_back(number_cell(row[i]));
+  }
+  return html;
 }
 
-void add_false_alarms(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
-  const bool has_alarms = std::isfinite(scores.network.false_alarms.per_min.value);
-  if (has_alarms || !scores.trivial.empty()) {
-    page.html.heading("False alarms");
-    const results::FalseAlarmTable& alarms = scores.network.false_alarms;
-    if (std::isfinite(alarms.outside_labels_per_min.value))
-      page.html.paragraph(fmt::format("{} false alarms per minute outside labels; {} of that time is in alarm.",
-                                      results::text_of(alarms.outside_labels_per_min, ""),
-                                      results::text_of(results::scaled(alarms.outside_labels_share, 100), " %")));
-    HtmlTable table{
-        .caption =
-            "False alarms over every tick of the runs. " + scores.runs_counted() +
-            " Outside labels: all episodes that begin outside labelled intervals, also "
-            "after intervals, in releases and in unlabelled motion. Without unlabelled motion: the same without true motion that "
-            "has no label; only in simulated runs. None: time without motion. An episode counts again for each further 500 ms; a "
-            "detector that stays on one class has few of them, and is in alarm all the time. "
-            "Wrong class: episodes of another class in a labelled interval. Trivial detectors ignore the events",
-        .head = {""},
-        .rows = {},
-        .folded = "False alarms in figures, and of trivial detectors"};
-    for (const char* name :
-         {"per minute outside labels", "of that time in alarm [%]", "per minute without unlabelled motion",
-          "of that time in alarm [%]", "none time in alarm [%]", "wrong class per minute of labels", "of that time wrong [%]",
-          "minutes outside labels", "minutes of labels", "mean delay of press [ms]", "mean delay of slip [ms]"})
-      table.rows.push_back({{.text = name}});
-    const auto add = [&table](const std::string& detector, const results::DetectorScore& score) {
-      table.head.push_back(detector);
-      const std::vector<HtmlCell> cells = alarm_cells(score);
-      for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
-    };
-    if (has_alarms) add("model", scores.network);
-    for (const auto& [name, trivial] : scores.trivial) add(name, trivial);
-    page.html.table(table);
-  }
-  if (scores.operating_curve.empty()) {
-    page.missing.push_back("Delay against false alarms of " + model + ".");
+/// Every run, whole: what a robot meets.
+void add_whole_runs(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown) {
+  const results::WholeRuns& whole = evaluation.scores.whole_runs;
+  if (whole.runs.empty()) {
+    page.missing.push_back("Delay against false alarms of " + evaluation.model + ".");
     return;
   }
-  std::optional<results::OperatingPoint> own;
-  if (has_alarms) {
-    own = results::OperatingPoint{.press = scores.network.press.all,
-                                  .slip = scores.network.slip.all,
-                                  .false_alarms_per_min = scores.network.false_alarms.per_min,
-                                  .outside_labels_per_min = scores.network.false_alarms.outside_labels_per_min};
-  }
-  page.figure("operating-curve" + suffix,
-              operating_curve_plot(page.titled("Delay against false alarms, " + model), scores.operating_curve, own),
-              "Mean detection delay, and the share of missed or early intervals, against false alarms per minute.",
-              "The price of a higher probability threshold: mean detection delay of press and slip, and the share of missed or "
-              "early intervals, against false alarms per minute. Press or slip is predicted from the threshold on. Diamonds: the "
-              "model's own verdicts, the most probable class, without a threshold.");
+  page.html.heading("Delay against false alarms");
+  if (!curve_is_shown) add_alarm_curve(page, evaluation);
+  page.html.paragraph(
+      results::runs_in_words(whole) +
+      " Every run counts, also firm lifts, those without a press or a slip, and flagged ones. A false alarm is an episode that "
+      "begins outside of touches, whatever moves; it counts again for each further 500 ms. A touch that is missed, or in alarm "
+      "since before its onset (early), is later than all others.");
+  page.html.table(html_of(results::confirmed_table(whole)));
+  page.html.table(html_of(results::cause_table(whole)));
+  page.html.table(html_of(results::object_table(whole), "Delay and false alarms of each object"));
 }
 
 void add_classes(ReportPage& page, const results::Evaluation& scores, const std::string& model, const std::string& suffix) {
@@ -391,14 +341,15 @@ void add_over_time(ReportPage& page, const results::OverTime& over_time, const s
 
 }  // namespace
 
-void add_detection_curve(ReportPage& page, const ReportedEvaluation& evaluation) {
-  const results::DelayTable &press = evaluation.scores.network.press, &slip = evaluation.scores.network.slip;
-  if (press.curve.empty() && slip.curve.empty()) return;
-  page.figure("detection-curve" + suffix_of(evaluation),
-              detection_curve_plot(page.titled("Detected within a time, " + evaluation.model), press.curve, slip.curve),
-              "Share of presses and slips detected by a time after their onset.",
-              "The share of intervals detected within a time after the labelled onset, by Kaplan and Meier: a missed interval "
-              "counts as not detected until its end, at most 500 ms. Those predicted ahead of the onset are at 0.");
+void add_alarm_curve(ReportPage& page, const ReportedEvaluation& evaluation) {
+  const results::WholeRuns& whole = evaluation.scores.whole_runs;
+  if (whole.curve.empty()) return;
+  page.figure("operating-curve" + suffix_of(evaluation),
+              operating_curve_plot(page.titled("Delay against false alarms, " + evaluation.model), whole.curve, whole.decided),
+              "Detection delay, and the share of touches that are missed or early, against false alarms per minute.",
+              "Delay over all touches, and the share of them that is missed or early, against false alarms per minute. Two "
+              "thresholds on the log-odds are moved along the curve. Diamonds: the verdicts as they were decided.");
+  page.html.table(html_of(results::calm_table(whole)));
 }
 
 void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown) {
@@ -411,16 +362,14 @@ void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool
                     fmt::format("Detection: {}{}{}{}", model, has_history ? fmt::format(" ({:g} ms)", evaluation.history_ms) : "",
                                 where.empty() ? "" : ", ", where));
   if (evaluation.is_folded) page.html.begin_folded("The same figures by the paper's method");
-  page.html.paragraph(fmt::format("{}, a tick every {:g} ms, {}. Runs: {}.",
-                                  has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model,
-                                  in_ms(scores.tick),
-                                  !scores.thresholds.empty() ? "thresholds " + scores.thresholds
-                                  : scores.alarm_cost ? fmt::format("filter with an alarm cost of {:g}", *scores.alarm_cost)
-                                                      : "confirmation " + scores.confirm,
-                                  evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+  page.html.paragraph(fmt::format(
+      "{}, a tick every {:g} ms, {}. Runs: {}.",
+      has_history ? fmt::format("Model {}, history {:g} ms", model, evaluation.history_ms) : model, in_ms(scores.tick),
+      !scores.thresholds.empty() ? "thresholds " + scores.thresholds : "confirmation " + scores.confirm,
+      evaluation.runs.empty() ? "those of its evaluation" : evaluation.runs));
+  add_whole_runs(page, evaluation, curve_is_shown);
   add_accuracy(page, scores);
-  add_delays(page, evaluation, suffix, curve_is_shown);
-  add_false_alarms(page, scores, model, suffix);
+  add_delays(page, evaluation, suffix);
   add_classes(page, scores, model, suffix);
   add_calibration(page, scores.calibration, scores.whole_run_calibration, model, suffix);
   add_over_time(page, scores.over_time, model, suffix);

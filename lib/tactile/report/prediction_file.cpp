@@ -11,7 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/results/false_alarm_table.hpp"
+#include "tactile/results/cell.hpp"
 #include "tactile/results/json_view.hpp"
 
 namespace tactile::report {
@@ -96,20 +96,16 @@ void add_outcome(pictures::PredictionPicture& picture, const std::filesystem::pa
   if (const auto first_us = outcome["first_event_us"].number_if_there(); first_us && std::abs(*first_us) < 9e15)
     picture.first_event = camera_time(std::llround(*first_us));
   if (auto labels = intervals_in(outcome["intervals"], file); !labels.empty()) picture.labels = std::move(labels);
-  const results::JsonView by_truth = outcome["by_truth"];
-  if (by_truth) {
+  if (const results::JsonView true_intervals = outcome["true_intervals"]) {
     picture.has_truth = true;
-    picture.truth = intervals_in(by_truth["intervals"], file);
+    picture.truth = intervals_in(true_intervals, file);
   }
   std::string settings = fmt::format("A tick every {:g} ms", outcome["tick_ms"].number());
   if (const std::string confirm = outcome["confirm"].text(); !confirm.empty() && confirm != "1/1")
     settings += fmt::format("; confirmed {}", confirm);
-  if (const auto alarm_cost = outcome["alarm_cost"].number_if_there())
-    settings += fmt::format("; filtered with an alarm cost of {:g}", *alarm_cost);
   if (outcome["thresholds"]) settings += "; decided by the thresholds " + outcome["thresholds"].text();
   picture.remarks.push_back(settings + ".");
-  if (const results::JsonView alarms = (by_truth ? by_truth : outcome)["false_alarms"]; alarms && alarms["outside_labels"])
-    picture.remarks.push_back((by_truth ? "By the truth. " : "") + words_of(alarms.get<results::FalseAlarms>()));
+  if (const results::JsonView whole = outcome["whole_run"]) picture.remarks.push_back(words_of(whole.get<results::Cell>()));
 }
 
 }  // namespace tactile::report

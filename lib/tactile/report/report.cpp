@@ -119,7 +119,7 @@ void add_trainings(ReportPage& page, const ReportInput& input) {
 ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& report_figure) {
   ReportPage page(input, out, report_figure);
   begin(page, input);
-  if (!input.evaluations.empty()) add_detection_curve(page, input.evaluations.front());
+  if (!input.evaluations.empty()) add_alarm_curve(page, input.evaluations.front());
   explain(page, input);
   add_claims(page, input);
   add_frames(page, input);

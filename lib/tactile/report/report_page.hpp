@@ -55,8 +55,8 @@ inline HtmlCell percent_cell(const results::Figure& measured) { return figure_ce
 void add_claims(ReportPage& page, const ReportInput& input);
 void add_frames(ReportPage& page, const ReportInput& input);
 void add_histories(ReportPage& page, const ReportInput& input);
-/// The share detected within a time; nothing without delays. `add_evaluation` leaves it out if it `is_shown`.
-void add_detection_curve(ReportPage& page, const ReportedEvaluation& evaluation);
+/// Delay against false alarms over whole runs; nothing without them. `add_evaluation` leaves it out if it `is_shown`.
+void add_alarm_curve(ReportPage& page, const ReportedEvaluation& evaluation);
 void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown);
 void add_runs(ReportPage& page, const ReportInput& input);
 void add_unseen(ReportPage& page, const ReportInput& input);

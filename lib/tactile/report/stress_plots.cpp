@@ -24,7 +24,6 @@ constexpr int width = (page_width - left - right - (columns - 1) * gap) / column
 struct Line {
   std::string words;
   std::size_t model = 0;
-  Touch touch = Touch::none;  ///< of detections
   pictures::LineStyle style{};
 };
 
@@ -32,33 +31,24 @@ const std::vector<results::StressCurve>& curves_of(const results::StressedModel&
   return of_quiet ? model.quiet : model.curves;
 }
 
-std::vector<Line> lines_of(const results::Stress& stress, StressMeasure measure) {
+std::vector<Line> lines_of(const results::Stress& stress) {
   std::vector<Line> lines;
-  const bool one = stress.models.size() == 1;
   for (std::size_t i = 0; i < stress.models.size(); ++i) {
     const std::string name = pictures::shortened(stress.models[i].name, 44);
-    if (measure != StressMeasure::within_50_ms) {
-      lines.push_back({name, i, Touch::none, pictures::line_style(i)});
-      continue;
-    }
-    for (const Touch touch : {Touch::press, Touch::slip}) {
-      pictures::LineStyle style = pictures::line_style(one ? (touch == Touch::press ? 0 : 1) : i);
-      style.dashes = touch == Touch::press ? 1 : 2;
-      lines.push_back({fmt::format("{} ({})", name, name_of(touch)), i, touch, style});
-    }
+    lines.push_back({name, i, pictures::line_style(i)});
   }
   return lines;
 }
 
 /// In the unit of the axis.
-results::Figure figure_of(const results::StressPoint& point, StressMeasure measure, Touch touch) {
+results::Figure figure_of(const results::StressPoint& point, StressMeasure measure) {
   switch (measure) {
     case StressMeasure::accuracy:
       return results::scaled(point.accuracy, 100);
     case StressMeasure::within_50_ms:
-      return results::scaled((touch == Touch::press ? point.press : point.slip).within_50_ms, 100);
+      return results::scaled(point.whole.within_50_ms, 100);
     case StressMeasure::false_alarms:
-      return point.false_alarms.outside_labels_per_min;
+      return point.whole.alarms_per_min;
   }
   return {};
 }
@@ -68,10 +58,10 @@ double position_of(double value, StressMeasure measure) {
 }
 
 /// Rows of place, value, low, high. @param aside  added to the place, so that bars of several lines do not hide each other
-std::vector<double> rows_of(const results::StressCurve& curve, const Line& line, StressMeasure measure, double aside) {
+std::vector<double> rows_of(const results::StressCurve& curve, StressMeasure measure, double aside) {
   std::vector<double> rows;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
-    const results::Figure figure = figure_of(curve.points[i], measure, line.touch);
+    const results::Figure figure = figure_of(curve.points[i], measure);
     const double value = position_of(figure.value, measure);
     rows.insert(rows.end(), {static_cast<double>(i) + aside, value, figure.low ? position_of(*figure.low, measure) : value,
                              figure.high ? position_of(*figure.high, measure) : value});
@@ -86,7 +76,7 @@ double end_of(const results::Stress& stress, StressMeasure measure, bool of_quie
   for (const results::StressedModel& model : stress.models) {
     for (const results::StressCurve& curve : curves_of(model, of_quiet)) {
       for (const results::StressPoint& point : curve.points) {
-        const double value = point.false_alarms.outside_labels_per_min.value;
+        const double value = point.whole.alarms_per_min.value;
         if (std::isfinite(value)) most = std::max(most, value);
       }
     }
@@ -109,21 +99,21 @@ std::string_view title_of(StressMeasure measure) {
     case StressMeasure::accuracy:
       return "Accuracy against severity";
     case StressMeasure::within_50_ms:
-      return "Presses and slips detected within 50 ms, against severity";
+      return "Touches detected within 50 ms, against severity";
     case StressMeasure::false_alarms:
       return "False alarms against severity";
   }
   return "";
 }
 
-std::string_view unit_of(StressMeasure measure, bool of_quiet) {
+std::string_view unit_of(StressMeasure measure) {
   switch (measure) {
     case StressMeasure::accuracy:
       return "accuracy [%]";
     case StressMeasure::within_50_ms:
       return "detected within 50 ms [%]";
     case StressMeasure::false_alarms:
-      return of_quiet ? "false alarms per minute" : "false alarms per minute, outside labels";
+      return "false alarms per minute";
   }
   return "";
 }
@@ -132,7 +122,7 @@ Whiskers whiskers_of(const results::Stress& stress, const std::vector<Line>& lin
   Whiskers whiskers;
   for (const Line& line : lines) {
     for (const results::StressCurve& curve : curves_of(stress.models[line.model], of_quiet)) {
-      for (const results::StressPoint& point : curve.points) whiskers.include(figure_of(point, measure, line.touch));
+      for (const results::StressPoint& point : curve.points) whiskers.include(figure_of(point, measure));
     }
   }
   return whiskers;
@@ -141,7 +131,7 @@ Whiskers whiskers_of(const results::Stress& stress, const std::vector<Line>& lin
 }  // namespace
 
 pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure, bool of_quiet) {
-  const std::vector<Line> lines = lines_of(stress, measure);
+  const std::vector<Line> lines = lines_of(stress);
   static const std::vector<results::StressCurve> none;
   const auto& curves = stress.models.empty() ? none : curves_of(stress.models.front(), of_quiet);
   const std::size_t shown = std::min(curves.size(), most_panels);
@@ -157,7 +147,7 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
   if (whiskers.any()) head.key("it leaves the panel", {.colour = colours::ink, .width = 0, .mark = 9, .size = 0.9});
   const int top = head.bottom() + 64;
   pictures::PlotScript script(head, top + (rows - 1) * row_height + panel_height + below);
-  script.text(unit_of(measure, of_quiet), 20, top - 42, "left font ',12'");
+  script.text(unit_of(measure), 20, top - 42, "left font ',12'");
   const AxisRange range{measure == StressMeasure::false_alarms ? -0.03 : -3, end_of(stress, measure, of_quiet), panel_height};
   const auto alarm_tics = [&](bool has_labels) {
     return measure == StressMeasure::false_alarms ? decade_tics(range, true, true).text(has_labels) : std::string();
@@ -177,7 +167,7 @@ pictures::Plot stress_plot(const results::Stress& stress, StressMeasure measure,
       const double aside = 0.025 * last * (static_cast<double>(place) - static_cast<double>(lines.size() - 1) / 2);
       const auto& own = curves_of(stress.models[line.model], of_quiet);
       if (i >= own.size()) continue;
-      const std::vector<double> rows_of_line = rows_of(own[i], line, measure, aside);
+      const std::vector<double> rows_of_line = rows_of(own[i], measure, aside);
       const std::string table = script.table(4, rows_of_line);
       pictures::LineStyle bars = line.style;
       bars.dashes = 1;

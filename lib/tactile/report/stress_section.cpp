@@ -45,10 +45,10 @@ void add_holds(ReportPage& page, const results::Stress& stress) {
 }
 
 void add_unchanged(ReportPage& page, const results::Stress& stress) {
-  HtmlTable table{.caption = "The unchanged runs, as 'tactile eval' has them",
-                  .head = {"model", "trainings", "runs", "accuracy [%]", "press within 50 ms [%]", "slip within 50 ms [%]",
-                           "false alarms/min outside labels"},
-                  .rows = {}};
+  HtmlTable table{
+      .caption = "The unchanged runs, as 'tactile eval' has them",
+      .head = {"model", "trainings", "runs", "accuracy [%]", "detected within 50 ms [%]", "missed [%]", "false alarms/min"},
+      .rows = {}};
   for (const results::StressedModel& model : stress.models) {
     const auto curve = std::find_if(model.curves.begin(), model.curves.end(), [](const auto& one) { return !one.is_world; });
     if (curve == model.curves.end() || curve->points.empty()) continue;
@@ -57,9 +57,9 @@ void add_unchanged(ReportPage& page, const results::Stress& stress) {
                           number_cell(static_cast<double>(model.trainings.size()), 0),
                           number_cell(static_cast<double>(model.runs.size()), 0),
                           percent_cell(point.accuracy),
-                          percent_cell(point.press.within_50_ms),
-                          percent_cell(point.slip.within_50_ms),
-                          figure_cell(point.false_alarms.outside_labels_per_min)});
+                          percent_cell(point.whole.within_50_ms),
+                          percent_cell(point.whole.missed),
+                          figure_cell(point.whole.alarms_per_min)});
   }
   page.html.table(table);
 }
@@ -82,10 +82,10 @@ void add_stress(ReportPage& page, const ReportInput& input) {
                 "Accuracy on the balanced samples against severity, one panel a recipe.");
     page.figure("stress-detected", stress_plot(stress, StressMeasure::within_50_ms),
                 fmt::format("Share detected within 50 ms against severity of {} recipes.", curves),
-                "Share of presses and slips detected within 50 ms after their onset, by Kaplan and Meier.");
+                "Share of touches detected within 50 ms after their onset.");
     page.figure("stress-false-alarms", stress_plot(stress, StressMeasure::false_alarms),
                 fmt::format("False alarms per minute against severity of {} recipes.", curves),
-                "False alarms per minute outside labels. An alarm counts again for each further 500 ms.");
+                "False alarms per minute outside of touches. An alarm counts again for each further 500 ms.");
   }
   if (!stress.models.front().quiet.empty()) {
     page.figure("stress-quiet", stress_plot(stress, StressMeasure::false_alarms, true),

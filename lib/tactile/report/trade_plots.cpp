@@ -64,7 +64,7 @@ pictures::Plot trade_delay_plot(const results::Trade& trade) {
   return dots_plot(titled(trade, "Detection delay against false alarms"),
                    {.front = "false alarms, delay and misses",
                     .bars = "the delay",
-                    .x_label = "false alarms per minute, outside labels",
+                    .x_label = "false alarms per minute, outside of touches",
                     .y_label = "median delay, misses included [ms]",
                     .x_from_zero = true,
                     .y_from_zero = true},

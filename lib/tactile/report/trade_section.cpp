@@ -92,12 +92,13 @@ void add_trade(ReportPage& page, const ReportInput& input) {
                   on(&results::TradedSetting::on_accuracy_front)),
       "Accuracy against the 99th percentile of the time per tick. The front was found on the choice runs; on the reported "
       "runs it can differ by chance.");
-  page.figure("trade-delay", trade_delay_plot(trade),
-              fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.",
-                          trade.points.size(), on(&results::TradedSetting::on_delay_front)),
-              "Median delay of presses and slips, with the time of computing, against false alarms per minute outside labels. "
-              "Missed ones "
-              "count with the time in which they could be detected; the list has their share.");
+  page.figure(
+      "trade-delay", trade_delay_plot(trade),
+      fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.", trade.points.size(),
+                  on(&results::TradedSetting::on_delay_front)),
+      "Median delay of presses and slips, with the time of computing, against false alarms per minute outside of touches. "
+      "Missed ones "
+      "count with the time in which they could be detected; the list has their share.");
   page.figure(
       "trade-budgets", trade_budget_plot(trade),
       "Accuracy, median delay and false alarms of the most accurate setting of each kind of model, within 1, 10, 50, 100 and "

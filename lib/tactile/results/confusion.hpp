@@ -16,7 +16,10 @@ namespace tactile::results {
 struct Confusion {
   std::array<std::array<std::uint64_t, touch_count>, touch_count> counts{};
 
-  void add(Touch truth, Touch predicted) { ++counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(predicted)]; }
+  std::uint64_t& at(Touch truth, Touch predicted) {
+    return counts[static_cast<std::size_t>(truth)][static_cast<std::size_t>(predicted)];
+  }
+  void add(Touch truth, Touch predicted) { ++at(truth, predicted); }
   Confusion& operator+=(const Confusion& other);
   std::uint64_t samples() const;
   std::uint64_t correct() const;           ///< on the diagonal

@@ -13,9 +13,7 @@ namespace tactile::results {
 namespace {
 
 nlohmann::json detector_json(const DetectorScore& score) {
-  return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}},
-          {"false_alarms_per_min", score.false_alarms.per_min},
-          {"false_alarms", score.false_alarms}};
+  return {{"delay_ms", {{"press", score.press}, {"slip", score.slip}}}};
 }
 
 nlohmann::json guard_json(const GuardScore& score) {
@@ -26,23 +24,9 @@ nlohmann::json guard_json(const GuardScore& score) {
   return json;
 }
 
-nlohmann::json gate_json(const GateOff& off) {
-  nlohmann::json without = detector_json(off.network);
-  without["accuracy"] = off.accuracy;
-  without["confusion"] = off.confusion;
-  return {{"limit_events", off.limit},
-          {"limit_ratio", json_or_null(off.ratio)},
-          {"ticks", off.ticks},
-          {"gated", off.gated},
-          {"off", without}};
-}
-
 DetectorScore detector_in(const JsonView& json) {
   const JsonView delays = json["delay_ms"];
-  DetectorScore score{delays["press"].get<DelayTable>(), delays["slip"].get<DelayTable>(),
-                      json["false_alarms"].get<FalseAlarmTable>()};
-  score.false_alarms.per_min = json["false_alarms_per_min"].get<Figure>();
-  return score;
+  return {delays["press"].get<DelayTable>(), delays["slip"].get<DelayTable>()};
 }
 
 nlohmann::json model_json(const EvaluatedModel& model) {
@@ -68,18 +52,11 @@ GuardScore guard_in(const JsonView& json) {
           confusion_in(json["confusion"])};
 }
 
-GateOff gate_in(const JsonView& json) {
-  const JsonView off = json["off"];
-  return {json["limit_events"].count(),    json["limit_ratio"].number_if_there(), json["ticks"].count(), json["gated"].count(),
-          off["accuracy"].get<Accuracy>(), confusion_in(off["confusion"]),        detector_in(off)};
-}
-
 void add_truth(nlohmann::json& json, const TruthScore& truth) {
   json["accuracy_true"] = truth.accuracy;
   json["confusion_true"] = truth.confusion;
   json["delay_true_ms"] = {{"press", truth.press}, {"slip", truth.slip}};
   json["delay_gross_ms"] = {{"slip", truth.gross_slip}};
-  json["false_alarms_true"] = truth.false_alarms;
   json["over_time_true"] = truth.over_time;
 }
 
@@ -91,7 +68,6 @@ TruthScore truth_in(const JsonView& json) {
           delays["press"].get<DelayTable>(),
           delays["slip"].get<DelayTable>(),
           json["delay_gross_ms"]["slip"].get<DelayTable>(),
-          json["false_alarms_true"].get<FalseAlarmTable>(),
           json["over_time_true"].get<OverTime>()};
 }
 
@@ -105,11 +81,9 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
           {"dataset", {{"file", evaluation.dataset}, {"manifest_hash", evaluation.manifest_hash}}},
           {"software", {{"name", "tactile"}, {"version", version()}, {"revision", revision()}}},
           {"bootstrap", evaluation.bootstrap},
-          {"guard_ms", in_ms(evaluation.guard)},
           {"sampling_guard_ms", in_ms(evaluation.sampling_guard)},
           {"tick_ms", in_ms(evaluation.tick)},
           {"confirm", evaluation.confirm},
-          {"alarm_cost", json_or_null(evaluation.alarm_cost)},
           {"thresholds", evaluation.thresholds.empty() ? nlohmann::json() : nlohmann::json(evaluation.thresholds)},
           {"classes", nlohmann::json::array()},
           {"test_runs", evaluation.test_runs()},
@@ -122,19 +96,16 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
           {"label_uncertainty", evaluation.label_uncertainty},
           {"accuracy_by_guard", nlohmann::json::array()},
           {"over_time", evaluation.over_time},
-          {"operating_curve", evaluation.operating_curve}};
+          {"false_alarms_per_min", evaluation.whole_runs.decided.alarms_per_min},
+          {"whole_runs", evaluation.whole_runs}};
   for (const Touch touch : all_touches) json["classes"].push_back(name_of(touch));
   for (const GuardScore& guard : evaluation.guards) json["accuracy_by_guard"].push_back(guard_json(guard));
   json.update(detector_json(evaluation.network));
-  json["false_alarms"]["runs"] = evaluation.test_runs().size();
-  json["false_alarms"]["of_runs"] = evaluation.of_runs;
   for (const auto& [name, score] : evaluation.trivial) json["trivial"][name] = detector_json(score);
   json["baselines"] = nlohmann::json::object();
   for (const BaselineScore& baseline : evaluation.baselines) {
     json["baselines"][baseline.name] = {{"accuracy", baseline.accuracy.mean}, {"objects", baseline.accuracy.objects}};
   }
-  json["with_flagged"] = json_or_null(evaluation.with_flagged);
-  json["gate"] = evaluation.gate_off ? gate_json(*evaluation.gate_off) : nlohmann::json();
   if (evaluation.truth) add_truth(json, *evaluation.truth);
   json["runs"] = nlohmann::json::array();
   for (const EvaluatedModel& model : evaluation.models) {
@@ -155,10 +126,8 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .dataset = dataset["file"].text(),
                 .manifest_hash = dataset["manifest_hash"].text(),
                 .simulated = json["simulated"].truth(),
-                .guard = json["guard_ms"].milliseconds(),
                 .sampling_guard = json["sampling_guard_ms"].milliseconds(),
                 .tick = json["tick_ms"].milliseconds(),
-                .alarm_cost = json["alarm_cost"].number_if_there(),
                 .thresholds = json["thresholds"].text(),
                 .confirm = json["confirm"] ? json["confirm"].text() : "1/1",
                 .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
@@ -176,19 +145,15 @@ void from_json(const JsonView& json, Evaluation& evaluation) {
                 .baselines = {},
                 .network = detector_in(json),
                 .label_uncertainty = json["label_uncertainty"].get<LabelUncertainty>(),
-                .with_flagged = json["with_flagged"].if_there<WithFlagged>(),
-                .of_runs = json["false_alarms"]["of_runs"] ? json["false_alarms"]["of_runs"].count() : 0,
-                .gate_off = std::nullopt,
                 .trivial = {},
                 .over_time = json["over_time"].get<OverTime>(),
-                .operating_curve = json["operating_curve"].list_of<OperatingPoint>(),
+                .whole_runs = json["whole_runs"].get<WholeRuns>(),
                 .truth = std::nullopt};
   for (const JsonView& run : json["runs"].items()) evaluation.detections.push_back(detections_in(run));
   for (const JsonView& guard : json["accuracy_by_guard"].items()) evaluation.guards.push_back(guard_in(guard));
   for (const auto& [name, baseline] : json["baselines"].members())
     evaluation.baselines.push_back({name, {baseline["accuracy"].get<Figure>(), baseline["objects"].map_of<Figure>()}});
   for (const auto& [name, detector] : json["trivial"].members()) evaluation.trivial.emplace(name, detector_in(detector));
-  if (const JsonView gate = json["gate"]) evaluation.gate_off = gate_in(gate);
   if (json["accuracy_true"] || json["delay_true_ms"]) evaluation.truth = truth_in(json);
 }
 
@@ -199,14 +164,6 @@ std::vector<std::string> Evaluation::test_runs() const {
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
-
-std::string Evaluation::counted_on() const {
-  const std::size_t counted = test_runs().size();
-  return fmt::format("on {} of {} runs{}", counted, of_runs,
-                     counted < of_runs ? ": the others have no press or no slip without a flag" : "");
-}
-
-std::string Evaluation::runs_counted() const { return of_runs == 0 ? std::string() : "Counted " + counted_on() + "."; }
 
 std::optional<bool> Evaluation::above_baselines() const {
   if (!accuracy.mean.low || baselines.empty()) return std::nullopt;

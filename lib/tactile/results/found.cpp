@@ -50,38 +50,29 @@ std::string delay_sentence(const DetectorScore& network) {
       within(press.median_of_all_ms), within(slip.median_of_all_ms), percent_of(press.missed), percent_of(slip.missed));
 }
 
-/// The motion that no label names is known in simulated runs only.
-std::string false_alarm_sentence(const FalseAlarmTable& alarms) {
-  const std::string outside_motion =
-      !std::isfinite(alarms.outside_motion_per_min.value)
-          ? ""
-          : fmt::format("; {} without unlabelled motion, {} of the time", text_of(alarms.outside_motion_per_min, ""),
-                        percent_of(alarms.outside_motion_share, " %", ".2f"));
+std::string false_alarm_sentence(const WholeRuns& whole) {
+  const OperatingPoint& point = whole.decided;
   return fmt::format(
-      "False alarms: {} per minute outside labelled touches, which is {} of that time{}. The wrong class: {} per minute of "
-      "touch, {} of that time.",
-      text_of(alarms.outside_labels_per_min, ""), percent_of(alarms.outside_labels_share), outside_motion,
-      text_of(alarms.wrong_class_per_min, ""), percent_of(alarms.wrong_class_share));
+      "False alarms, on {} whole runs of all kinds: {} per minute outside of touches, which is {:.1f} % of that time.",
+      whole.runs.size(), text_of(point.alarms_per_min, ""), 100 * point.in_alarm);
 }
 
 }  // namespace
 
 std::vector<std::string> found_in(const Evaluation& reported, const std::vector<microseconds>& histories,
                                   const UnseenComparison& unseen, const std::string& claims) {
-  const FalseAlarmTable& alarms = reported.network.false_alarms;
   const Figure& change = unseen.mean.difference;
   std::vector<std::string> sentences{
-      accuracy_sentence(reported, histories), delay_sentence(reported.network), false_alarm_sentence(alarms),
+      accuracy_sentence(reported, histories), delay_sentence(reported.network), false_alarm_sentence(reported.whole_runs),
       unseen.objects.empty()
           ? std::string("No object was held out of training.")
           : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} object{}).",
                         percent_of(change, " points"), change.n, change.n == 1 ? "" : "s"),
       claims};
   const DetectorScore& network = reported.network;
-  std::string note = note_on_intervals(
-      {reported.accuracy.mean, network.press.all.median_of_all_ms.ms, network.press.all.missed,
-       network.slip.all.median_of_all_ms.ms, network.slip.all.missed, alarms.outside_labels_per_min, alarms.outside_labels_share,
-       alarms.outside_motion_per_min, alarms.outside_motion_share, alarms.wrong_class_per_min, alarms.wrong_class_share, change});
+  std::string note = note_on_intervals({reported.accuracy.mean, network.press.all.median_of_all_ms.ms, network.press.all.missed,
+                                        network.slip.all.median_of_all_ms.ms, network.slip.all.missed,
+                                        reported.whole_runs.decided.alarms_per_min, change});
   if (!note.empty()) sentences.push_back(std::move(note));
   return sentences;
 }

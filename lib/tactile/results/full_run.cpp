@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -15,10 +14,6 @@ namespace tactile::results {
 namespace {
 
 constexpr std::size_t digits_of_one = 8;  // of a float32
-
-void append(std::string& text, float value) {
-  fmt::format_to(std::back_inserter(text), "{:08x}", std::bit_cast<std::uint32_t>(value));
-}
 
 /// Nothing unless the text has `count` values.
 std::optional<std::vector<float>> floats_in(const std::string& text, std::size_t count) {
@@ -39,7 +34,7 @@ using Probabilities = std::vector<std::array<float, touch_count>>;
 std::string hexadecimal(const Probabilities& probabilities) {
   std::string text;
   for (const auto& of_tick : probabilities) {
-    for (const float value : of_tick) append(text, value);
+    for (const float value : of_tick) fmt::format_to(std::back_inserter(text), "{:08x}", std::bit_cast<std::uint32_t>(value));
   }
   return text;
 }
@@ -55,14 +50,6 @@ Probabilities probabilities_in(const JsonView& view, std::size_t ticks) {
   return probabilities;
 }
 
-/// @throws Error  unless there is one for each tick
-std::vector<float> ratios_in(const JsonView& view, std::size_t ticks) {
-  auto values = floats_in(view.text(), ticks);
-  if (!values || std::any_of(values->begin(), values->end(), [](float value) { return std::isnan(value); }))
-    throw Error(view.where() + " are not a float32 per tick; expected 8 hexadecimal digits each");
-  return *std::move(values);
-}
-
 }  // namespace
 
 void to_json(nlohmann::json& json, const FullRun& run) {
@@ -74,10 +61,6 @@ void to_json(nlohmann::json& json, const FullRun& run) {
           {"predicted", digits},
           {"probabilities", hexadecimal(run.probabilities)},
           {"events", run.events}};
-  if (run.ratios.empty()) return;
-  std::string ratios;
-  for (const float ratio : run.ratios) append(ratios, ratio);
-  json["ratios"] = ratios;
 }
 
 void from_json(const JsonView& json, FullRun& run) {
@@ -93,9 +76,6 @@ void from_json(const JsonView& json, FullRun& run) {
   run.ticks.count = static_cast<std::int64_t>(run.verdicts.size());
   if (const JsonView probabilities = json["probabilities"]; !probabilities.text().empty())
     run.probabilities = probabilities_in(probabilities, run.verdicts.size());
-  for (const auto& [name, value] : json.members()) {  // files of earlier versions have none
-    if (name == "ratios") run.ratios = ratios_in(value, run.verdicts.size());
-  }
   if (run.events.size() != run.verdicts.size() || run.ticks.tick <= microseconds{0})
     throw Error(json.where() + ": the numbers of verdicts and event counts differ; expected a full run of a model");
 }

@@ -31,16 +31,4 @@ void from_json(const JsonView& json, LabelUncertainty& uncertainty) {
                  .slip_median_ms = slip["median_of_all"].get<SpreadByLabels>()};
 }
 
-void to_json(nlohmann::json& json, const WithFlagged& with) {
-  json = {{"runs", with.runs},
-          {"intervals", with.intervals},
-          {"accuracy", with.accuracy},
-          {"delay_ms", {{"press", with.press}, {"slip", with.slip}}}};
-}
-
-void from_json(const JsonView& json, WithFlagged& with) {
-  with = {json["runs"].texts(), json["intervals"].count(), json["accuracy"].get<Figure>(),
-          json["delay_ms"]["press"].get<DelaySummary>(), json["delay_ms"]["slip"].get<DelaySummary>()};
-}
-
 }  // namespace tactile::results

@@ -3,10 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
-#include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 
 namespace tactile::results {
@@ -33,17 +30,5 @@ struct LabelUncertainty {
 /// {"draws", "accuracy", "delay_ms": {"press": {"mean", "median_of_all"}, "slip"}}
 void to_json(nlohmann::json& json, const LabelUncertainty& uncertainty);
 void from_json(const JsonView& json, LabelUncertainty& uncertainty);
-
-/// The figures with labels that are in doubt.
-struct WithFlagged {
-  std::vector<std::string> runs;  ///< that are left out of the dataset because they are flagged: "fan/03"
-  std::uint64_t intervals = 0;    ///< flagged ones in other runs
-  Figure accuracy{};              ///< mean over objects
-  DelaySummary press{}, slip{};
-};
-
-/// {"runs", "intervals", "accuracy", "delay_ms": {"press", "slip"}}
-void to_json(nlohmann::json& json, const WithFlagged& with);
-void from_json(const JsonView& json, WithFlagged& with);
 
 }  // namespace tactile::results

@@ -7,28 +7,6 @@
 #include "tactile/core/error.hpp"
 
 namespace tactile::results {
-namespace {
-
-nlohmann::json json_of(const StressedTouch& touch) { return {{"within_50_ms", touch.within_50_ms}, {"delays", touch.delays}}; }
-
-StressedTouch touch_in(const JsonView& json) { return {json["within_50_ms"].get<Figure>(), json["delays"].get<DelaySummary>()}; }
-
-}  // namespace
-
-void to_json(nlohmann::json& json, const StressPoint& point) {
-  json = {{"severity", point.severity},    {"accuracy", point.accuracy},  {"accuracy_change", point.accuracy_change},
-          {"press", json_of(point.press)}, {"slip", json_of(point.slip)}, {"false_alarms", point.false_alarms}};
-}
-
-void from_json(const JsonView& json, StressPoint& point) {
-  point = {.severity = json["severity"].number(),
-           .accuracy = json["accuracy"].get<Figure>(),
-           .accuracy_change = json["accuracy_change"].get<Figure>(),
-           .press = touch_in(json["press"]),
-           .slip = touch_in(json["slip"]),
-           .false_alarms = json["false_alarms"].get<FalseAlarmTable>()};
-}
-
 void to_json(nlohmann::json& json, const StressCurve& curve) {
   json = {{"name", curve.name},       {"is_world", curve.is_world}, {"unit", curve.unit},
           {"meaning", curve.meaning}, {"points", curve.points},     {"holds_up_to", nullptr}};
@@ -46,15 +24,17 @@ void from_json(const JsonView& json, StressCurve& curve) {
 }
 
 void to_json(nlohmann::json& json, const StressedModel& model) {
-  json = {{"name", model.name},     {"trainings", model.trainings}, {"runs", model.runs}, {"close_ticks", model.close_ticks},
-          {"curves", model.curves}, {"quiet", model.quiet}};
+  json = {{"name", model.name},
+          {"trainings", model.trainings},
+          {"runs", model.runs},
+          {"curves", model.curves},
+          {"quiet", model.quiet}};
 }
 
 void from_json(const JsonView& json, StressedModel& model) {
   model = {.name = json["name"].text(),
            .trainings = json["trainings"].texts(),
            .runs = json["runs"].texts(),
-           .close_ticks = json["close_ticks"].count(),
            .curves = json["curves"].list_of<StressCurve>(),
            .quiet = json["quiet"].list_of<StressCurve>()};
 }
@@ -69,8 +49,6 @@ void to_json(nlohmann::json& json, const Stress& stress) {
           {"seed", stress.seed},
           {"most_lost", stress.most_lost},
           {"confirm", stress.confirm},
-          {"alarm_cost", json_or_null(stress.alarm_cost)},
-          {"gate", stress.gate},
           {"engine", stress.engine},
           {"bootstrap", stress.bootstrap},
           {"models", stress.models},
@@ -93,8 +71,6 @@ void from_json(const JsonView& json, Stress& stress) {
             .seed = json["seed"].count(),
             .most_lost = json["most_lost"].number(),
             .confirm = json["confirm"].text(),
-            .alarm_cost = json["alarm_cost"].number_if_there(),
-            .gate = json["gate"].truth(),
             .engine = json["engine"].text(),
             .bootstrap = json["bootstrap"].get<BootstrapOptions>(),
             .models = json["models"].list_of<StressedModel>(),

@@ -6,27 +6,27 @@
 #include <string>
 #include <vector>
 
-#include "tactile/results/delay_table.hpp"
-#include "tactile/results/false_alarm_table.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/step_record.hpp"
+#include "tactile/results/whole_runs.hpp"
 
 namespace tactile::results {
-
-/// How one class is detected in worsened runs.
-struct StressedTouch {
-  Figure within_50_ms{};  ///< share of intervals detected within 50 ms after the onset, in [0, 1], by Kaplan and Meier
-  DelaySummary delays{};
-};
 
 /// All runs at one severity.
 struct StressPoint {
   double severity = 0;
   Figure accuracy{};         ///< mean over objects, in [0, 1]
   Figure accuracy_change{};  ///< to the harmless severity, paired over trainings and runs; nothing at the harmless severity
-  StressedTouch press{}, slip{};
-  FalseAlarmTable false_alarms{};  ///< over all objects only
+  OperatingPoint whole{};    ///< delays and false alarms over whole runs
 };
+
+template <class Members>
+void list_members(Members& members, StressPoint& point) {
+  members("severity", point.severity);
+  members("accuracy", point.accuracy);
+  members("accuracy_change", point.accuracy_change);
+  members("whole", point.whole);
+}
 
 /// The severity up to which the accuracy is at most `Stress::most_lost` below that of the harmless severity.
 struct HoldsUpTo {
@@ -49,7 +49,6 @@ struct StressedModel {
   std::string name{};                    ///< of the first training
   std::vector<std::string> trainings{};  ///< names of models
   std::vector<std::string> runs{};       ///< judged by at least one of them: "fan/03"
-  std::uint64_t close_ticks = 0;         ///< of the unchanged runs: ticks where another engine's verdict may differ
   std::vector<StressCurve> curves{};     ///< on these runs
   std::vector<StressCurve> quiet{};      ///< on recordings without a touch: false alarms only
 };
@@ -64,8 +63,6 @@ struct Stress {
   std::uint64_t seed = 1;                  ///< of the recipes
   double most_lost = 0.05;                 ///< of the accuracy, for `HoldsUpTo`
   std::string confirm = "1/1";
-  std::optional<double> alarm_cost{};  ///< of the decision filter; without one, verdicts are confirmed
-  bool gate = false;
   std::string engine{};
   BootstrapOptions bootstrap{};
   std::vector<StressedModel> models{};
@@ -79,8 +76,6 @@ inline constexpr std::string_view stress_format = "tactile-stress-1";
 void to_json(nlohmann::json& json, const Stress& stress);
 void from_json(const JsonView& json, Stress& stress);  ///< @throws Error  if it is of another format
 
-void to_json(nlohmann::json& json, const StressPoint& point);
-void from_json(const JsonView& json, StressPoint& point);
 void to_json(nlohmann::json& json, const StressCurve& curve);
 void from_json(const JsonView& json, StressCurve& curve);
 void to_json(nlohmann::json& json, const StressedModel& model);

@@ -43,7 +43,6 @@ void from_json(const JsonView& json, TradeDataset& dataset) {
 
 void to_json(nlohmann::json& json, const MeasuredAgain& again) {
   json = again.result;
-  json["by"] = again.by;
   json["model"] = again.model;
   json["trainings"] = again.trainings;
   json["runs"] = again.runs;
@@ -51,7 +50,6 @@ void to_json(nlohmann::json& json, const MeasuredAgain& again) {
 
 void from_json(const JsonView& json, MeasuredAgain& again) {
   again = {.result = json.get<TradeResult>(),
-           .by = json["by"].text(),
            .model = json["model"].text(),
            .trainings = json["trainings"].count(),
            .runs = json["runs"].texts()};

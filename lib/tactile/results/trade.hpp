@@ -48,13 +48,12 @@ void from_json(const JsonView& json, TradeDataset& dataset);
 /// A setting that was measured again, by each of its networks, on the runs that this one reports on.
 struct MeasuredAgain {
   TradeResult result{};
-  std::string by{};     ///< "eval", which judges at a network's own ticks, or "trade"
   std::string model{};  ///< of the first training
   std::uint64_t trainings = 0;
   std::vector<std::string> runs{};
 };
 
-/// The members of `TradeResult`, and {"by", "model", "trainings", "runs"}
+/// The members of `TradeResult`, and {"model", "trainings", "runs"}
 void to_json(nlohmann::json& json, const MeasuredAgain& again);
 void from_json(const JsonView& json, MeasuredAgain& again);
 

@@ -17,8 +17,6 @@ void to_json(nlohmann::json& json, const TradeResult& result) {
             {"early", result.early}}},
           {"episodes_per_min", figures.episodes_per_min},
           {"episodes", result.episodes},
-          {"false_alarms_per_min", result.false_alarms_per_min},
-          {"false_alarms", result.alarms},
           {"us",
            {{"p50", figures.us_p50},
             {"p99", figures.us_p99},
@@ -41,11 +39,9 @@ void from_json(const JsonView& json, TradeResult& result) {
                         .episodes_per_min = json["episodes_per_min"].get<Figure>(),
                         .interrupted = us["interrupted"].number_if_there().value_or(0)},
             .delay_mean_us = delay["mean"].get<Figure>(),
-            .false_alarms_per_min = json["false_alarms_per_min"].get<Figure>(),
             .intervals = delay["intervals"].count(),
             .misses = delay["misses"].count(),
             .early = delay["early"].count(),
-            .alarms = json["false_alarms"].count(),
             .episodes = json["episodes"].count(),
             .ticks = us["ticks"].count()};
 }
@@ -69,11 +65,9 @@ void from_json(const JsonView& json, TradeDifference& difference) {
 }
 
 void to_json(nlohmann::json& json, const SettingValues& values) {
-  json = {{"kind", values.kind},           {"th_ms", values.th_ms},         {"tick_ms", values.tick_ms},
-          {"factor", values.factor},       {"resize", values.resize},       {"denoise", values.denoise},
-          {"width", values.width},         {"last_pool", values.last_pool}, {"engine", values.engine},
-          {"precision", values.precision}, {"pass", values.pass},           {"confirm", values.confirm},
-          {"filter", values.filter},       {"gate", values.gate},           {"augment", values.augment}};
+  json = {{"kind", values.kind},     {"th_ms", values.th_ms},     {"tick_ms", values.tick_ms}, {"factor", values.factor},
+          {"resize", values.resize}, {"denoise", values.denoise}, {"engine", values.engine},   {"precision", values.precision},
+          {"pass", values.pass},     {"confirm", values.confirm}, {"augment", values.augment}};
 }
 
 void from_json(const JsonView& json, SettingValues& values) {
@@ -85,14 +79,10 @@ void from_json(const JsonView& json, SettingValues& values) {
             .factor = json["factor"].number(),
             .resize = json["resize"].text(),
             .denoise = json["denoise"].text(),
-            .width = json["width"].number_if_there().value_or(usual.width),
-            .last_pool = json["last_pool"] ? json["last_pool"].whole_number() : usual.last_pool,
             .engine = json["engine"].text(),
             .precision = json["precision"].text(),
             .pass = json["pass"].text(),
             .confirm = json["confirm"].text(),
-            .filter = or_usual(json["filter"].text(), usual.filter),
-            .gate = json["gate"].truth(),
             .augment = or_usual(json["augment"].text(), usual.augment)};
 }
 

@@ -19,7 +19,7 @@ struct TradeFigures {
   Figure delay_median_us, delay_p90_us;                ///< of all presses and slips; those not detected count with their limit
   bool median_is_bound = false, p90_is_bound = false;  ///< one not detected lies at or below it: the true value may be higher
   Figure missed;                                       ///< share of presses and slips missed or early, in [0, 1]
-  Figure episodes_per_min;                             ///< that begin outside labels
+  Figure episodes_per_min;                             ///< false alarms, of the time outside of touches
   double interrupted = 0;                              ///< share of the timed ticks in which another program had the processor
   double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next; not in JSON
 
@@ -27,14 +27,13 @@ struct TradeFigures {
   bool is_disturbed() const { return interrupted > 0.01; }
 };
 
-/// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a tick
-/// whose gate is open, as it is at each detection. The intervals of false alarms are wider if there are few alarms.
+/// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a
+/// tick. The intervals of false alarms are wider if there are few alarms.
 struct TradeResult {
   TradeFigures figures;
-  Figure delay_mean_us;         ///< of the detected presses and slips
-  Figure false_alarms_per_min;  ///< of none time, without releases and motion without labels
-  std::uint64_t intervals = 0, misses = 0, early = 0, alarms = 0;
-  std::uint64_t episodes = 0;  ///< outside labels
+  Figure delay_mean_us;  ///< of the detected presses and slips
+  std::uint64_t intervals = 0, misses = 0, early = 0;
+  std::uint64_t episodes = 0;  ///< false alarms
   std::uint64_t ticks = 0;     ///< timed
 };
 
@@ -60,16 +59,11 @@ struct SettingValues {
   double th_ms = std::numeric_limits<double>::quiet_NaN(), tick_ms = std::numeric_limits<double>::quiet_NaN();
   double factor = std::numeric_limits<double>::quiet_NaN();  ///< size of the heatmap, divided by that of the sensor
   std::string resize, denoise;
-  double width = 1;
-  std::int64_t last_pool = 2;
   std::string engine, precision, pass, confirm;
-  std::string filter = "off";  ///< or its alarm cost
-  bool gate = false;
   std::string augment = "none";  ///< in its training, joined by +
 };
 
-/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "width", "last_pool", "engine", "precision", "pass", "confirm",
-/// "filter", "gate", "augment"}
+/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "engine", "precision", "pass", "confirm", "augment"}
 void to_json(nlohmann::json& json, const SettingValues& values);
 void from_json(const JsonView& json, SettingValues& values);
 

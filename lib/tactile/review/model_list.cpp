@@ -44,7 +44,7 @@ json eval_json(const model::ModelBundle& bundle) {
           {"press_delay_ms", json_of(score.press.all.median_of_all_ms.ms)},
           {"slip_delay_ms", json_of(score.slip.all.median_of_all_ms.ms)},
           {"missed", {{"press", json_of(score.press.all.missed)}, {"slip", json_of(score.slip.all.missed)}}},
-          {"false_alarms_per_min", json_of(score.false_alarms.outside_labels_per_min)}};
+          {"false_alarms_per_min", json_of(evaluation.whole_runs.decided.alarms_per_min)}};
 }
 
 json history_json(const fs::path& file) {
@@ -66,7 +66,7 @@ json model_json(const model::ModelBundle& bundle) {
         {"runs", description.train_runs}, {"samples", description.samples}, {"simulated", description.simulated}};
     entry["kind"] = model::name_of(description.settings.kind);
     if (description.settings.kind == model::ModelKind::lenet)
-      entry["parameters"] = model::lenet_layers(description.input, description.settings.network).parameter_count();
+      entry["parameters"] = model::lenet_layers(description.input).parameter_count();
     entry["history"] = history_json(bundle.history());
     entry["eval"] = eval_json(bundle);
   } catch (const std::exception& e) {

@@ -90,7 +90,7 @@ void read_evaluation(json& entry, const results::JsonView& document) {
     add_figure(entry["figures"], fmt::format("Detection delay of {}, median", touch), delays->median_of_all_ms.ms, "ms");
     add_figure(entry["figures"], fmt::format("Missed, {}", touch), delays->missed, "%", percent);
   }
-  add_figure(entry["figures"], "False alarms", score.false_alarms.outside_labels_per_min, "1/min");
+  add_figure(entry["figures"], "False alarms", evaluation.whole_runs.decided.alarms_per_min, "1/min");
 }
 
 struct Kind {

@@ -30,13 +30,13 @@ TEST(TradeSetting, HasAnIdThatFileNamesMayContain) {
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
-  // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine, precision, pass, filter and gate each, 3
-  // confirmations, 2 widths, 1 last pooling, 1 augmentation, 2 other kinds.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1 + 3 + 2 + 1 + 1 + 2);
+  // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine, precision and pass each, 3 confirmations, 1
+  // augmentation, 1 other kind.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 3 + 1 + 1);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
-    if (!(setting == TradeSetting{})) {
+    if (!(setting == TradeSetting{}) && setting.kind == model::ModelKind::lenet) {
       EXPECT_EQ(differing(setting, {}), 1U) << id_of(setting);
     }
   }
@@ -65,16 +65,12 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.factors = {0.2};
   levels.resizes = {heatmaps::Resize::area};
   levels.denoises = {heatmaps::Denoise::mean};
-  levels.widths = {1};
-  levels.last_pools = {2};
   levels.augmentations = {{}};
   levels.confirmations = {{1, 1}};
-  levels.alarm_costs = {std::nullopt};
-  levels.gate = {false};
   const auto settings = all_combinations({}, levels);
-  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. The other kinds have none of
-  // these.
-  EXPECT_EQ(settings.size(), 3U * (1 + 4 + 2));
+  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. A stream has only its two
+  // ticks.
+  EXPECT_EQ(settings.size(), 3U * (1 + 4) + 2);
   for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
 }
 
@@ -85,39 +81,30 @@ TEST(WhyImpossible, ReportsWhichIsNoWholeNumberOfWhich) {
   EXPECT_EQ(why_impossible(setting).value_or(""), "t_h 10 ms is no whole number of ticks of 4 ms");
 }
 
-TEST(WhyImpossible, AFilterReplacesTheConfirmation) {
-  TradeSetting setting;
-  setting.alarm_cost = 0.01;
-  EXPECT_FALSE(why_impossible(setting));
-  setting.confirmation = {2, 3};
-  EXPECT_EQ(why_impossible(setting).value_or(""), "the filter replaces the confirmation");
-  TradeLevels levels;
-  levels.confirmations = {{1, 1}, {2, 3}};
-  for (const TradeSetting& one : all_combinations({}, levels))
-    EXPECT_FALSE(one.alarm_cost && one.confirmation.of > 1) << id_of(one);
-}
-
 TEST(OneAtATime, AKindWithoutHeatmapsHasNoneOfTheirValues) {
   TradeSetting usual;
   usual.rendering.factor = 0.25;
   usual.rendering.history = 20ms;
   usual.precision = model::Precision::int8;
-  usual.gate = true;
-  TradeSetting trees;
-  trees.kind = model::ModelKind::trees;
-  trees.rendering.history = 20ms;
-  trees.gate = true;
+  usual.confirmation = {2, 3};
+  TradeSetting stream;
+  stream.kind = model::ModelKind::stream;
+  stream.rendering.history = 2ms;
+  stream.confirmation = {2, 3};
   EXPECT_EQ(without_idle_values(usual), usual);
   const auto settings = one_at_a_time(usual, {});
-  EXPECT_EQ(std::count(settings.begin(), settings.end(), trees), 1);
-  // If trees are usual, no value of a heatmap or a network is tried.
-  for (const TradeSetting& setting : one_at_a_time(trees, {})) {
-    if (setting.kind == model::ModelKind::trees) {
-      EXPECT_EQ(setting, without_idle_values(setting)) << id_of(setting);
-    }
+  EXPECT_EQ(std::count(settings.begin(), settings.end(), stream), 1);
+  // If a stream is usual, other ticks and confirmations are tried, but no value of a heatmap or of LeNet.
+  std::size_t streams = 0;
+  for (const TradeSetting& setting : one_at_a_time(stream, {})) {
+    if (setting.kind != model::ModelKind::stream) continue;
+    ++streams;
+    EXPECT_EQ(setting, without_idle_values(setting)) << id_of(setting);
   }
-  trees.width = 0.5;
-  EXPECT_EQ(why_impossible(trees).value_or(""), "a model of kind trees reads no heatmaps, and has one engine and precision");
+  EXPECT_EQ(streams, 1U + 4 + 3);
+  stream.precision = model::Precision::int8;
+  EXPECT_EQ(why_impossible(stream).value_or(""),
+            "a model of kind stream reads no heatmaps, and has one history, engine and precision");
 }
 
 TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {
@@ -127,31 +114,28 @@ TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {
   levels.factors = {0.2};
   levels.resizes = {heatmaps::Resize::area};
   levels.denoises = {heatmaps::Denoise::mean};
-  levels.widths = {1, 0.5};
-  levels.last_pools = {2};
   levels.augmentations = {{}};
   levels.engines = {model::EngineKind::fast};
-  levels.precisions = {model::Precision::fp32};
+  levels.precisions = {model::Precision::fp32, model::Precision::int8};
   levels.sparse = {true};
   levels.confirmations = {{1, 1}};
-  levels.alarm_costs = {std::nullopt};
-  levels.gate = {false};
   std::map<std::string, TradeOutcome> measured;
   for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
-  TradeSetting trees, slower, small;
-  trees.kind = model::ModelKind::trees;
+  TradeSetting stream, slower, rounded;
+  stream.kind = model::ModelKind::stream;
+  stream.rendering.history = 2ms;
   slower.rendering.tick = 4ms;
-  small.width = 0.5;
-  measured[id_of(trees)] = {0.93, 12, 5000, 0.8, 0.1};
+  rounded.precision = model::Precision::int8;
+  measured[id_of(stream)] = {0.93, 12, 5000, 0.8, 0.1};
   measured[id_of(slower)] = {0.9, 100, 5000, 0.5, 0.1};
-  measured[id_of(small)] = {0.91, 60, 5000, 1.0, 0.1};
+  measured[id_of(rounded)] = {0.91, 60, 5000, 1.0, 0.1};
   const auto corners = promising_corners({}, levels, measured, 20);
-  TradeSetting both = trees;
-  both.rendering.tick = 4ms;
+  TradeSetting both = stream;
+  both.rendering.tick = both.rendering.history = 4ms;
   EXPECT_NE(std::find(corners.begin(), corners.end(), both), corners.end());
   for (const TradeSetting& corner : corners) {
     EXPECT_FALSE(why_impossible(corner)) << id_of(corner);
-    EXPECT_FALSE(corner.kind == model::ModelKind::trees && corner.width != 1) << id_of(corner);
+    EXPECT_FALSE(corner.kind == model::ModelKind::stream && corner.precision != model::Precision::fp32) << id_of(corner);
   }
 }
 
@@ -166,8 +150,6 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   levels.precisions = {model::Precision::fp32};
   levels.sparse = {true};
   levels.confirmations = {{1, 1}};
-  levels.alarm_costs = {std::nullopt};
-  levels.gate = {false};
   std::map<std::string, TradeOutcome> measured;
   for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
   TradeSetting usual, shorter, smaller, slow;
@@ -205,21 +187,14 @@ TEST(TradeSetting, IsNamedByItsDifferences) {
   setting.rendering.history = 2500us;
   setting.rendering.tick = 500us;
   setting.confirmation = {2, 3};
-  setting.gate = true;
-  EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms, confirm 2/3, gate");
-  EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32-sparse-2of3-gate");
-  TradeSetting filtered;
-  filtered.alarm_cost = 0.05;
-  EXPECT_EQ(text_of(filtered), "filter 0.05");
-  EXPECT_EQ(text_of({}, filtered), "no filter");
-  EXPECT_EQ(id_of(filtered), "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open-filter0.05");
-  EXPECT_EQ(nlohmann::json(filtered).at("filter"), "0.05");
-  EXPECT_EQ(nlohmann::json(setting).at("filter"), "off");
-  TradeSetting trees;
-  trees.kind = model::ModelKind::trees;
-  EXPECT_EQ(text_of(trees), "trees");
-  EXPECT_EQ(text_of({}, trees), "LeNet");
-  EXPECT_EQ(id_of(trees), "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open-trees");
+  EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms, confirm 2/3");
+  EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32-sparse-2of3");
+  TradeSetting stream;
+  stream.kind = model::ModelKind::stream;
+  stream.rendering.history = stream.rendering.tick = 1ms;
+  EXPECT_EQ(text_of(stream), "stream, tick 1 ms");
+  EXPECT_EQ(text_of({}, without_idle_values(stream)), "LeNet, t_h 40 ms, tick 2 ms");
+  EXPECT_EQ(id_of(stream), "th1-tick1-f0.2-area-mean-fast-fp32-sparse-1of1-stream");
 }
 
 }  // namespace

@@ -6,15 +6,15 @@ namespace tactile::trade {
 namespace {
 
 /// A cell with 100 samples, one press that is detected after `delay_us`, and a minute without alarms.
-TradedRun cell(const std::string& object, std::size_t training, std::uint64_t right, double delay_us = 5000) {
-  TradedRun run;
+results::Cell cell(const std::string& object, std::size_t training, std::uint64_t right, double delay_us = 5000) {
+  results::Cell run;
   run.object = object;
   run.run = "02";
   run.training = training;
-  run.confusion.counts[0][0] = right;
-  run.confusion.counts[0][1] = 100 - right;
-  run.delays = {{delay_us, true}};
-  run.alarms.none_time = run.alarms.outside_labels_time = std::chrono::seconds(60);
+  run.samples.counts[0][0] = right;
+  run.samples.counts[0][1] = 100 - right;
+  run.touches = {{Touch::press, results::DetectionOutcome::detected, delay_us / 1000}};
+  run.outside_s = 60;
   return run;
 }
 
@@ -22,7 +22,7 @@ TimedRun timed(const std::string& object, float us) {
   TimedRun run;
   run.object = object;
   run.run = "02";
-  run.tick_us = run.open_tick_us = {us};
+  run.tick_us = {us};
   return run;
 }
 

@@ -5,7 +5,6 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/evaluation/full_run.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -31,26 +30,6 @@ TEST(AtTick, TakesTheTicksThatLieAtWholeMultiples) {
   EXPECT_EQ(fewer.events, (std::vector<std::uint64_t>{2, 4}));
   EXPECT_EQ(at_tick(predicted, 100ms).ticks.count, 0);
   EXPECT_THROW(at_tick(predicted, 3ms), Error);
-}
-
-TEST(VerdictsOf, GateFirstAndThenConfirm) {
-  const results::FullRun predicted = predicted_as({Touch::press, Touch::press, Touch::press, Touch::press}, {9, 1, 9, 9});
-  const std::vector<Touch> all(4, Touch::press);
-  EXPECT_EQ(verdicts_of(predicted, std::nullopt, {}), all);
-  EXPECT_EQ(verdicts_of(predicted, model::GateRule{.events = 5}, {}),
-            (std::vector<Touch>{Touch::press, Touch::none, Touch::press, Touch::press}));
-  EXPECT_EQ(verdicts_of(predicted, model::GateRule{.events = 5}, {.confirmation = {2, 2}}),
-            (std::vector<Touch>{Touch::none, Touch::none, Touch::none, Touch::press}));
-}
-
-TEST(VerdictsOf, GateFirstAndThenFilter) {
-  results::FullRun predicted = predicted_as(std::vector<Touch>(100, Touch::slip), std::vector<std::uint64_t>(100, 9));
-  predicted.probabilities.assign(100, {0.1F, 0, 0.9F});
-  const model::Decision filtered{.filter = model::FilterSettings{}};
-  EXPECT_EQ(verdicts_of(predicted, model::GateRule{.events = 5}, filtered), evaluation::decided(filtered, predicted));
-  EXPECT_EQ(verdicts_of(predicted, model::GateRule{.events = 5}, filtered).back(), Touch::slip);
-  EXPECT_EQ(verdicts_of(predicted, model::GateRule{.events = 10}, filtered), std::vector<Touch>(100, Touch::none))
-      << "closed at every tick";
 }
 
 TEST(AtTick, KeepsTheProbabilitiesOfItsTicks) {

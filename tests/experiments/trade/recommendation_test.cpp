@@ -130,7 +130,7 @@ TEST(Recommend, NamesTheSettingAndWhatItHas) {
       "half of the ticks, 150 us [140, 160] in 99 of 100 and 300 us [280, 320] in 999 of 1000; other programs "
       "interrupted 0 % of them. The delay is 5.00 ms [4.50, "
       "5.50] in half of the presses and slips and at least 50.00 ms [45.00, 55.00] in 90 % of them; 10.0 % [8.0, 12.0] are "
-      "missed or early. There are 1.00 [0.80, 1.20] false alarms per minute outside labels, with those in releases and in "
+      "missed or early. There are 1.00 [0.80, 1.20] false alarms per minute outside of touches, with those in releases and in "
       "motion without labels. In 'tactile detect' over loopback it took 80 us in half of 9000 ticks, 190 us in 99 of 100 and 400 "
       "us in 999 "
       "of 1000, and 0.00 % of the ticks were skipped or late.");

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
 #include "support/temporary_folder.hpp"
@@ -14,44 +13,26 @@
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/events/recording_reader.hpp"
-#include "tactile/events/run_ticks.hpp"
 #include "tactile/experiments/trade/tick_quantiles.hpp"
-#include "tactile/model/inference/background_ratio.hpp"
 #include "windows/made_runs.hpp"
 
 namespace tactile::trade {
 namespace {
 
-TEST(TickTime, HasNoNetworkWhereTheGateCloses) {
-  const TickTime tick{.counting = 2, .rendering = 30, .network = 400, .comparing = 1, .events = 99, .ratio = 5};
-  EXPECT_DOUBLE_EQ(tick.total(std::nullopt), 432);
-  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 100}), 2);
-  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.events = 99}), 432);
-  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.ratio = 5.5}), 3) << "comparing takes time, too";
-  EXPECT_DOUBLE_EQ(tick.total(model::GateRule{.ratio = 5}), 433);
-  EXPECT_TRUE(tick.is_open(std::nullopt));
-  EXPECT_FALSE(tick.is_open(model::GateRule{.ratio = 5.5}));
-}
-
 TEST(WriteTimes, ReadsBackTheSame) {
   const test::TemporaryFolder folder;
-  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 0.5F, 7, 8.5F, 2}, {4, 5, 6, 1, 0, 2}}, {}},
-                                      {{}, {{0.125F, 0, 1, 0, 12}}}};
+  const std::vector<TimesOfRuns> ways{{{{1.5F, 2.25F, 3, 7, 2}, {4, 5, 6, 0}}, {}}, {{}, {{0.125F, 0, 1, 12}}}};
   write_times(folder / "times.ticks", ways);
   const auto read = read_times(folder / "times.ticks");
   ASSERT_EQ(read.size(), 2U);
   ASSERT_EQ(read[0].size(), 2U);
   ASSERT_EQ(read[0][0].size(), 2U);
   EXPECT_EQ(read[0][0][0].rendering, 2.25F);
-  EXPECT_EQ(read[0][0][0].comparing, 0.5F);
-  EXPECT_EQ(read[0][0][0].ratio, 8.5F);
   EXPECT_EQ(read[0][0][0].interruptions, 2U);
   EXPECT_EQ(read[0][0][1].events, 0U);
   EXPECT_TRUE(read[0][1].empty());
   EXPECT_EQ(read[1][1][0].counting, 0.125F);
   EXPECT_EQ(read[1][1][0].events, 12U);
-  EXPECT_TRUE(std::isinf(read[1][1][0].ratio));
   const std::string whole = read_text(folder / "times.ticks");
   for (const std::string& bad :
        {std::string(), std::string("{}"), std::string("{\"ticks\": [[-1]]}\n"),
@@ -85,13 +66,13 @@ TEST(TimeTicks, KeepsEveryStallOfEveryTurn) {
   const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
   const auto times = time_ticks(settings, recordings, {.ticks = 600, .pieces = 4, .turns = 3}, {}, open);
   TimedRun run;
-  for (const TickTime& tick : times.at(0).at(0)) run.tick_us.push_back(static_cast<float>(tick.total({})));
+  for (const TickTime& tick : times.at(0).at(0)) run.tick_us.push_back(static_cast<float>(tick.total()));
   // 12 turns of 50 ticks, each after one that warms up; of the 30 stalls, the 23rd (call 460) is in a tick that warms up.
   EXPECT_EQ(run.tick_us.size(), 600U);
   EXPECT_EQ(calls, 612U);
   EXPECT_EQ(stalls, 30U);
   EXPECT_GE(std::count_if(run.tick_us.begin(), run.tick_us.end(), [](float us) { return us >= 5000; }), 29);
-  const TickQuantiles quantiles({&run, 1}, &TimedRun::tick_us);
+  const TickQuantiles quantiles({&run, 1});
   const std::vector<std::uint32_t> once{1};
   EXPECT_LT(quantiles.of(once, 0.5).value_or(0), 5000);
   EXPECT_GE(quantiles.of(once, 0.99).value_or(0), 5000) << "4.8 % of the ticks";
@@ -141,38 +122,11 @@ TEST(TimeTicks, TakesMoreTurnsWhereARecordingHasFewTicks) {
   EXPECT_TRUE(time_ticks({&setting, 1}, recordings, {.ticks = 60, .pieces = 2}, {}, open).at(0).at(0).empty());
 }
 
-TEST(TimeTicks, CompareEachTickWithTheBackgroundOfTheWholeRecording) {
-  const test::TemporaryFolder folder;
-  test::make_run(folder.path(), {.length_us = 1'000'000});
-  const std::vector<std::filesystem::path> recordings{folder / "fan/01/events.aedat4"};
-  TimedSetting other;
-  other.rendering.history = 100ms;
-  const std::vector<TimedSetting> settings{{}, other, {}};
-  const auto open = timed_as([](std::span<const std::uint8_t>) { return model::Logits{}; });
-  const auto times = time_ticks(settings, recordings, {.ticks = 2'000, .pieces = 2, .turns = 3}, {}, open);
-
-  events::RecordingReader reader(recordings[0]);
-  const events::Stream& stream = events::event_stream(reader);
-  for (std::size_t i = 0; i < settings.size(); ++i) {
-    const heatmaps::HeatmapOptions& rendering = settings[i].rendering;
-    model::BackgroundRatio background(*stream.size, rendering.history);
-    std::vector<float> expected;
-    events::follow_ticks(reader, stream.id, rendering.history, rendering.tick,
-                         {[&](std::span<const events::Event> events) { background.add(events); },
-                          [&](CameraTime t) { expected.push_back(static_cast<float>(background.at(t))); }});
-    ASSERT_GT(std::count_if(expected.begin(), expected.end(), [](float ratio) { return std::isfinite(ratio); }), 150);
-    const std::vector<TickTime>& ticks = times[i].at(0);
-    ASSERT_GE(ticks.size(), 2'000U);
-    // The first piece begins with the recording: its middle is nearer to the beginning than half a turn.
-    for (std::size_t k = 0; k < 300; ++k) ASSERT_EQ(ticks[k].ratio, expected[k]) << "setting " << i << ", tick " << k;
-  }
-}
-
 TEST(TickQuantiles, CountEachRunAsOftenAsItIsDrawn) {
   std::vector<TimedRun> runs(2);
   runs[0].tick_us = {3, 1, 2};
   runs[1].tick_us = {10};
-  const TickQuantiles quantiles(runs, &TimedRun::tick_us);
+  const TickQuantiles quantiles(runs);
   using Weights = std::vector<std::uint32_t>;
   EXPECT_EQ(quantiles.of(Weights{1, 1}, 0.5), 2);
   EXPECT_EQ(quantiles.of(Weights{1, 1}, 0.99), 10);
@@ -187,7 +141,7 @@ TEST(TickQuantiles, CountEachRunAsOftenAsItIsDrawn) {
     runs[i % 2].tick_us.push_back(static_cast<float>(random.below(500)));
   }
   for (const TimedRun& run : runs) all.insert(all.end(), run.tick_us.begin(), run.tick_us.end());
-  const TickQuantiles many(runs, &TimedRun::tick_us);
+  const TickQuantiles many(runs);
   for (const double q : {0.0, 0.01, 0.3, 0.5, 0.51, 0.9, 0.99, 0.999, 1.0})
     EXPECT_EQ(many.of(Weights{1, 1}, q), q == 0 ? *std::min_element(all.begin(), all.end()) : nearest_rank_quantile(all, q)) << q;
 }

@@ -6,7 +6,7 @@ namespace tactile::trade {
 namespace {
 
 JudgedRun run_with_a_press() {
-  JudgedRun run{.run = "fan/03", .object = "fan", .samples = {}, .truth = {}, .guard = 0ms};
+  JudgedRun run{.folder = {{}, "fan", "03"}, .events_sha256 = {}, .samples = {}, .truth = {}};
   run.truth.labels = {{{Touch::press, camera_time(21'000), camera_time(61'000)}, true}};
   return run;
 }
@@ -26,54 +26,45 @@ TEST(OutcomeOf, ASampleTakesTheVerdictOfTheLastTickUpToIt) {
                  {0, camera_time(38'000), Touch::press},   // 8 ms after it
                  {0, camera_time(42'000), Touch::press}};  // after the last one
   const results::FullRun predicted = predicted_every(10ms, camera_time(20'000), {Touch::slip, Touch::press, Touch::slip});
-  const TradedRun outcome = outcome_of(run, predicted, predicted.verdicts);
-  EXPECT_EQ(outcome.confusion.counts[0][0], 1U);
-  EXPECT_EQ(outcome.confusion.counts[1][1], 2U);
-  EXPECT_EQ(outcome.confusion.counts[1][2], 1U);
+  const results::Cell outcome = cell_of(run, predicted, predicted.verdicts);
+  EXPECT_EQ(outcome.samples.counts[0][0], 1U);
+  EXPECT_EQ(outcome.samples.counts[1][1], 2U);
+  EXPECT_EQ(outcome.samples.counts[1][2], 1U);
 }
 
 TEST(OutcomeOf, ADelayIsCountedFromTheOnsetItself) {
   const JudgedRun run = run_with_a_press();
   const results::FullRun predicted =
       predicted_every(10ms, camera_time(10'000), {Touch::none, Touch::none, Touch::none, Touch::press, Touch::press});
-  const TradedRun outcome = outcome_of(run, predicted, predicted.verdicts);
-  EXPECT_EQ(outcome.delays, (std::vector<TradedDelay>{{40'000 - 21'000, true}}));
-  EXPECT_EQ(outcome.misses + outcome.early, 0U);
+  const results::Cell outcome = cell_of(run, predicted, predicted.verdicts);
+  EXPECT_EQ(outcome.touches, (std::vector<results::TouchOutcome>{{Touch::press, results::DetectionOutcome::detected, 40 - 21}}));
   const results::FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(6, Touch::none));
-  const TradedRun missed = outcome_of(run, silent, silent.verdicts);
-  EXPECT_EQ(missed.misses, 1U);
-  EXPECT_EQ(missed.delays, (std::vector<TradedDelay>{{61'000 - 21'000, false}})) << "its limit is the end";
+  const results::Cell missed = cell_of(run, silent, silent.verdicts);
+  EXPECT_EQ(missed.touches, (std::vector<results::TouchOutcome>{{Touch::press, results::DetectionOutcome::missed, 61 - 21}}))
+      << "its limit is the end";
 }
 
 TEST(OutcomeOf, AMissCountsWithHalfASecondAtMost) {
   JudgedRun run = run_with_a_press();
   run.truth.labels.front().interval.end = camera_time(2'000'000);
   const results::FullRun silent = predicted_every(10ms, camera_time(10'000), std::vector<Touch>(60, Touch::none));
-  EXPECT_EQ(outcome_of(run, silent, silent.verdicts).delays, (std::vector<TradedDelay>{{500'000, false}}));
-}
-
-TEST(OutsideLabels, AreAllEpisodesAndAllTimeOutsideThem) {
-  results::FalseAlarms counts;
-  counts.alarms = 1, counts.none_time = 60s;
-  counts.outside_labels = 10, counts.outside_labels_time = 120s;
-  EXPECT_EQ(outside_labels(counts).alarms, 10U);
-  EXPECT_DOUBLE_EQ(outside_labels(counts).per_min().value_or(0), 5);
+  EXPECT_EQ(cell_of(run, silent, silent.verdicts).touches,
+            (std::vector<results::TouchOutcome>{{Touch::press, results::DetectionOutcome::missed, 500}}));
 }
 
 /// Each detected delay, and one miss at 9 ms.
-TradedRun outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, const std::vector<double>& delays,
-                  std::size_t training = 0) {
-  TradedRun made;
+results::Cell outcome(const std::string& object, std::uint64_t right, std::uint64_t wrong, const std::vector<double>& delays,
+                      std::size_t training = 0) {
+  results::Cell made;
   made.object = object;
   made.run = "03";
   made.training = training;
-  made.confusion.counts[1][1] = right;
-  made.confusion.counts[1][0] = wrong;
-  for (const double us : delays) made.delays.push_back({us, true});
-  made.delays.push_back({9000, false});
-  made.misses = 1;
-  made.alarms.alarms = made.alarms.outside_labels = 2;
-  made.alarms.none_time = made.alarms.outside_labels_time = std::chrono::seconds(60);
+  made.samples.counts[1][1] = right;
+  made.samples.counts[1][0] = wrong;
+  for (const double us : delays) made.touches.push_back({Touch::press, results::DetectionOutcome::detected, us / 1000});
+  made.touches.push_back({Touch::press, results::DetectionOutcome::missed, 9});
+  made.alarms["quiet"] = 2;
+  made.outside_s = 60;
   return made;
 }
 
@@ -81,12 +72,12 @@ TimedRun timed(const std::string& object, std::vector<float> tick_us) {
   TimedRun made;
   made.object = object;
   made.run = "03";
-  made.tick_us = made.open_tick_us = std::move(tick_us);
+  made.tick_us = std::move(tick_us);
   return made;
 }
 
 TEST(ResultOf, IsWhatOneWorksOutByHand) {
-  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000, 3000}), outcome("b", 4, 0, {5000}), outcome("c", 2, 2, {7000})};
+  const std::vector<results::Cell> runs{outcome("a", 3, 1, {1000, 3000}), outcome("b", 4, 0, {5000}), outcome("c", 2, 2, {7000})};
   const std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40, 50}), timed("c", {60})};
   const results::TradeResult result = result_of(runs, times);
   EXPECT_DOUBLE_EQ(result.figures.accuracy.value, (0.75 + 1 + 0.5) / 3);
@@ -102,7 +93,7 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
   EXPECT_DOUBLE_EQ(result.delay_mean_us.value, 4000 + 30) << "of the detected ones";
   EXPECT_DOUBLE_EQ(result.figures.missed.value, 3.0 / 7);
   EXPECT_DOUBLE_EQ(result.figures.episodes_per_min.value, 2);
-  EXPECT_DOUBLE_EQ(result.false_alarms_per_min.value, 2);
+  EXPECT_EQ(result.episodes, 6U);
   EXPECT_EQ(result.intervals, 7U);
   EXPECT_EQ(result.misses, 3U);
   ASSERT_TRUE(result.figures.accuracy.low && result.figures.accuracy.high);
@@ -112,7 +103,7 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
 
 TEST(ResultOf, DrawsTrainings) {
   // Objects are equal, trainings are not: only drawn trainings give an interval.
-  std::vector<TradedRun> runs;
+  std::vector<results::Cell> runs;
   for (const char* object : {"a", "b", "c"}) {
     runs.push_back(outcome(object, 90, 10, {1000}, 0));
     runs.push_back(outcome(object, 80, 20, {1000}, 1));
@@ -125,13 +116,13 @@ TEST(ResultOf, DrawsTrainings) {
   // The standard error is 0.1 / sqrt(3), and t of two degrees of freedom 6.2: as of 4.8 trials. From SciPy.
   EXPECT_NEAR(*accuracy.low, 0.2727486076427136, 1e-9);
   EXPECT_NEAR(*accuracy.high, 0.995625859644821, 1e-9);
-  std::erase_if(runs, [](const TradedRun& run) { return run.training == 2; });
+  std::erase_if(runs, [](const results::Cell& run) { return run.training == 2; });
   EXPECT_FALSE(result_of(runs, {}).figures.accuracy.has_interval()) << "two trainings";
 }
 
 TEST(ResultOf, TakesIntervalsOverRunsOfFewerThanThreeObjects) {
   // Four runs of each of two objects, each judged by one training.
-  std::vector<TradedRun> runs;
+  std::vector<results::Cell> runs;
   std::vector<TimedRun> times;
   for (const char* object : {"a", "b"}) {
     for (std::size_t run = 0; run < 4; ++run) {
@@ -158,25 +149,15 @@ TEST(ResultOf, HasTheShareOfInterruptedTicks) {
   times[0].interrupted = 1;
   EXPECT_DOUBLE_EQ(result_of({}, times).figures.interrupted, 0.25);
   const std::vector<TickTime> ticks{{.counting = 1}, {.counting = 1, .interruptions = 2}};
-  EXPECT_EQ(timed_run({}, ticks, {}).interrupted, 1U);
-}
-
-TEST(ResultOf, TakesTheTimeOfTicksThatNoGateClosesIntoDelays) {
-  const std::vector<TradedRun> runs{outcome("a", 3, 1, {1000})};
-  std::vector<TimedRun> times{timed("a", {1, 1, 1, 150})};
-  times[0].open_tick_us = {150};
-  EXPECT_DOUBLE_EQ(result_of(runs, times).figures.us_p50.value, 1);
-  EXPECT_DOUBLE_EQ(result_of(runs, times).delay_mean_us.value, 1150);
-  times[0].open_tick_us.clear();
-  EXPECT_DOUBLE_EQ(result_of(runs, times).delay_mean_us.value, 1001);
+  EXPECT_EQ(timed_run({}, ticks).interrupted, 1U);
 }
 
 TEST(ResultOf, HasAnIntervalAboveZeroWithoutAnAlarm) {
-  std::vector<TradedRun> runs;
+  std::vector<results::Cell> runs;
   for (const char* object : {"a", "b", "c"}) {
     runs.push_back(outcome(object, 3, 1, {1000}));
-    runs.back().alarms.alarms = runs.back().alarms.outside_labels = 0;
-    runs.back().alarms.none_time = runs.back().alarms.outside_labels_time = std::chrono::seconds(20);
+    runs.back().alarms.clear();
+    runs.back().outside_s = 20;
   }
   const results::Figure in_a_minute = result_of(runs, {}).figures.episodes_per_min;
   EXPECT_EQ(in_a_minute.value, 0);
@@ -184,19 +165,19 @@ TEST(ResultOf, HasAnIntervalAboveZeroWithoutAnAlarm) {
   EXPECT_EQ(*in_a_minute.low, 0);
   EXPECT_NEAR(*in_a_minute.high, 3.6889, 1e-4) << "none met in a minute";
   // Other trainings on the same runs see no other minute.
-  std::vector<TradedRun> thrice;
-  for (TradedRun run : runs) {
+  std::vector<results::Cell> thrice;
+  for (results::Cell run : runs) {
     for (run.training = 0; run.training < 3; ++run.training) thrice.push_back(run);
   }
   EXPECT_NEAR(*result_of(thrice, {}).figures.episodes_per_min.high, 3.6889, 1e-4);
   // Many that differ between runs: the draws say more.
-  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms.alarms = runs[i].alarms.outside_labels = 1000 * i;
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms["quiet"] = 1000 * i;
   EXPECT_GT(*result_of(runs, {}).figures.episodes_per_min.high, 1900);
 }
 
 TEST(DifferenceOf, IsPairedOverRuns) {
   // Ten times as much between objects as between settings: only a paired interval tells them apart.
-  std::vector<TradedRun> a, b;
+  std::vector<results::Cell> a, b;
   std::vector<TimedRun> times_of_a, times_of_b;
   for (const auto& [object, right] : {std::pair("a", 50U), std::pair("b", 70U), std::pair("c", 90U), std::pair("d", 60U)}) {
     a.push_back(outcome(object, right, 100 - right, {1000, 1000}));

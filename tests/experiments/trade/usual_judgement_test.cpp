@@ -9,12 +9,12 @@ results::Figure about(double value, std::size_t trainings) {
   return {.value = value, .low = value - 0.001, .high = value + 0.001, .n = 10, .trainings = trainings};
 }
 
-/// The usual setting, and one with a gate that is faster by 20 us and equal in all else.
+/// The usual setting, and one with int8 that is faster by 20 us and equal in all else.
 std::vector<TradePoint> usual_and_faster(std::size_t trainings) {
   std::vector<TradePoint> points(2);
   points[0].design = "usual";
   points[0].networks.resize(trainings);
-  points[1].setting.gate = true;
+  points[1].setting.precision = model::Precision::int8;
   points[1].difference = results::TradeDifference{.accuracy = about(0, trainings),
                                                   .delay_us = about(0, trainings),
                                                   .missed = about(0, trainings),
@@ -26,7 +26,7 @@ std::vector<TradePoint> usual_and_faster(std::size_t trainings) {
 
 TEST(JudgementOfUsual, NamesABetterSetting) {
   const std::string text = judgement_of_usual(usual_and_faster(5), {});
-  EXPECT_NE(text.find("Better than it by the whole 95 % intervals of their differences: gate ("), std::string::npos) << text;
+  EXPECT_NE(text.find("Better than it by the whole 95 % intervals of their differences: int8 ("), std::string::npos) << text;
   EXPECT_EQ(text.find("could not be tested"), std::string::npos) << text;
 }
 
@@ -36,7 +36,7 @@ TEST(JudgementOfUsual, IsNoEvidenceWhereTheRuleWasApplied) {
   const std::string text = judgement_of_usual(points, {});
   EXPECT_NE(text.find("None of the tested settings (1) is better"), std::string::npos) << text;
   EXPECT_NE(text.find("This is no evidence for another default."), std::string::npos) << text;
-  EXPECT_NE(text.find("The most accurate of those that are faster by the whole intervals: gate ("), std::string::npos) << text;
+  EXPECT_NE(text.find("The most accurate of those that are faster by the whole intervals: int8 ("), std::string::npos) << text;
 }
 
 TEST(JudgementOfUsual, SaysThatTheRuleCouldNotBeApplied) {

@@ -5,9 +5,11 @@
 #include <map>
 #include <string>
 
+#include "model/stream_data.hpp"
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/json.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
@@ -84,13 +86,41 @@ TEST_F(Export, WritesBothFormatsWithTheirMetadata) {
 
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("name").get<std::string>(), "mine");
-  ASSERT_EQ(json.at("files").size(), 2U);
+  ASSERT_EQ(json.at("files").size(), 3U);
   for (const auto& file : json.at("files")) {
     const fs::path path = folder / file.at("file").get<std::string>();
     EXPECT_EQ(file.at("bytes").get<std::uint64_t>(), fs::file_size(path));
     EXPECT_EQ(file.at("sha256").get<std::string>(), sha256_of_file(path));
   }
   EXPECT_EQ(json.at("onnx").at("opset").get<int>(), 13);
+  const OwnDescription described = read_own_description(folder / "out/model.onnx");
+  EXPECT_EQ(described.input_shape(), (std::vector<std::int64_t>{1, 1, 24, 32}));
+  EXPECT_EQ(described.rendering, heatmaps::HeatmapOptions{});
+}
+
+TEST_F(Export, WritesAStreamWithItsStates) {
+  const ModelBundle bundle{folder / "models/mine"};
+  ModelDescription description;
+  description.settings.kind = ModelKind::stream;
+  description.settings.rendering.history = description.settings.rendering.tick;
+  description.input = {160, 120};
+  description.learned_from = {{"fan/01", "abc", ""}};
+  write_bundle(bundle, description, {test::stream_weights(), {}}, {});
+  const auto result = run("--onnx m.onnx --safetensors m.safetensors --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("onnx").at("input").get<std::string>(), "counts");
+  EXPECT_EQ(json.at("onnx").at("states").size(), 4U);
+  EXPECT_EQ(read_weights(folder / "m.safetensors", stream_parameters()), test::stream_weights());
+  const nlohmann::json beside = read_json(folder / "m.json");
+  std::map<std::string, std::string> of_onnx;
+  const onnx::ModelProto onnx = onnx_in("m.onnx");
+  for (const auto& entry : onnx.metadata_props()) of_onnx[entry.key()] = entry.value();
+  for (const char* key : {"input", "states", "grid"}) EXPECT_EQ(nlohmann::json::parse(of_onnx.at(key)), beside.at(key)) << key;
+  const OwnDescription described = own_description_in(beside, "m.json");
+  EXPECT_EQ(described.sensor, (events::SensorSize{160, 120}));
+  EXPECT_EQ(described.grid, (std::array<double, 4>{0, 0, 160, 120}));
+  EXPECT_EQ(described.learned_from.at(0).at("run").get<std::string>(), "fan/01");
 }
 
 TEST_F(Export, TakesTheModelTrainedLast) {
@@ -117,7 +147,7 @@ TEST_F(Export, ReplacesOnlyByForce) {
   const std::string before = read_text(folder / "m.onnx");
   ASSERT_EQ(run("--onnx m.onnx --force").exit_code, 0);
   EXPECT_EQ(read_text(folder / "m.onnx"), before);
-  EXPECT_EQ(files_beside_models(), 2U);
+  EXPECT_EQ(files_beside_models(), 3U);
 }
 
 TEST_F(Export, ReportsWhatIsWrong) {
@@ -133,6 +163,8 @@ TEST_F(Export, ReportsWhatIsWrong) {
   expect_refused("", "no output is given; expected --onnx FILE, --safetensors FILE");
   expect_refused("--model yours --onnx m.onnx", "models/yours: no model");
   expect_refused("--model mine --onnx m --safetensors ./m", "m: is given for both formats");
+  expect_refused("--model mine --onnx m.json", "m.json: is the file that says what the ONNX model reads");
+  expect_refused("--model mine --onnx m.onnx --safetensors m.json", "expected another name");
   expect_refused("--model mine --onnx models", "models: is a folder");
   expect_refused("--model mine --onnx models/mine/model.json/m.onnx", "the folder cannot be created");
   write_weights(bundle.weights(), LeNet(small, 99).weights());

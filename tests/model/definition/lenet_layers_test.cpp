@@ -17,31 +17,6 @@ TEST(LeNetLayers, OfThePapersHeatmapFlattenTo9744) {
   EXPECT_EQ(layers.parameter_count(), 156U + 2416U + 1'169'400U + 10'164U + 255U);
 }
 
-TEST(LeNetLayers, OfSmallerNetworksHaveFewerChannelsUnitsAndWeights) {
-  const auto sizes_of = [](const LeNetOptions& options) {
-    const LeNetLayers layers = lenet_layers({128, 96}, options);
-    return std::vector<std::size_t>{layers.first_channels, layers.second_channels,  layers.first_hidden, layers.second_hidden,
-                                    layers.flat,           layers.parameter_count()};
-  };
-  using Sizes = std::vector<std::size_t>;
-  EXPECT_EQ(sizes_of({.width = 0.5}), (Sizes{3, 8, 60, 42, 4872, 78 + 608 + 292'380 + 2562 + 129}));
-  EXPECT_EQ(sizes_of({.width = 0.25}), (Sizes{2, 4, 30, 21, 2436, 52 + 204 + 73'110 + 651 + 66}));
-  // 29 x 21 -> 14 x 10, times 16 channels
-  EXPECT_EQ(sizes_of({.last_pool = 4}), (Sizes{6, 16, 120, 84, 2240, 156 + 2416 + 268'920 + 10'164 + 255}));
-}
-
-TEST(LeNetLayers, OfADefaultSizeAreDescribedAsBefore) {
-  EXPECT_EQ(nlohmann::json(LeNetOptions{}), (nlohmann::json{{"activation", "relu"}, {"pool", "max"}}));
-  const LeNetOptions smaller{.width = 0.25, .last_pool = 4};
-  EXPECT_EQ(nlohmann::json(smaller).get<LeNetOptions>(), smaller);
-  EXPECT_EQ(json_of(lenet_layers({64, 48}, smaller), smaller).at("layers").at(5), "max-pool 4");
-  for (const auto& wrong : {nlohmann::json{{"width", 0.3}}, nlohmann::json{{"last_pool", 3}}}) {
-    nlohmann::json json(LeNetOptions{});
-    json.update(wrong);
-    EXPECT_THROW(json.get<LeNetOptions>(), Error) << wrong;
-  }
-}
-
 TEST(LeNetLayers, ParametersComeWeightBeforeBias) {
   const auto parameters = lenet_layers({128, 96}).parameters();
   ASSERT_EQ(parameters.size(), 10U);
@@ -62,8 +37,6 @@ TEST(LeNetLayers, RefuseHeatmapsThatDoNotSurviveThem) {
   EXPECT_THROW(lenet_layers({128, 15}), Error);
   EXPECT_THROW(lenet_layers({0, 0}), Error);
   EXPECT_THROW(lenet_layers({5000, 96}), Error);
-  EXPECT_EQ(lenet_layers({20, 20}, {.last_pool = 4}).flat, 16U);
-  EXPECT_THROW(lenet_layers({19, 20}, {.last_pool = 4}), Error);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(DefaultName, SaysUpToThreeSettingsOffTheirDefaultInWords) {
   EXPECT_EQ(default_name(settings), "th40-single-1-denoise-none-epochs3");
   settings.training.learning_rate = 0.01;
   EXPECT_EQ(default_name(settings), "th40-single-1-denoise-none-epochs3-lr0.01");
-  settings.network.width = 0.5;
+  settings.training.batch = 16;
   EXPECT_TRUE(std::regex_match(default_name(settings), std::regex("th40-single-1-[0-9a-f]{8}"))) << default_name(settings);
   ModelSettings without;
   without.split = {.kind = windows::SplitKind::unseen, .train_run = "01", .held_out = {"fan"}};
@@ -48,12 +48,12 @@ TEST(DefaultName, EndsWithAHashOfSettingsThatAreNoWord) {
 
 TEST(DefaultName, BeginsWithAKindOtherThanLeNet) {
   ModelSettings settings;
-  settings.kind = ModelKind::trees;
-  EXPECT_EQ(default_name(settings), "trees-th40-single-1");
-  settings.training.epochs = 3;  // has no meaning for trees
-  EXPECT_EQ(default_name(settings), "trees-th40-single-1");
-  settings.trees.depth = 3;
-  EXPECT_EQ(default_name(settings), "trees-th40-single-1-depth3");
+  settings.kind = ModelKind::stream;
+  EXPECT_EQ(default_name(settings), "stream-single-1");
+  settings.training.epochs = 3;  // has no meaning for a stream
+  EXPECT_EQ(default_name(settings), "stream-single-1");
+  settings.stream.steps = 300;
+  EXPECT_EQ(default_name(settings), "stream-single-1-steps300");
 }
 
 /// Records of studies that began with version 0.1.0 have these names.
@@ -65,11 +65,11 @@ TEST(FullName, IsThatOfTheFirstVersion) {
   const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
   EXPECT_TRUE(std::regex_match(full_name(settings), hashed)) << full_name(settings);
   ModelSettings unseen;
-  unseen.kind = ModelKind::trees;
+  unseen.kind = ModelKind::stream;
   unseen.split = {.kind = windows::SplitKind::unseen, .train_run = "03", .held_out = windows::default_held_out()};
   unseen.training.seed = 12;
   unseen.rendering.history = 2ms;
-  EXPECT_EQ(full_name(unseen), "trees-th002-unseen-03-s12");
+  EXPECT_EQ(full_name(unseen), "stream-th002-unseen-03-s12");
   ModelSettings between;
   between.rendering.history = 40'500us;
   between.rendering.tick = 500us;
@@ -80,15 +80,15 @@ TEST(ModelSettings, WithoutAKindAreOfLeNetAndStayAsTheyWere) {
   const nlohmann::json lenet = ModelSettings{};
   EXPECT_FALSE(lenet.at("network").contains("kind"));
   EXPECT_EQ(lenet.get<ModelSettings>().kind, ModelKind::lenet);
-  ModelSettings trees;
-  trees.kind = ModelKind::trees;
-  trees.trees = {.rounds = 7, .depth = 2, .learning_rate = 0.3};
-  trees.training.seed = 9;
-  const auto read = nlohmann::json(trees).get<ModelSettings>();
-  EXPECT_EQ(read.kind, ModelKind::trees);
-  EXPECT_EQ(read.trees, trees.trees);
+  ModelSettings stream;
+  stream.kind = ModelKind::stream;
+  stream.stream.steps = 70;
+  stream.training.seed = 9;
+  const auto read = nlohmann::json(stream).get<ModelSettings>();
+  EXPECT_EQ(read.kind, ModelKind::stream);
+  EXPECT_EQ(read.stream, stream.stream);
   EXPECT_EQ(read.training.seed, 9U);
-  EXPECT_TRUE(same_settings(read, trees));
+  EXPECT_TRUE(same_settings(read, stream));
   EXPECT_FALSE(same_settings(read, {}));
 }
 

@@ -88,7 +88,7 @@ TEST(Classifier, PredictsLikeTheWrittenNetwork) {
 
 TEST(Classifier, RefusesAFolderWithoutAModel) {
   const test::TemporaryFolder folder;
-  EXPECT_NE(error_of({folder / "nothing"}).find("tactile train"), std::string::npos);
+  EXPECT_NE(error_of(ModelBundle{folder / "nothing"}).find("tactile train"), std::string::npos);
 }
 
 /// Replaces a bundle's weights, and their hash.
@@ -265,7 +265,7 @@ TEST(ModelBundle, ThatNoTrainingWritesIsRefusedAsItIsLoaded) {
       {"/threads", 0, "model.json: threads: 0; expected at least 1"},
       {"/rendering", nlohmann::json::array({1}), "model.json: 'rendering' is a list; expected an object"},
       {"/split", nullptr, "model.json: 'split' is null; expected an object"},
-      {"/gate", 5, "model.json: 'gate' is a number; expected an object"},
+      {"/scene", 5, "model.json: 'scene' is a number; expected an object"},
       {"/learned_from", {"fan/01"}, "model.json: an entry of 'learned_from' is a text; expected an object"}};
   for (const auto& [member, value, sentence] : cases) {
     nlohmann::json json = whole;

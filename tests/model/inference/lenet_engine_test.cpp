@@ -89,20 +89,7 @@ std::vector<Heatmap> heatmaps_of(events::SensorSize size, std::uint64_t seed) {
   return heatmaps;
 }
 
-/// All networks but the paper's.
-constexpr std::array<LeNetOptions, 5> smaller{LeNetOptions{.width = 0.5}, LeNetOptions{.width = 0.25},
-                                              LeNetOptions{.last_pool = 4}, LeNetOptions{.width = 0.5, .last_pool = 4},
-                                              LeNetOptions{.width = 0.25, .last_pool = 4}};
-
-std::string text_of(const LeNetOptions& network) { return nlohmann::json(network).dump(); }
-
-bool fits(events::SensorSize size, const LeNetOptions& network) {
-  return network.last_pool == 2 || (size.width >= 20 && size.height >= 20);
-}
-
-Weights random_weights(events::SensorSize size, std::uint64_t seed, const LeNetOptions& network = {}) {
-  return LeNet(size, seed, network).weights();
-}
+Weights random_weights(events::SensorSize size, std::uint64_t seed) { return LeNet(size, seed).weights(); }
 
 void scale(Weights& weights, const std::string& layer, float by) {
   for (Parameter& parameter : weights) {
@@ -123,9 +110,9 @@ double difference(const Logits& ours, const Logits& theirs) {
 }
 
 void expect_like_libtorch(events::SensorSize size, const Weights& weights, const std::vector<Heatmap>& heatmaps,
-                          const std::string& target, const std::string& what, const LeNetOptions& network = {}) {
-  const LeNet reference(size, weights, network);
-  LeNetEngine engine(size, weights, network, {.target = target});
+                          const std::string& target, const std::string& what) {
+  const LeNet reference(size, weights);
+  LeNetEngine engine(size, weights, {}, {.target = target});
   for (std::size_t i = 0; i < heatmaps.size(); ++i) {
     const Logits expected = reference.logits(heatmaps[i], 1).front();
     EXPECT_LE(difference(engine.classify(heatmaps[i]), expected), 1e-5)
@@ -148,36 +135,6 @@ TEST(LeNetEngine, PredictsLikeLibtorchWithEveryVectorInstructionAndSize) {
   for (const std::string& target : LeNetEngine::targets()) {
     for (std::size_t i = 0; i < sizes.size(); ++i)
       expect_like_libtorch(sizes[i], random_weights(sizes[i], i), heatmaps_of(sizes[i], i), target, "random weights");
-  }
-}
-
-TEST(LeNetEngine, PredictsLikeLibtorchWithEverySmallerNetwork) {
-  for (const LeNetOptions& network : smaller) {
-    for (const std::string& target : LeNetEngine::targets()) {
-      for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (!fits(sizes[i], network)) continue;
-        Weights weights = random_weights(sizes[i], i, network);
-        scale(weights, "conv1", 3);
-        scale(weights, "fc1", 4);
-        expect_like_libtorch(sizes[i], weights, heatmaps_of(sizes[i], i), target, text_of(network), network);
-      }
-    }
-  }
-}
-
-TEST(LeNetEngine, SkipsWhatIsEmptyToTheSameBitsInSmallerNetworks) {
-  for (const LeNetOptions& network : smaller) {
-    for (const std::string& target : LeNetEngine::targets()) {
-      for (const Precision precision : precisions) {
-        for (const events::SensorSize size : {events::SensorSize{45, 37}, usual}) {
-          const Weights weights = random_weights(size, 5, network);
-          LeNetEngine sparse(size, weights, network, {precision, true, target});
-          LeNetEngine dense(size, weights, network, {precision, false, target});
-          for (const Heatmap& heatmap : heatmaps_of(size, 6))
-            ASSERT_EQ(sparse.classify(heatmap), dense.classify(heatmap)) << target << ", " << text_of(network);
-        }
-      }
-    }
   }
 }
 
@@ -291,24 +248,22 @@ TEST(LeNetEngine, RoundsTheBigLayerToTheNearestBfloat16) {
   };
   ASSERT_EQ(rounded(1 + 1.0F / 256), 1.0F);
   ASSERT_EQ(rounded(1 + 3.0F / 256), 1 + 4.0F / 256);
-  for (const LeNetOptions& network : {LeNetOptions{}, LeNetOptions{.width = 0.25}}) {
-    Weights exact = random_weights(usual, 12, network);
-    std::vector<float>& big = exact[4].values;
-    ASSERT_EQ(exact[4].shape.name, "fc1.weight");
-    big[0] = 1 + 1.0F / 256, big[1] = -1 - 3.0F / 256, big[2] = 0;
-    Weights coarse = exact;
-    std::transform(big.begin(), big.end(), coarse[4].values.begin(), rounded);
-    for (const std::string& target : LeNetEngine::targets()) {
-      LeNetEngine halves(usual, exact, network, {.precision = Precision::bf16, .target = target});
-      LeNetEngine floats(usual, coarse, network, {.target = target}), unrounded(usual, exact, network, {.target = target});
-      double largest = 0;
-      for (const Heatmap& heatmap : heatmaps_of(usual, 12)) {
-        ASSERT_EQ(halves.classify(heatmap), floats.classify(heatmap)) << target;
-        largest = std::max(largest, difference(halves.classify(heatmap), unrounded.classify(heatmap)));
-      }
-      EXPECT_GT(largest, 1e-5) << "nothing was rounded";
-      EXPECT_LT(largest, 0.01);
+  Weights exact = random_weights(usual, 12);
+  std::vector<float>& big = exact[4].values;
+  ASSERT_EQ(exact[4].shape.name, "fc1.weight");
+  big[0] = 1 + 1.0F / 256, big[1] = -1 - 3.0F / 256, big[2] = 0;
+  Weights coarse = exact;
+  std::transform(big.begin(), big.end(), coarse[4].values.begin(), rounded);
+  for (const std::string& target : LeNetEngine::targets()) {
+    LeNetEngine halves(usual, exact, {}, {.precision = Precision::bf16, .target = target});
+    LeNetEngine floats(usual, coarse, {}, {.target = target}), unrounded(usual, exact, {}, {.target = target});
+    double largest = 0;
+    for (const Heatmap& heatmap : heatmaps_of(usual, 12)) {
+      ASSERT_EQ(halves.classify(heatmap), floats.classify(heatmap)) << target;
+      largest = std::max(largest, difference(halves.classify(heatmap), unrounded.classify(heatmap)));
     }
+    EXPECT_GT(largest, 1e-5) << "nothing was rounded";
+    EXPECT_LT(largest, 0.01);
   }
 }
 

@@ -63,6 +63,31 @@ TEST(TwoThresholds, CountSkippedTicksAsBelowTheSecond) {
   EXPECT_EQ(decision.next(with_log_odds(Touch::slip, 0)), Touch::none);
 }
 
+TEST(TwoThresholds, ConfirmASlipFromAThirdUntilItsEpisodeEnds) {
+  ThresholdDecision decision(example, two_ms);
+  const auto confirms = [&](Touch touch, double odds) {
+    decision.next(with_log_odds(touch, odds));
+    return decision.confirms_slip();
+  };
+  EXPECT_FALSE(confirms(Touch::slip, 1.5));
+  EXPECT_FALSE(confirms(Touch::slip, 3.4));
+  EXPECT_TRUE(confirms(Touch::slip, 3.6));
+  EXPECT_TRUE(confirms(Touch::slip, 0)) << "it stays";
+  EXPECT_FALSE(confirms(Touch::press, 9));
+  EXPECT_FALSE(confirms(Touch::slip, 5.3)) << "press is reported still";
+  EXPECT_TRUE(confirms(Touch::slip, 9));
+  decision.skip(100);
+  EXPECT_FALSE(decision.confirms_slip());
+  EXPECT_TRUE(confirms(Touch::slip, 9));
+  decision.restart();
+  EXPECT_FALSE(decision.confirms_slip());
+  RunningDecision single({}, two_ms);
+  single.next(Touch::slip, {});
+  EXPECT_TRUE(single.confirms_slip()) << "without thresholds every slip is";
+  single.next(Touch::press, {});
+  EXPECT_FALSE(single.confirms_slip());
+}
+
 TEST(TwoThresholds, BeginInNoneAfterARestart) {
   ThresholdDecision decision(example, two_ms);
   EXPECT_EQ(decision.next(with_log_odds(Touch::press, 2)), Touch::press);
@@ -92,9 +117,12 @@ TEST(TwoThresholds, AreTheSameTickByTickAndOverARun) {
 
 TEST(TwoThresholds, AreReadFromTextAndWrittenToIt) {
   EXPECT_EQ(two_thresholds_in("1.4:-2.6:6"), example);
-  EXPECT_EQ(text_of(example), "1.4:-2.6:6");
+  EXPECT_EQ(text_of(example), "1.4:-2.6:6:3.5");
+  EXPECT_EQ(two_thresholds_in("1.4:-2.6:6:3.5"), example);
+  EXPECT_EQ(two_thresholds_in("5:1:6").confirmed, 5);
+  EXPECT_EQ(moved_to(example, 9).confirmed, 9);
   EXPECT_EQ(moved_to(example, 2), (TwoThresholds{.on = 2, .off = -2, .hold = example.hold}));
-  for (const char* wrong : {"", "1", "1:2:20", "2:1", "2:1:-1", "2:1:20:3", "2:x:20", "nan:0:20", "2:1:10001"})
+  for (const char* wrong : {"", "1", "1:2:20", "2:1", "2:1:-1", "2:1:20:1.9", "2:1:20:3:4", "2:x:20", "nan:0:20", "2:1:10001"})
     EXPECT_NE(test::error_of([&] { two_thresholds_in(wrong); }).find("; expected "), std::string::npos) << wrong;
 }
 

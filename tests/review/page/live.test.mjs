@@ -35,7 +35,7 @@ function detection(more = {}) {
       state: "detecting",
       source: "camera",
       model: "fan",
-      tick: { t_us: 1, verdict: "none", predicted: "press", p: [0.2, 0.7, 0.1], events: 900, gated: false, beginning: 0 },
+      tick: { t_us: 1, verdict: "none", predicted: "press", p: [0.2, 0.7, 0.1], events: 900, beginning: 0 },
       ticks: { reported: 5000, skipped: 0, late: 0, incomplete: 0 },
       lateness: { p50_ms: 0.4, p99_ms: 1.25, max_ms: 3 },
       warnings: [],

@@ -26,9 +26,9 @@ constexpr double most_lost = 0.05;
 results::StressCurve curve_of(const StressPlan& plan, const StressGroup& group, const PlannedCurve& curve) {
   const StressSeries& series = *curve.series;
   const std::vector<double> severities = severities_of(series);
-  std::vector<std::vector<RunOutcome>> outcomes;
+  std::vector<std::vector<results::Cell>> outcomes;
   outcomes.reserve(severities.size());
-  for (const double severity : severities) outcomes.push_back(outcomes_of(plan, judgements_at(group, curve, severity)));
+  for (const double severity : severities) outcomes.push_back(cells_of(plan, judgements_at(group, curve, severity)));
   const results::BootstrapOptions& bootstrap = plan.options.judging.bootstrap;
   return {.name = series.name,
           .is_world = !series.world.empty(),
@@ -49,18 +49,16 @@ results::StressedModel model_of(const StressPlan& plan, const StressGroup& group
   model.runs.assign(runs.begin(), runs.end());
   for (const PlannedCurve& curve : curves_of(plan, group))
     (curve.runs == JudgedRuns::quiet ? model.quiet : model.curves).push_back(curve_of(plan, group, curve));
-  if (has_runs(group)) {
-    for (const RunOutcome& outcome : outcomes_of(plan, unchanged_runs(group))) model.close_ticks += outcome.close_ticks;
-  }
   return model;
 }
 
 std::string judged_by(const StressPlan& plan) {
   const std::size_t trainings = plan.options.models.size();
   std::string text =
-      "Judged as 'tactile eval' does, by the labels of the unchanged runs, on runs that the model did not learn from. An event "
-      "that "
-      "a recipe delays counts when it arrives: its delay is part of the detection delay.";
+      "Judged as 'tactile eval' does, on runs with samples that the model did not learn from: accuracy by the labels of the "
+      "unchanged "
+      "runs, delays and false alarms by their truth where they are simulated. An event that a recipe delays counts when it "
+      "arrives: its delay is part of the detection delay.";
   if (std::any_of(plan.options.series.begin(), plan.options.series.end(), [](const auto& one) { return !one.world.empty(); }))
     text +=
         " Runs of simulated worlds are simulated again with the same seed, and judged by their truth; so is their severity 0.";
@@ -96,8 +94,6 @@ results::Stress result_of(const StressPlan& plan, std::vector<results::StressedM
                          .seed = options.seed,
                          .most_lost = most_lost,
                          .confirm = text_of(judging.confirmation),
-                         .alarm_cost = judging.alarm_cost,
-                         .gate = judging.gate,
                          .engine = std::string(name_of(options.engine)),
                          .bootstrap = judging.bootstrap,
                          .models = std::move(models),

@@ -5,43 +5,27 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/detection_delay.hpp"
-#include "tactile/evaluation/false_alarms.hpp"
+#include "tactile/evaluation/whole_runs.hpp"
 
 namespace tactile::stress {
 namespace {
 
-/// One value of each run, as the tables of `evaluation` take them.
-template <class Entry, class Value>
-std::vector<Entry> each(std::span<const RunOutcome> outcomes, Value RunOutcome::*value) {
-  std::vector<Entry> entries;
-  for (const RunOutcome& outcome : outcomes) entries.push_back({outcome, outcome.*value});
-  return entries;
+std::vector<results::RunConfusion> confusions_of(std::span<const results::Cell> cells) {
+  std::vector<results::RunConfusion> confusions;
+  for (const results::Cell& cell : cells) confusions.push_back({cell, cell.samples});
+  return confusions;
 }
 
-std::vector<results::RunConfusion> confusions_of(std::span<const RunOutcome> outcomes) {
-  return each<results::RunConfusion>(outcomes, &RunOutcome::confusion);
+bool has_samples(std::span<const results::Cell> outcomes) {
+  return std::any_of(outcomes.begin(), outcomes.end(),
+                     [](const results::Cell& outcome) { return outcome.samples.samples() > 0; });
 }
 
-results::StressedTouch touch_of(std::span<const results::RunDetections> runs, Touch touch,
-                                const results::BootstrapOptions& options) {
-  constexpr double within_ms = 50;
-  results::StressedTouch of{.within_50_ms = {}, .delays = evaluation::delay_summary(runs, touch, options)};
-  for (const results::DetectedWithin& point : evaluation::detected_within(runs, touch, options)) {
-    if (point.ms == within_ms) of.within_50_ms = point.share;
-  }
-  return of;
-}
-
-bool has_samples(std::span<const RunOutcome> outcomes) {
-  return std::any_of(outcomes.begin(), outcomes.end(), [](const RunOutcome& outcome) { return outcome.confusion.samples() > 0; });
-}
-
-void check_same_runs(std::span<const std::vector<RunOutcome>> outcomes) {
-  for (const std::vector<RunOutcome>& at : outcomes) {
+void check_same_runs(std::span<const std::vector<results::Cell>> outcomes) {
+  for (const std::vector<results::Cell>& at : outcomes) {
     bool same = at.size() == outcomes.front().size();
     for (std::size_t i = 0; same && i < at.size(); ++i) {
-      const RunOutcome& first = outcomes.front()[i];
+      const results::Cell& first = outcomes.front()[i];
       same = at[i].object == first.object && at[i].run == first.run && at[i].training == first.training;
     }
     if (!same) throw Error("stress: different runs at different severities; expected the same ones in the same order");
@@ -50,14 +34,10 @@ void check_same_runs(std::span<const std::vector<RunOutcome>> outcomes) {
 
 }  // namespace
 
-results::StressPoint point_of(std::span<const RunOutcome> outcomes, const results::BootstrapOptions& options) {
+results::StressPoint point_of(std::span<const results::Cell> outcomes, const results::BootstrapOptions& options) {
   results::StressPoint point;
-  const auto detections = each<results::RunDetections>(outcomes, &RunOutcome::detections);
   point.accuracy = evaluation::accuracy_of(confusions_of(outcomes), options).mean;
-  point.press = touch_of(detections, Touch::press, options);
-  point.slip = touch_of(detections, Touch::slip, options);
-  point.false_alarms = evaluation::false_alarm_table(each<evaluation::RunFalseAlarms>(outcomes, &RunOutcome::alarms), options);
-  point.false_alarms.objects.clear();
+  if (!outcomes.empty()) point.whole = evaluation::operating_point(outcomes, options);
   return point;
 }
 
@@ -75,17 +55,17 @@ std::optional<double> severity_where_lost(std::span<const double> severities, st
 }
 
 std::optional<results::HoldsUpTo> holds_up_to(std::span<const double> severities,
-                                              std::span<const std::vector<RunOutcome>> outcomes, double most_lost,
+                                              std::span<const std::vector<results::Cell>> outcomes, double most_lost,
                                               const results::BootstrapOptions& options) {
   if (outcomes.empty() || !has_samples(outcomes.front())) return std::nullopt;
   check_same_runs(outcomes);
-  const std::vector<RunOutcome>& harmless = outcomes.front();
+  const std::vector<results::Cell>& harmless = outcomes.front();
   const auto lost_in = [&](const evaluation::RunsByObject& chosen) {
     std::vector<double> accuracies;
-    for (const std::vector<RunOutcome>& at : outcomes) {
+    for (const std::vector<results::Cell>& at : outcomes) {
       const evaluation::Statistic accuracy = evaluation::mean_over_objects([&](std::span<const std::size_t> indexes) {
         results::Confusion sum;
-        for (const std::size_t i : indexes) sum += at[i].confusion;
+        for (const std::size_t i : indexes) sum += at[i].samples;
         return sum.accuracy();
       });
       const std::optional<double> mean = accuracy(chosen);
@@ -96,7 +76,7 @@ std::optional<results::HoldsUpTo> holds_up_to(std::span<const double> severities
     return std::optional(lost.value_or(severities.back()));
   };
   const evaluation::CrossedResults objects = evaluation::without_names(evaluation::results_by_object(
-      std::span<const RunOutcome>(harmless), [](const RunOutcome& run) { return run.confusion.samples() > 0; }));
+      std::span<const results::Cell>(harmless), [](const results::Cell& run) { return run.samples.samples() > 0; }));
   results::HoldsUpTo holds{.severity = evaluation::figure_over_objects(objects, lost_in, options)};
   for (std::optional<double>* bound : {&holds.severity.low, &holds.severity.high}) {
     if (*bound) *bound = std::clamp(**bound, severities.front(), severities.back());
@@ -105,8 +85,9 @@ std::optional<results::HoldsUpTo> holds_up_to(std::span<const double> severities
   return holds;
 }
 
-std::vector<results::StressPoint> points_of(std::span<const double> severities, std::span<const std::vector<RunOutcome>> outcomes,
-                                            unsigned threads, const results::BootstrapOptions& options) {
+std::vector<results::StressPoint> points_of(std::span<const double> severities,
+                                            std::span<const std::vector<results::Cell>> outcomes, unsigned threads,
+                                            const results::BootstrapOptions& options) {
   check_same_runs(outcomes);
   std::vector<results::StressPoint> points(outcomes.size());
   parallel_for(points.size(), threads, [&](std::size_t i) {

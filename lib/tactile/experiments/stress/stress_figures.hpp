@@ -10,7 +10,7 @@
 namespace tactile::stress {
 
 /// All runs at one severity; `severity` and the change to the harmless one are not set. Figures are those of `tactile eval`.
-results::StressPoint point_of(std::span<const RunOutcome> outcomes, const results::BootstrapOptions& options = {});
+results::StressPoint point_of(std::span<const results::Cell> outcomes, const results::BootstrapOptions& options = {});
 
 /// The first severity at which the accuracy is `most_lost` below that at the first severity, linear between severities; nothing
 /// if it never falls so far. A loss of exactly `most_lost` still holds.
@@ -27,13 +27,14 @@ std::optional<double> severity_where_lost(std::span<const double> severities, st
 /// @return  nothing where there are no samples
 /// @throws Error  if they are not of the same runs
 std::optional<results::HoldsUpTo> holds_up_to(std::span<const double> severities,
-                                              std::span<const std::vector<RunOutcome>> outcomes, double most_lost,
+                                              std::span<const std::vector<results::Cell>> outcomes, double most_lost,
                                               const results::BootstrapOptions& options = {});
 
 /// The points of a curve: figures at each severity, and the changes of accuracy.
 /// @param outcomes  as of `holds_up_to`
 /// @param threads   > 0; the result does not depend on it
-std::vector<results::StressPoint> points_of(std::span<const double> severities, std::span<const std::vector<RunOutcome>> outcomes,
-                                            unsigned threads, const results::BootstrapOptions& options = {});
+std::vector<results::StressPoint> points_of(std::span<const double> severities,
+                                            std::span<const std::vector<results::Cell>> outcomes, unsigned threads,
+                                            const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::stress

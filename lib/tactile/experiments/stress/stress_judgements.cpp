@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/file_step.hpp"
 
@@ -32,18 +33,18 @@ std::string description_of(const StressPlan& plan, const StressJudgement& judgem
 }
 
 fs::path file_of(const StressPlan& plan, const StressJudgement& judgement) {
-  return plan.options.out / "judged" / (name_of(judgement) + ".json");
+  return plan.options.out / "judged" / (name_of(judgement) + ".csv");
 }
 
 /// @param quiet_files  names and hashes
 json inputs_of(const StressPlan& plan, const StressJudgement& judgement, const json& quiet_files) {
   const evaluation::EvaluationOptions& judging = plan.options.judging;
   const StressTraining& training = *judgement.training;
+  const model::Decision decision = model::usual_decision(training.description.settings.kind, judging.confirmation);
   json of = {{"weights", training.description.weights_sha256},
              {"confirm", text_of(judging.confirmation)},
-             {"alarm_cost", judging.alarm_cost ? json(*judging.alarm_cost) : json()},
+             {"thresholds", decision.thresholds ? json(text_of(*decision.thresholds)) : json()},
              {"temperature", experiments::hash_of_file(model::temperature_file(training.bundle))},
-             {"gate", judging.gate},
              {"engine", model::name_of(plan.options.engine)},
              {"by", static_cast<int>(judgement.runs)},
              {"series", judgement.series ? json_of(*judgement.series, judgement.severity) : json()}};
@@ -52,7 +53,7 @@ json inputs_of(const StressPlan& plan, const StressJudgement& judgement, const j
   } else {
     of["manifest"] = plan.dataset->manifest_hash();
     of["runs"] = names_of(*plan.dataset, training.runs);
-    of["truth"] = experiments::truth_hashes(*plan.dataset, training.runs);
+    of["truth"] = experiments::truth_hashes(evaluation::folders_of(*plan.dataset, training.runs));
   }
   return of;
 }
@@ -60,9 +61,10 @@ json inputs_of(const StressPlan& plan, const StressJudgement& judgement, const j
 void judge(const StressPlan& plan, const StressJudgement& judgement, const ProgressCallback& progress) {
   const auto& [training, series, severity, runs] = judgement;
   const JudgedBy by = runs == JudgedRuns::by_truth ? JudgedBy::truth : JudgedBy::labels;
-  write_outcomes(file_of(plan, judgement), runs == JudgedRuns::quiet
+  const std::vector<results::Cell> cells = runs == JudgedRuns::quiet
                                                ? judged_quiet(plan, *training, series, severity, progress)
-                                               : judged_runs(plan, *training, series, severity, by, progress));
+                                               : judged_runs(plan, *training, series, severity, by, progress);
+  write_whole(file_of(plan, judgement), results::cells_csv(cells));
 }
 
 }  // namespace
@@ -145,10 +147,13 @@ void do_step(const StressPlan& plan, const std::string& name, const ProgressCall
   judge(plan, *found, progress);
 }
 
-std::vector<RunOutcome> outcomes_of(const StressPlan& plan, const std::vector<StressJudgement>& judgements) {
-  std::vector<RunOutcome> all;
+std::vector<results::Cell> cells_of(const StressPlan& plan, const std::vector<StressJudgement>& judgements) {
+  std::vector<results::Cell> all;
   for (std::size_t i = 0; i < judgements.size(); ++i) {
-    for (RunOutcome& outcome : read_outcomes(file_of(plan, judgements[i]), i)) all.push_back(std::move(outcome));
+    for (results::Cell& cell : results::read_cells(file_of(plan, judgements[i]))) {
+      cell.training = i;
+      all.push_back(std::move(cell));
+    }
   }
   return all;
 }

@@ -54,7 +54,7 @@ std::vector<experiments::Step> steps_of(const StressPlan& plan);
 /// Does one step of a plan, as a task on a cluster. @throws Error  if the plan has no step of this name
 void do_step(const StressPlan& plan, const std::string& name, const ProgressCallback& progress = {});
 
-/// The outcomes of judgements whose steps are done. The training of an outcome is its judgement's place in the list.
-std::vector<RunOutcome> outcomes_of(const StressPlan& plan, const std::vector<StressJudgement>& judgements);
+/// The cells of judgements whose steps are done. The training of a cell is its judgement's place in the list.
+std::vector<results::Cell> cells_of(const StressPlan& plan, const std::vector<StressJudgement>& judgements);
 
 }  // namespace tactile::stress

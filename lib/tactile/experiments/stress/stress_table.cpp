@@ -11,15 +11,11 @@ namespace tactile::stress {
 namespace {
 
 std::vector<std::string> cells_of(const results::StressPoint& point) {
-  std::vector<const results::Figure*> figures{&point.accuracy, &point.accuracy_change};
-  for (const results::StressedTouch* touch : {&point.press, &point.slip}) {
-    figures.insert(figures.end(), {&touch->within_50_ms, &touch->delays.median_of_all_ms.ms, &touch->delays.quantile_of_all_ms.ms,
-                                   &touch->delays.missed});
-  }
-  const results::FalseAlarmTable& alarms = point.false_alarms;
-  figures.insert(figures.end(),
-                 {&alarms.per_min, &alarms.outside_labels_per_min, &alarms.outside_motion_per_min, &alarms.wrong_class_per_min,
-                  &alarms.outside_labels_share, &alarms.none_in_alarm_share, &alarms.wrong_class_share});
+  const results::OperatingPoint& whole = point.whole;
+  const auto figures = {&point.accuracy,          &point.accuracy_change,    &whole.alarms_per_min,
+                        &whole.within_50_ms,      &whole.press_median_ms.ms, &whole.press_p90_ms.ms,
+                        &whole.slip_median_ms.ms, &whole.slip_p90_ms.ms,     &whole.missed,
+                        &whole.wrong_class,       &whole.false_slips};
   std::vector<std::string> cells;
   for (const results::Figure* figure : figures) {
     for (std::string& cell : results::figure_cells(*figure)) cells.push_back(std::move(cell));
@@ -29,10 +25,8 @@ std::vector<std::string> cells_of(const results::StressPoint& point) {
 
 std::string columns() {
   std::string columns = "model,trainings,on,name,unit,severity";
-  for (const char* column :
-       {"accuracy", "accuracy_change", "press_within_50_ms", "press_median_ms", "press_p90_ms", "press_missed",
-        "slip_within_50_ms", "slip_median_ms", "slip_p90_ms", "slip_missed", "false_alarms_per_min", "outside_labels_per_min",
-        "outside_motion_per_min", "wrong_class_per_min", "in_alarm_outside_labels", "in_alarm_of_none", "wrong_class_share"})
+  for (const char* column : {"accuracy", "accuracy_change", "alarms_per_min", "within_50_ms", "press_median_ms", "press_p90_ms",
+                             "slip_median_ms", "slip_p90_ms", "missed", "wrong_class", "false_slips"})
     columns += fmt::format(",{0},{0}_low,{0}_high", column);
   return columns;
 }

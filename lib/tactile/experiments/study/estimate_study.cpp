@@ -124,7 +124,7 @@ std::optional<windows::SplitKind> split_of_training(const StudyOptions& options,
     const std::vector<microseconds>& histories = options.histories;
     const bool is_of_study = settings.training.epochs == *options.epochs &&
                              settings.training.seed - options.seed < *options.trainings &&
-                             settings.training.engine == options.engine && settings.network == options.network &&
+                             settings.training.engine == options.engine && settings.network == model::LeNetOptions{} &&
                              std::find(histories.begin(), histories.end(), settings.rendering.history) != histories.end();
     return is_of_study ? std::optional(settings.split.kind) : std::nullopt;
   } catch (const std::exception&) {
@@ -160,8 +160,8 @@ experiments::Estimate estimate_study(const StudyOptions& requested) {
   const StudiedRuns runs = runs_of(options);
   const HeldOut held_out = held_out_of(options, runs);
   const double usual = experiments::measured_training_speed();
-  const bool is_usual = options.network == model::LeNetOptions{} && options.engine == model::EngineKind::fast;
-  const double images_per_s = is_usual ? usual : experiments::measured_training_speed(options.network, options.engine);
+  const double images_per_s =
+      options.engine == model::EngineKind::fast ? usual : experiments::measured_training_speed(options.engine);
   const experiments::WorkCost cost = experiments::work_cost(usual);
   experiments::Estimate estimate{.parts = {}, .cores = options.threads, .images_per_s = images_per_s, .data = runs.samples_from};
   if (runs.count == 0) return estimate;

@@ -9,8 +9,9 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/evaluation/evaluation.hpp"
-#include "tactile/evaluation/evaluation_table.hpp"
+#include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_prediction.hpp"
+#include "tactile/evaluation/run_result.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/training_step.hpp"
@@ -38,8 +39,8 @@ json hashes_of(std::initializer_list<fs::path> files) {
   return hashes;
 }
 
-results::Evaluation evaluated(const StudyPlan& plan, const std::vector<StudyModel>& models, const NamedRunSet& set,
-                              const ProgressCallback& progress) {
+evaluation::Evaluated evaluated(const StudyPlan& plan, const std::vector<StudyModel>& models, const NamedRunSet& set,
+                                const ProgressCallback& progress) {
   const unsigned threads = plan.options.threads;
   std::deque<model::Classifier> classifiers;
   std::vector<evaluation::ModelOnRuns> trainings;
@@ -63,13 +64,14 @@ void evaluate_on(const StudyPlan& plan, const std::vector<StudyModel>& models, c
     }
   }
   const fs::path stem = plan.options.out / "evaluations" / set.name;
-  const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + ".csv";
+  const fs::path json_file = stem.string() + ".json", csv_file = stem.string() + "-cells.csv";
   nlohmann::json trainings = nlohmann::json::array();
   for (const StudyModel& model : models) {
     const RunSet& runs = plan.trainings[model.training].*set.runs;
     trainings.push_back({{"name", model.name()},
                          {"weights", model::read_description(model.bundle).weights_sha256},
-                         {"truth", experiments::truth_hashes(plan.dataset, runs.runs)},
+                         {"truth", experiments::truth_hashes(evaluation::folders_of(plan.dataset, runs.runs))},
+                         {"others", experiments::hashes_of_runs(evaluation::other_runs(plan.dataset, runs.runs).runs)},
                          {"runs", runs.names}});
   }
   runner.run(
@@ -83,9 +85,9 @@ void evaluate_on(const StudyPlan& plan, const std::vector<StudyModel>& models, c
            },
        .work =
            [&](const ProgressCallback& progress) {
-             const results::Evaluation evaluation = evaluated(plan, models, set, progress);
-             write_whole(csv_file, evaluation::table_of(evaluation));
-             write_json(json_file, evaluation);
+             const evaluation::Evaluated judged = evaluated(plan, models, set, progress);
+             write_whole(csv_file, results::cells_csv(judged.cells));
+             write_json(json_file, judged.evaluation);
            }});
   evaluations.push_back({set.name, models, json_file, csv_file});
 }
@@ -114,8 +116,7 @@ void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_i
   const std::size_t total = evaluation::expected_ticks(folder.events(), classifier.rendering());
   std::size_t done = 0;
   const auto prediction = evaluation::predict_run(
-      folder, classifier,
-      {.guard = dataset.sampling().guard, .include_flagged = plan.options.include_flagged, .threads = plan.options.threads},
+      folder, classifier, {.include_flagged = plan.options.include_flagged, .threads = plan.options.threads},
       [&](std::size_t ticks) {
         done += ticks;
         report_progress(progress, done, total, "every tick of " + name_of(run));
@@ -126,14 +127,11 @@ void predict(const StudyPlan& plan, const StudyModel& model, std::uint32_t run_i
 
 void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiments::StepRunner& runner, JudgedModels& judged) {
   const StudyOptions& options = plan.options;
-  std::vector<RunFolder> reported;
-  for (const std::uint32_t index : plan.trainings.front().reported.runs) {
-    const windows::DatasetRun& of = plan.dataset.runs()[index];
-    reported.push_back({plan.dataset.run_folder(index), of.object, of.run});
-  }
-  const std::uint32_t shown = plan.trainings.front().reported.runs[run_to_show(reported)];
-  const windows::DatasetRun& run = plan.dataset.runs()[shown];
-  judged.full_run = name_of(run);
+  const std::vector<RunFolder> reported = evaluation::folders_of(plan.dataset, plan.trainings.front().reported.runs);
+  const std::size_t place = run_to_show(reported);
+  const std::uint32_t shown = plan.trainings.front().reported.runs[place];
+  const RunFolder& run = reported[place];
+  judged.full_run = run.name();
   judged.full_run_file = options.out / "runs" / (run.object + "-" + run.run + ".csv");
   const fs::path json_file = fs::path(judged.full_run_file).replace_extension(".json");
   runner.run(
@@ -144,7 +142,7 @@ void predict_full_run(const StudyPlan& plan, const StudyModel& model, experiment
        .inputs = with_engine({{"manifest", plan.dataset.manifest_hash()},
                               {"weights", model::read_description(model.bundle).weights_sha256},
                               {"form", run_form},
-                              {"truth", experiments::truth_hashes(plan.dataset, {&shown, 1})}},
+                              {"truth", experiments::truth_hashes({run})}},
                              options.engine),
        .outputs =
            [&] {

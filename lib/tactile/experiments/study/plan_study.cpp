@@ -113,7 +113,6 @@ StudyModel model_of(const StudyPlan& plan, microseconds history, std::size_t tra
   StudyModel model;
   model.training = training;
   model.settings.rendering.history = history;
-  model.settings.network = options.network;
   model.settings.training.seed = planned.seed;
   model.settings.training.epochs = *options.epochs;
   model.settings.training.engine = options.engine;

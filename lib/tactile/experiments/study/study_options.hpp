@@ -38,7 +38,6 @@ struct StudyOptions {
   std::uint64_t seed = 1;  ///< of simulation, samples, drawn splits and the first training; the next ones add 1, 2, …
   std::optional<std::size_t> splits = {};  ///< drawn from all ways to hold out as many objects; the preset's if not given
 
-  model::LeNetOptions network{};                       ///< of every model
   model::EngineKind engine = model::EngineKind::fast;  ///< runs the models
   std::filesystem::path program = "/proc/self/exe";    ///< trains
   std::optional<experiments::SlurmOptions> slurm{};    ///< trainings run on a cluster; nothing: on this machine

@@ -1,7 +1,6 @@
 #include "tactile/experiments/trade/estimate_trade.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -27,19 +26,6 @@ struct Steps {
     part.exist = exist;
     estimate.add(std::move(part), each_s(), bytes);
   }
-};
-
-/// Speeds of training by the size of the network, each measured once.
-class TrainingSpeeds {
- public:
-  double of(const model::LeNetOptions& network) {
-    const auto [found, is_new] = known_.try_emplace({network.width, network.last_pool});
-    if (is_new) found->second = experiments::measured_training_speed(network);
-    return found->second;
-  }
-
- private:
-  std::map<std::pair<double, int>, double> known_;
 };
 
 double samples_in(const windows::Dataset& dataset, const std::vector<std::uint32_t>& runs) {
@@ -79,13 +65,12 @@ void add_last_parts(const TradeOptions& options, const Steps& predictions, doubl
 }  // namespace
 
 experiments::Estimate estimate_trade(const TradeOptions& requested) {
-  constexpr double feature_sample_s = 1.2e-3;  // of trees, measured where `work_cost` was
+  constexpr double stream_step_s = 0.19;  // of a training of 800 steps on one core, in 2 to 3 minutes
   constexpr double bytes_of_model = 5.3e6, bytes_of_tick = 30;
   const windows::Dataset dataset(requested.data / "dataset.h5");
   const TradeOptions options = completed(requested, dataset);
   const TradePlan plan = plan_trade(options, dataset);
-  TrainingSpeeds speeds;
-  const double usual = speeds.of({});
+  const double usual = experiments::measured_training_speed();
   const experiments::WorkCost cost = experiments::work_cost(usual);
   experiments::Estimate estimate{.parts = {}, .cores = options.threads, .images_per_s = usual, .data = dataset.file().string()};
 
@@ -100,11 +85,11 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
   for (const TradePoint& point : points) {
     const TradeNetwork network = network_of(plan, point.setting, 0);
     timed.insert(timed_name(point, network));
-    const bool has_heatmaps = model::reads_heatmaps(point.setting.kind);
     if (trainings.names.insert(network.name()).second) {
       trainings.exist += is_file(network.bundle.description()) ? 1 : 0;
-      trainings.seconds += cost.training_start + (has_heatmaps ? samples * options.epochs / speeds.of(network.settings.network)
-                                                               : feature_sample_s * samples);
+      trainings.seconds +=
+          cost.training_start + (model::reads_heatmaps(point.setting.kind) ? samples * options.epochs / usual
+                                                                           : stream_step_s * network.settings.stream.steps);
     }
     const std::string prediction = prediction_name(network, point.setting);
     if (!predictions.names.insert(prediction).second) continue;
@@ -112,8 +97,8 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
     heatmaps::HeatmapOptions rendering = network.settings.rendering;
     rendering.tick = prediction_tick(network, point.setting.rendering.tick);
     double ticks = 0;
-    for (const std::uint32_t run : tested)
-      ticks += static_cast<double>(evaluation::expected_ticks(plan.recording(run), rendering));
+    for (const RunFolder& run : plan.folders(tested))
+      ticks += static_cast<double>(evaluation::expected_ticks(run.events(), rendering));
     most_ticks = std::max(most_ticks, ticks);
     predictions.seconds += cost.evaluated_tick * ticks;
   }

@@ -56,10 +56,12 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
                   s.kind = kind;
                   s = without_idle_values(s);
                 }),
-      factor_of("tick_ms", levels.ticks, [](TradeSetting& s, microseconds tick) { s.rendering.tick = tick; }),
+      factor_of("tick_ms", levels.ticks,
+                [](TradeSetting& s, microseconds tick) {
+                  s.rendering.tick = tick;
+                  s = without_idle_values(s);
+                }),
       factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
-      factor_of("filter", levels.alarm_costs, [](TradeSetting& s, std::optional<double> cost) { s.alarm_cost = cost; }),
-      factor_of("gate", levels.gate, [](TradeSetting& s, bool gate) { s.gate = gate; }),
       factor_of("precision", levels.precisions, [](TradeSetting& s, model::Precision precision) { s.precision = precision; }),
       factor_of("pass", levels.sparse, [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
       factor_of("engine", levels.engines, [](TradeSetting& s, model::EngineKind engine) { s.engine = engine; }),
@@ -67,8 +69,6 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
       factor_of("factor", levels.factors, [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
       factor_of("resize", levels.resizes, [](TradeSetting& s, heatmaps::Resize resize) { s.rendering.resize = resize; }),
       factor_of("denoise", levels.denoises, [](TradeSetting& s, heatmaps::Denoise denoise) { s.rendering.denoise = denoise; }),
-      factor_of("width", levels.widths, [](TradeSetting& s, double width) { s.width = width; }),
-      factor_of("last_pool", levels.last_pools, [](TradeSetting& s, int last_pool) { s.last_pool = last_pool; }),
       factor_of("augment", levels.augmentations, [](TradeSetting& s, const model::Augmentation& a) { s.augmentation = a; })};
 }
 

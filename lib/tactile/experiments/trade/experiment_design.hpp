@@ -11,21 +11,17 @@ namespace tactile::trade {
 
 /// The values to try of each parameter.
 struct TradeLevels {
-  std::vector<model::ModelKind> kinds{model::ModelKind::lenet, model::ModelKind::trees, model::ModelKind::temporal};
+  std::vector<model::ModelKind> kinds{model::ModelKind::lenet, model::ModelKind::stream};
   std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};
   std::vector<microseconds> ticks{1ms, 2ms, 4ms, 5ms, 10ms};
   std::vector<double> factors{0.1, 0.2, 0.25};
   std::vector<heatmaps::Resize> resizes{heatmaps::Resize::area, heatmaps::Resize::linear};
   std::vector<heatmaps::Denoise> denoises{heatmaps::Denoise::mean, heatmaps::Denoise::literal, heatmaps::Denoise::none};
-  std::vector<double> widths{1, 0.5, 0.25};
-  std::vector<int> last_pools{2, 4};
   std::vector<model::Augmentation> augmentations{{}, {.flip = true}};
   std::vector<model::EngineKind> engines{model::EngineKind::fast, model::EngineKind::libtorch};
   std::vector<model::Precision> precisions{model::Precision::fp32, model::Precision::int8};
   std::vector<bool> sparse{true, false};
   std::vector<Confirmation> confirmations{{1, 1}, {2, 3}, {3, 5}, {5, 9}};
-  std::vector<std::optional<double>> alarm_costs{std::nullopt, model::default_alarm_cost};  ///< of the filter; nothing: no filter
-  std::vector<bool> gate{false, true};
 };
 
 /// One value of one parameter.
@@ -59,7 +55,7 @@ struct TradeOutcome {
   double accuracy = 0;          ///< in [0, 1]
   double us = 0;                ///< time per tick
   double delay_us = 0;          ///< median detection delay, misses at their limit
-  double episodes_per_min = 0;  ///< false alarms: episodes that begin outside labels
+  double episodes_per_min = 0;  ///< false alarms: episodes that begin outside of touches
   double missed = 0;            ///< share of presses and slips missed or early, in [0, 1]
 };
 

@@ -88,14 +88,13 @@ class Drawable {
  public:
   Drawable(const FrontCandidate& candidate, const std::set<std::string>& names)
       : candidate_(candidate),
-        cells_(cells_of<TradedRun>(candidate.runs, names)),
+        cells_(cells_of<results::Cell>(candidate.runs, names)),
         timed_(cells_of<TimedRun>(candidate.timed, names)),
-        times_(candidate.timed, &TimedRun::tick_us),
-        open_times_(candidate.timed, &TimedRun::open_tick_us) {
+        times_(candidate.timed) {
     const Weights all(candidate.timed.size(), 1);
-    computing_us_ = open_times_.of(all, 0.5).value_or(times_.of(all, 0.5).value_or(unknown));
+    computing_us_ = times_.of(all, 0.5).value_or(unknown);
     for (std::size_t run = 0; run < candidate.runs.size(); ++run) {
-      for (const TradedDelay& delay : candidate.runs[run].delays) delays_.push_back({delay.us, run});
+      for (const results::TouchOutcome& touch : candidate.runs[run].touches) delays_.push_back({1000 * touch.ms, run});
     }
     std::sort(delays_.begin(), delays_.end(), [](const Delay& a, const Delay& b) { return a.us < b.us; });
   }
@@ -109,7 +108,7 @@ class Drawable {
       for (std::size_t i = 0; i < weights.size(); ++i) {
         if (weights[i] == 0) continue;
         all[i] += weights[i];
-        const results::Confusion& confusion = candidate_.runs[i].confusion;
+        const results::Confusion& confusion = candidate_.runs[i].samples;
         samples += weights[i] * static_cast<double>(confusion.samples());
         right += weights[i] * static_cast<double>(confusion.correct());
       }
@@ -121,13 +120,12 @@ class Drawable {
     });
     figures.us_p99.value = times_.of(timed, 0.99).value_or(unknown);
     add_delays(all, figures);
-    results::FalseAlarms alarms;
+    double alarms = 0, outside_s = 0;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const results::FalseAlarms counts = outside_labels(candidate_.runs[i].alarms);
-      alarms.alarms += all[i] * counts.alarms;
-      alarms.none_time += all[i] * counts.none_time;
+      alarms += all[i] * static_cast<double>(candidate_.runs[i].alarm_count());
+      outside_s += all[i] * candidate_.runs[i].outside_s;
     }
-    figures.episodes_per_min.value = alarms.per_min().value_or(unknown);
+    figures.episodes_per_min.value = outside_s > 0 ? 60 * alarms / outside_s : unknown;
     return figures;
   }
 
@@ -146,9 +144,11 @@ class Drawable {
   void add_delays(const Weights& weights, results::TradeFigures& figures) const {
     std::uint64_t total = 0, missed = 0, passed = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
-      const TradedRun& run = candidate_.runs[i];
-      total += weights[i] * run.delays.size();
-      missed += weights[i] * (run.misses + run.early);
+      const std::vector<results::TouchOutcome>& touches = candidate_.runs[i].touches;
+      total += weights[i] * touches.size();
+      missed += weights[i] * static_cast<std::uint64_t>(std::count_if(touches.begin(), touches.end(), [](const auto& touch) {
+                  return touch.outcome != results::DetectionOutcome::detected;
+                }));
     }
     if (total == 0) return;
     figures.missed.value = static_cast<double>(missed) / static_cast<double>(total);
@@ -162,7 +162,7 @@ class Drawable {
 
   const FrontCandidate& candidate_;
   Cells cells_, timed_;
-  TickQuantiles times_, open_times_;
+  TickQuantiles times_;
   std::vector<Delay> delays_;  ///< ascending
   double computing_us_ = unknown;
 };
@@ -195,7 +195,7 @@ std::vector<results::FrontProbability> front_probabilities(std::span<const Front
   std::vector<results::FrontProbability> probabilities(candidates.size());
   std::set<std::string> names;
   for (const FrontCandidate& candidate : candidates) {
-    for (const TradedRun& run : candidate.runs) names.insert(run.object);
+    for (const results::Cell& run : candidate.runs) names.insert(run.object);
     for (const TimedRun& run : candidate.timed) names.insert(run.object);
   }
   if (names.size() < fewest_objects) return probabilities;

@@ -13,7 +13,7 @@ std::string text_of(const results::FrontProbability& probability);
 
 /// What the fronts are found by: outcomes on the runs to choose on, and times.
 struct FrontCandidate {
-  std::vector<TradedRun> runs;
+  std::vector<results::Cell> runs;
   std::vector<TimedRun> timed;
 };
 

@@ -9,20 +9,17 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/experiments/file_step.hpp"
-#include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
 
-std::vector<results::FullRun> classify_full_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> runs,
-                                                 const model::Classifier& classifier, const evaluation::FullRunOptions& options,
-                                                 const ProgressCallback& progress) {
+std::vector<results::FullRun> classify_full_runs(std::span<const RunFolder> runs, const model::Classifier& classifier,
+                                                 const evaluation::FullRunOptions& options, const ProgressCallback& progress) {
   std::vector<results::FullRun> classified(runs.size());
   std::mutex one_at_a_time;
   std::size_t done = 0;
   parallel_for(runs.size(), options.threads, [&](std::size_t i) {
-    classified[i] = evaluation::classify_full_run(dataset.run_folder(runs[i]) / "events.aedat4", classifier,
-                                                  {.tick = options.tick, .ratios = options.ratios});
-    classified[i].run = name_of(dataset.runs()[runs[i]]);
+    classified[i] = evaluation::classify_full_run(runs[i].events(), classifier, {.tick = options.tick});
+    classified[i].run = runs[i].name();
     const std::scoped_lock lock(one_at_a_time);
     report_progress(progress, ++done, runs.size(), fmt::format("predicting every tick: {} of {} runs", done, runs.size()));
   });
@@ -42,15 +39,9 @@ results::FullRun at_tick(const results::FullRun& run, microseconds tick) {
     if (fewer.ticks.count++ == 0) fewer.ticks.first = t;
     fewer.verdicts.push_back(run.verdicts[static_cast<std::size_t>(i)]);
     fewer.events.push_back(run.events[static_cast<std::size_t>(i)]);
-    if (!run.ratios.empty()) fewer.ratios.push_back(run.ratios[static_cast<std::size_t>(i)]);
     if (!run.probabilities.empty()) fewer.probabilities.push_back(run.probabilities[static_cast<std::size_t>(i)]);
   }
   return fewer;
-}
-
-std::vector<Touch> verdicts_of(results::FullRun run, std::optional<model::GateRule> gate, const model::Decision& decision) {
-  if (gate) evaluation::apply_gate(run, *gate);
-  return evaluation::decided(decision, run);
 }
 
 void write_full_runs(const std::filesystem::path& file, std::span<const results::FullRun> runs) {

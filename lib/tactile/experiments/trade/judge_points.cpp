@@ -11,7 +11,7 @@ namespace {
 
 /// The outcomes of a point's first trainings, apart on the runs to choose on and those to report on.
 struct PointOutcomes {
-  std::vector<TradedRun> choice, reported;
+  std::vector<results::Cell> choice, reported;
 };
 
 PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point, std::size_t trainings) {
@@ -19,14 +19,13 @@ PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured,
   PointOutcomes outcomes;
   for (std::size_t training = 0; training < trainings; ++training) {
     const TradeNetwork& network = point.networks[training];
-    const auto gate = gate_of(setting, network);
-    const model::Decision decision = decision_of(setting, network.bundle);
     const std::vector<results::FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
     const TradeTraining& of_training = plan.trainings[training];
     const std::vector<std::uint32_t> tested = of_training.tested();
     for (std::size_t i = 0; i < tested.size(); ++i) {
       const results::FullRun full = at_tick(predicted[i], setting.rendering.tick);
-      TradedRun outcome = outcome_of(plan.judged.at(tested[i]), full, verdicts_of(full, gate, decision));
+      results::Cell outcome = cell_of(plan.judged.at(tested[i]), full,
+                                      evaluation::decided(model::usual_decision(setting.kind, setting.confirmation), full));
       outcome.training = training;
       (i < of_training.runs.choice.size() ? outcomes.choice : outcomes.reported).push_back(std::move(outcome));
     }
@@ -36,10 +35,9 @@ PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured,
 
 /// The ticks of all tested runs, with the network of the first training.
 std::vector<TimedRun> timed_runs_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point) {
-  const auto gate = gate_of(point.setting, point.networks.front());
   const TimesOfRuns& times = measured.times.of(point);
   std::vector<TimedRun> timed;
-  for (const auto& [index, run] : plan.judged) timed.push_back(timed_run(run, times.at(timed.size()), gate));
+  for (const auto& [index, run] : plan.judged) timed.push_back(timed_run(run, times.at(timed.size())));
   return timed;
 }
 

@@ -107,13 +107,16 @@ std::vector<std::string> words_of(const nlohmann::json& options) {
 }  // namespace
 
 nlohmann::json detect_options(const TradeSetting& setting, const fs::path& model) {
-  nlohmann::json options = {{"model", model.string()},
-                            {"tick-us", setting.rendering.tick.count()},
-                            {"engine", name_of(setting.engine)},
-                            {"precision", name_of(setting.precision)},
-                            {"confirm", text_of(setting.confirmation)},
-                            {"gate", setting.gate}};
-  if (setting.alarm_cost) options.update({{"filter", true}, {"alarm-cost", *setting.alarm_cost}});
+  nlohmann::json options{{"model", model.string()},
+                         {"tick-us", setting.rendering.tick.count()},
+                         {"engine", name_of(setting.engine)},
+                         {"precision", name_of(setting.precision)}};
+  const model::Decision decision = model::usual_decision(setting.kind, setting.confirmation);
+  if (decision.thresholds) {
+    options["thresholds"] = text_of(*decision.thresholds);
+  } else {
+    options["confirm"] = text_of(decision.confirmation);
+  }
   return options;
 }
 

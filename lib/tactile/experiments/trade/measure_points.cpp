@@ -12,7 +12,6 @@
 #include "tactile/experiments/trade/time_points.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/bundle/temperature.hpp"
-#include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -28,7 +27,6 @@ constexpr microseconds shortest_prediction_tick{100};  // some 40 000 heatmaps a
 void check_setting(const TradePlan& plan, const TradeSetting& setting) {
   const TradeNetwork network = network_of(plan, setting, 0);
   heatmaps::check_renders(plan.dataset, network.settings.rendering);
-  check_history(network.settings);
   check(setting.rendering);
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   if (tick >= shortest_prediction_tick) return;
@@ -36,39 +34,16 @@ void check_setting(const TradePlan& plan, const TradeSetting& setting) {
                           shortest_prediction_tick.count()));
 }
 
-/// Gives each point the network of its first training, and removes those that have none, or lack a gate or transitions for it.
+/// Gives each point the network of its first training, and removes those that have none.
 void take_networks(const Stage& stage, MeasuredPoints& measured) {
-  const TradeSetting& usual = stage.plan.options.usual;
   for (TradePoint& point : measured.points) {
     const std::vector<TradeNetwork> trained = stage.trainer.trained_for(point.setting);
     if (!trained.empty()) point.networks = {trained.front()};
   }
   remove_unless(
-      measured, usual, [](const TradePoint& point) { return !point.networks.empty(); },
+      measured, stage.plan.options.usual, [](const TradePoint& point) { return !point.networks.empty(); },
       budget_words(stage.plan, "its network was trained"));
   expect_usual(stage, measured, "the network of the usual setting is not trained yet");
-  remove_unless(
-      measured, usual,
-      [](const TradePoint& point) {
-        return !point.setting.gate || model::read_description(point.networks.front().bundle).gate.has_value();
-      },
-      "its network was made without a gate");
-  remove_unless(
-      measured, usual,
-      [](const TradePoint& point) {
-        return !point.setting.alarm_cost || model::read_description(point.networks.front().bundle).transitions.has_value();
-      },
-      "its network was made without rates of transitions");
-  if (measured.points.empty() || !(measured.points.front().setting == usual))
-    throw Error(
-        "the usual setting needs a gate or a filter, but its network has none; expected a network that this version of 'tactile "
-        "train' made");
-}
-
-/// Whether a setting may have a gate. All settings with a network share its predictions.
-bool has_gate(const TradePlan& plan) {
-  const std::vector<bool>& levels = plan.options.levels.gate;
-  return plan.options.usual.gate || std::find(levels.begin(), levels.end(), true) != levels.end();
 }
 
 experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& network, const TradeSetting& setting) {
@@ -77,22 +52,21 @@ experiments::Step step_to_predict(const TradePlan& plan, const TradeNetwork& net
   const microseconds tick = prediction_tick(network, setting.rendering.tick);
   const std::vector<std::uint32_t> tested = plan.trainings[network.training].tested();
   const model::ModelDescription description = model::read_description(network.bundle);
-  nlohmann::json inputs = {{"manifest", plan.dataset.manifest_hash()},
-                           {"weights", description.weights_sha256},
-                           {"temperature", model::read_temperature(network.bundle, description).value},
-                           {"runs", names_of(plan.dataset, tested)},
-                           {"tick_us", tick.count()},
-                           {"engine", name_of(setting.engine)},
-                           {"precision", name_of(setting.precision)}};
-  if (!has_gate(plan)) inputs["ratios"] = false;
+  const nlohmann::json inputs = {{"manifest", plan.dataset.manifest_hash()},
+                                 {"weights", description.weights_sha256},
+                                 {"temperature", model::read_temperature(network.bundle, description).value},
+                                 {"runs", plan.names(tested)},
+                                 {"events", plan.hashes(tested)},
+                                 {"tick_us", tick.count()},
+                                 {"engine", name_of(setting.engine)},
+                                 {"precision", name_of(setting.precision)}};
   return experiments::file_step(
       name, inputs, file,
       [&plan, file, tick, network, setting, tested](const ProgressCallback& progress) {
         const model::Classifier classifier =
             model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
-        write_full_runs(file,
-                        classify_full_runs(plan.dataset, tested, classifier,
-                                           {.threads = plan.options.threads, .tick = tick, .ratios = has_gate(plan)}, progress));
+        write_full_runs(file, classify_full_runs(plan.folders(tested), classifier,
+                                                 {.threads = plan.options.threads, .tick = tick}, progress));
       },
       text_of(plan, network, tick, setting.engine, setting.precision));
 }

@@ -9,13 +9,14 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/core/sha256.hpp"
+#include "tactile/evaluation/other_runs.hpp"
+#include "tactile/evaluation/run_result.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/models_folder.hpp"
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/usual_trainings.hpp"
-#include "tactile/model/training/train_model.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -23,14 +24,32 @@ namespace {
 /// The longest tick that both are multiples of.
 microseconds common_tick(microseconds a, microseconds b) { return microseconds{std::gcd(a.count(), b.count())}; }
 
-JudgedRun judged_run(const windows::Dataset& dataset, std::uint32_t run) {
-  const windows::DatasetRun& names = dataset.runs()[run];
-  JudgedRun judged{.run = name_of(names), .object = names.object, .samples = {}, .truth = {}, .guard = dataset.sampling().guard};
-  for (const std::uint32_t sample : model::samples_of_runs(dataset, {&run, 1}))
-    judged.samples.push_back(dataset.samples()[sample]);
-  judged.truth = evaluation::read_run_truth({dataset.run_folder(run), names.object, names.run},
-                                            member<bool>(dataset.settings(), "include_flagged", dataset.file().string()));
-  return judged;
+JudgedRun judged_run(const windows::Dataset& dataset, const RunFolder& folder) {
+  return {.folder = folder,
+          .events_sha256 = {},
+          .samples = {},
+          .truth = evaluation::read_run_truth(folder, evaluation::includes_flagged(dataset))};
+}
+
+/// Gives each training the runs that the dataset has no samples of: to choose on where they have an id of its choice runs, else
+/// to report on.
+void add_other_runs(TradePlan& plan) {
+  const std::vector<std::uint32_t> sampled = plan.tested();
+  evaluation::OtherRuns others = evaluation::other_runs(plan.dataset, sampled);
+  plan.left_out = std::move(others.left_out);
+  auto index = static_cast<std::uint32_t>(plan.dataset.runs().size());
+  for (const RunFolder& folder : others.runs) {
+    plan.judged.emplace(index, judged_run(plan.dataset, folder)).first->second.events_sha256 = sha256_of_file(folder.events());
+    for (std::size_t training = 0; training < plan.trainings.size(); ++training) {
+      const std::vector<std::string>& choice = plan.options.choice_runs;
+      const bool is_choice = std::any_of(choice.begin(), choice.end(), [&](const std::string& run) {
+        return experiments::rotated_run(plan.dataset, run, training) == folder.run;
+      });
+      experiments::RunDivision& runs = plan.trainings[training].runs;
+      (is_choice ? runs.choice : runs.reported).push_back(index);
+    }
+    ++index;
+  }
 }
 
 }  // namespace
@@ -76,9 +95,13 @@ TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& datase
     for (const std::uint32_t run : plan.trainings.back().tested()) {
       if (plan.judged.contains(run)) continue;
       windows::check_unchanged(dataset, run);
-      plan.judged.emplace(run, judged_run(dataset, run));
+      JudgedRun judged = judged_run(dataset, evaluation::folder_of(dataset, run));
+      judged.events_sha256 = dataset.runs()[run].events_sha256;
+      judged.samples = evaluation::samples_in(dataset, run);
+      plan.judged.emplace(run, std::move(judged));
     }
   }
+  add_other_runs(plan);
   return plan;
 }
 
@@ -102,14 +125,14 @@ void add_points(std::vector<TradePoint>& points, std::span<const TradeSetting> s
 TradeNetwork network_of(const TradePlan& plan, const TradeSetting& setting, unsigned training) {
   TradeNetwork network{.training = training, .settings = {}, .bundle = {}};
   network.settings.rendering = setting.rendering;
-  // A network sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
-  network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
+  // LeNet sees heatmaps, not ticks: it is trained at the dataset's tick, or at one that fits its history too.
+  if (reads_heatmaps(setting.kind))
+    network.settings.rendering.tick = common_tick(plan.dataset.sampling().tick, setting.rendering.history);
   network.settings.kind = setting.kind;
-  network.settings.network.width = setting.width;
-  network.settings.network.last_pool = setting.last_pool;
   network.settings.training.augmentation = setting.augmentation;
   network.settings.training.seed = plan.options.seed + training;
   network.settings.training.epochs = plan.options.epochs;
+  network.settings.stream.steps = plan.options.steps;
   network.settings.split.train_run = plan.trainings[training].train_run;
   network.bundle =
       experiments::training_bundle(plan.options.models, plan.options.out, network.settings, plan.dataset.manifest_hash());
@@ -125,8 +148,6 @@ std::string text_of(const TradePlan& plan, const TradeNetwork& network, microsec
   TradeSetting setting = plan.options.usual, usual = plan.options.usual;
   setting.kind = network.settings.kind;
   setting.rendering = network.settings.rendering;
-  setting.width = network.settings.network.width;
-  setting.last_pool = network.settings.network.last_pool;
   setting.augmentation = network.settings.training.augmentation;
   setting.rendering.tick = tick;
   setting.engine = engine;
@@ -156,18 +177,31 @@ std::vector<std::uint32_t> TradePlan::tested() const {
 
 std::size_t TradePlan::objects() const {
   std::set<std::string> names;
-  for (const auto& one : judged) names.insert(one.second.object);
+  for (const auto& one : judged) names.insert(one.second.folder.object);
   return names.size();
+}
+
+std::vector<RunFolder> TradePlan::folders(std::span<const std::uint32_t> runs) const {
+  std::vector<RunFolder> folders;
+  for (const std::uint32_t run : runs) folders.push_back(judged.at(run).folder);
+  return folders;
+}
+
+nlohmann::json TradePlan::hashes(std::span<const std::uint32_t> runs) const {
+  nlohmann::json hashes = nlohmann::json::array();
+  for (const std::uint32_t run : runs) hashes.push_back(judged.at(run).events_sha256);
+  return hashes;
+}
+
+std::vector<std::string> TradePlan::names(std::span<const std::uint32_t> runs) const {
+  std::vector<std::string> names;
+  for (const std::uint32_t run : runs) names.push_back(judged.at(run).folder.name());
+  return names;
 }
 
 TimedSetting timed_setting_of(const TradePoint& point) {
   const TradeSetting& setting = point.setting;
   return {setting.rendering, setting.engine, setting.precision, setting.sparse, point.networks.front().bundle.folder};
-}
-
-std::optional<model::GateRule> gate_of(const TradeSetting& setting, const TradeNetwork& network) {
-  if (!setting.gate) return std::nullopt;
-  return model::gate_rule(network.bundle, model::read_description(network.bundle));
 }
 
 }  // namespace tactile::trade

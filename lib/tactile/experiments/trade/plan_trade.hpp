@@ -18,6 +18,7 @@
 #include "tactile/experiments/trade/trade_figures.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/model_settings.hpp"
+#include "tactile/results/whole_runs.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile::trade {
@@ -27,7 +28,8 @@ struct TradeOptions {
   std::filesystem::path data = "data", models = "models", out = "trade";
   std::string train_run = "01";                   ///< of each object
   std::vector<std::string> choice_runs = {"02"};  ///< to choose settings on; results are reported on all others
-  unsigned epochs = 10;                           ///< of each training, > 0
+  unsigned epochs = 10;                           ///< of each training of a LeNet, > 0
+  unsigned steps = model::StreamOptions{}.steps;  ///< of each training of a stream, > 0
   unsigned trainings = 0;                         ///< of each setting that may be on a front; 0: 2 for tiny data, else 5
   std::uint64_t seed = 1;                         ///< of the first training; the next ones add 1, 2, …
   TradeSetting usual{};                           ///< the setting that one value at a time is changed in
@@ -71,8 +73,8 @@ struct TradePoint {
 
 /// What one training learns from and is judged on. Each training has other runs: what one is judged on, another may learn from.
 struct TradeTraining {
-  std::string train_run;  ///< id of the run to learn from, of each object
-  experiments::RunDivision runs;
+  std::string train_run;          ///< id of the run to learn from, of each object
+  experiments::RunDivision runs;  ///< with the runs that the dataset has no samples of, except in `all_test`
 
   std::vector<std::uint32_t> tested() const;  ///< runs to choose on, then those to report on
 };
@@ -80,19 +82,21 @@ struct TradeTraining {
 /// The part of a point that costs time, with the network of its first training, which must exist.
 TimedSetting timed_setting_of(const TradePoint& point);
 
-/// The rule by which the gate opens; nothing if the setting has no gate.
-std::optional<model::GateRule> gate_of(const TradeSetting& setting, const TradeNetwork& network);
-
 /// What settings are measured on.
 struct TradePlan {
   TradeOptions options;             ///< as `completed` returns them
   const windows::Dataset& dataset;  ///< must outlive the plan
   std::vector<TradeTraining> trainings = {};
-  std::map<std::uint32_t, JudgedRun> judged = {};  ///< every run that a training is tested on, by its index in the dataset
+  /// Every run that a training is tested on, by its index in the dataset. Indexes beyond those are of runs that the dataset has
+  /// no samples of, such as those without a press or a slip.
+  std::map<std::uint32_t, JudgedRun> judged = {};
+  std::vector<results::LeftOutRun> left_out = {};  ///< runs of the same objects that cannot be judged
 
   std::vector<std::uint32_t> tested() const;  ///< all of them
   std::size_t objects() const;                ///< that they are of
-  std::filesystem::path recording(std::uint32_t run) const { return dataset.run_folder(run) / "events.aedat4"; }
+  std::vector<RunFolder> folders(std::span<const std::uint32_t> runs) const;
+  std::vector<std::string> names(std::span<const std::uint32_t> runs) const;
+  nlohmann::json hashes(std::span<const std::uint32_t> runs) const;  ///< SHA-256 of their recordings
 };
 
 /// Why no setting can be confirmed, in a sentence: there are fewer than three objects, and fewer than three reported runs of one.

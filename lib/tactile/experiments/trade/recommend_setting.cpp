@@ -8,7 +8,6 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
-#include "tactile/evaluation/evaluation.hpp"
 #include "tactile/experiments/file_step.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/run_division.hpp"
@@ -71,56 +70,36 @@ std::vector<TimedRun> timed_again(const TradePlan& plan, const TradePoint& point
   const std::vector<TimedSetting> settings{timed_setting_of(usual), timed_setting_of(point)};
   const std::vector<std::uint32_t> runs = reported_runs(plan, point);
   std::vector<fs::path> recordings;
-  recordings.reserve(runs.size());
-  for (const std::uint32_t run : runs) recordings.push_back(plan.recording(run));
+  for (const RunFolder& run : plan.folders(runs)) recordings.push_back(run.events());
   const auto times = time_ticks(settings, recordings, plan.options.timing, progress);
-  const auto gate = gate_of(point.setting, point.networks.front());
   std::vector<TimedRun> timed;
-  for (std::size_t i = 0; i < runs.size(); ++i) timed.push_back(timed_run(plan.judged.at(runs[i]), times[1].at(i), gate));
+  for (std::size_t i = 0; i < runs.size(); ++i) timed.push_back(timed_run(plan.judged.at(runs[i]), times[1].at(i)));
   return timed;
 }
 
-/// Measures a setting by each of its networks, on the runs that this one reports on. Uses nothing that was measured before. If
-/// the tick is the network's own, `evaluate` gives accuracy and false alarms.
+/// Measures a setting by each of its networks, on the runs that this one reports on. Uses nothing that was measured before.
 results::MeasuredAgain measure_again(const TradePlan& plan, const TradePoint& point, const TradePoint& usual,
                                      const ProgressCallback& progress) {
   const TradeSetting& setting = point.setting;
   const unsigned threads = plan.options.threads;
-  std::vector<model::Classifier> classifiers;
-  std::vector<evaluation::ModelOnRuns> models;
-  std::vector<TradedRun> outcomes;
-  classifiers.reserve(point.networks.size());
+  std::vector<results::Cell> outcomes;
   for (const TradeNetwork& network : point.networks) {
     const std::vector<std::uint32_t>& runs = plan.trainings[network.training].runs.reported;
-    classifiers.push_back(model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision}));
-    models.push_back({&classifiers.back(), runs});
-    const auto gate = gate_of(setting, network);
-    const model::Decision decision = decision_of(setting, network.bundle);
-    const std::vector<results::FullRun> predicted = classify_full_runs(
-        plan.dataset, runs, classifiers.back(),
-        {.threads = threads, .tick = setting.rendering.tick, .ratios = evaluation::needs_ratios(gate)}, progress);
+    const model::Classifier classifier =
+        model::open_classifier(network.bundle.folder, 1, setting.engine, {.precision = setting.precision});
+    const std::vector<results::FullRun> predicted =
+        classify_full_runs(plan.folders(runs), classifier, {.threads = threads, .tick = setting.rendering.tick}, progress);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const std::vector<Touch> verdicts = verdicts_of(predicted[i], gate, decision);
-      outcomes.push_back(outcome_of(plan.judged.at(runs[i]), predicted[i], verdicts));
+      const std::vector<Touch> verdicts =
+          evaluation::decided(model::usual_decision(setting.kind, setting.confirmation), predicted[i]);
+      outcomes.push_back(cell_of(plan.judged.at(runs[i]), predicted[i], verdicts));
       outcomes.back().training = network.training;
     }
   }
-  results::MeasuredAgain again{.result = result_of(outcomes, timed_again(plan, point, usual, progress)),
-                               .by = "trade",
-                               .model = point.networks.front().name(),
-                               .trainings = point.networks.size(),
-                               .runs = names_of(plan.dataset, reported_runs(plan, point))};
-  // `eval` judges only at the network's own ticks, where samples lie, and its intervals are over objects.
-  if (plan.objects() >= fewest_objects && setting.rendering.tick == point.networks.front().settings.rendering.tick) {
-    const results::Evaluation evaluation = evaluation::evaluate(
-        plan.dataset, models,
-        {.confirmation = setting.confirmation, .alarm_cost = setting.alarm_cost, .gate = setting.gate, .threads = threads},
-        progress);
-    again.by = "eval";
-    again.result.figures.accuracy = evaluation.accuracy.mean;
-    again.result.false_alarms_per_min = evaluation.network.false_alarms.per_min;
-  }
-  return again;
+  return {.result = result_of(outcomes, timed_again(plan, point, usual, progress)),
+          .model = point.networks.front().name(),
+          .trainings = point.networks.size(),
+          .runs = plan.names(reported_runs(plan, point))};
 }
 
 json weights_of(const TradePoint& point) {
@@ -142,8 +121,8 @@ std::optional<results::MeasuredAgain> run_again(const Stage& stage, const TradeP
        {"weights", weights_of(point)},
        {"setting", point.setting},
        {"ticks", plan.options.timing.ticks},
-       {"runs", names_of(plan.dataset, reported)},
-       {"truth", experiments::truth_hashes(plan.dataset, reported)},
+       {"runs", plan.names(reported)},
+       {"files", experiments::hashes_of_runs(plan.folders(reported))},
        {"machine", cpu_name()},
        {"revision", revision()}},
       file, [&](const ProgressCallback& progress) { write_json(file, measure_again(plan, point, usual, progress)); },

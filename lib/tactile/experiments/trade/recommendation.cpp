@@ -64,7 +64,7 @@ std::string measured_text(const results::TradeFigures& figures) {
       "an accuracy of {}. A tick takes {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000; other programs "
       "interrupted {:.2g} % of them. The delay is {} in half of the presses and slips and {} in 90 % of them; {} are missed or "
       "early. There are {} false alarms per minute outside "
-      "labels, with those in releases and in motion without labels.{}",
+      "of touches, with those in releases and in motion without labels.{}",
       text_of(scaled(figures.accuracy, 100), " %", ".2f"), text_of(figures.us_p50, " us", ".0f"),
       text_of(figures.us_p99, " us", ".0f"), text_of(figures.us_p999, " us", ".0f"), 100 * figures.interrupted,
       delay_text(figures.delay_median_us, figures.median_is_bound), delay_text(figures.delay_p90_us, figures.p90_is_bound),

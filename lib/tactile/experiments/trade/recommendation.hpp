@@ -20,7 +20,7 @@ struct DelayLimit {
 struct TradeConstraints {
   std::optional<double> at_most_us{};  ///< time that 99 of 100 ticks do not exceed
   std::optional<double> at_least_accuracy{};
-  std::optional<double> at_most_false_alarms_per_min{};  ///< episodes that begin outside labels, as one sees them in a lab
+  std::optional<double> at_most_false_alarms_per_min{};  ///< episodes that begin outside of touches, as one sees them in a lab
   std::optional<DelayLimit> at_most_delay{};
   std::optional<double> at_most_missed{};  ///< share of presses and slips, in [0, 1]
 

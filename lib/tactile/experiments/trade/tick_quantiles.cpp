@@ -5,10 +5,10 @@
 
 namespace tactile::trade {
 
-TickQuantiles::TickQuantiles(std::span<const TimedRun> runs, std::vector<float> TimedRun::*ticks) {
+TickQuantiles::TickQuantiles(std::span<const TimedRun> runs) {
   for (std::uint32_t run = 0; run < runs.size(); ++run) {
-    for (const float us : runs[run].*ticks) ticks_.push_back({us, run});
-    counts_.push_back((runs[run].*ticks).size());
+    for (const float us : runs[run].tick_us) ticks_.push_back({us, run});
+    counts_.push_back(runs[run].tick_us.size());
   }
   std::sort(ticks_.begin(), ticks_.end(), [](const Tick& a, const Tick& b) { return a.us < b.us; });
 }

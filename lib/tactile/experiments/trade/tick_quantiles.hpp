@@ -12,15 +12,14 @@ namespace tactile::trade {
 
 /// The timed ticks of one run.
 struct TimedRun : results::JudgedRun {
-  std::vector<float> tick_us{};       ///< duration of each tick of each turn
-  std::vector<float> open_tick_us{};  ///< of these, the ones whose gate was open
-  std::uint64_t interrupted = 0;      ///< of these, the ones in which another program had the processor
+  std::vector<float> tick_us{};   ///< duration of each tick of each turn
+  std::uint64_t interrupted = 0;  ///< of these, the ones in which another program had the processor
 };
 
 /// Quantiles of the durations of all ticks of drawn runs. Runs are sorted once, so that a draw costs no sorting.
 class TickQuantiles {
  public:
-  TickQuantiles(std::span<const TimedRun> runs, std::vector<float> TimedRun::*ticks);
+  explicit TickQuantiles(std::span<const TimedRun> runs);
 
   /// The least duration that the share `q` of the ticks does not exceed; a run counts as often as its weight says.
   /// @param weights  of each run   @param q  in [0, 1]   @return  nothing if there is no tick

@@ -21,7 +21,6 @@
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/recording_reader.hpp"
 #include "tactile/experiments/file_step.hpp"
-#include "tactile/model/inference/background_ratio.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 
 namespace tactile::trade {
@@ -46,11 +45,6 @@ class Models {
   std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedModel> models_;
 };
 
-/// What a gate compares at one tick, and how long that takes [us].
-struct Background {
-  float ratio = 0, comparing = 0;
-};
-
 struct Recorded {
   std::vector<events::Event> events;
   events::SensorSize sensor;
@@ -68,24 +62,6 @@ struct Recorded {
   }
 };
 
-/// At each of the ticks. The background is known only after many of them, so that no piece can be followed by itself.
-std::vector<Background> backgrounds_of(const Recorded& recorded, const heatmaps::HeatmapOptions& rendering) {
-  const TickRange ticks = recorded.ticks(rendering);
-  model::BackgroundRatio ratio(recorded.sensor, rendering.history, rendering.mask);
-  std::vector<Background> backgrounds;
-  CameraTime given = recorded.events.front().t;
-  for (std::int64_t i = 0; i < ticks.count; ++i) {
-    const CameraTime t = ticks.at(i);
-    const std::span<const events::Event> events = recorded.between(given, t);
-    given = t;
-    const auto begin = Clock::now();
-    ratio.add(events);
-    const double at_tick = ratio.at(t);
-    backgrounds.push_back({static_cast<float>(at_tick), us_between(begin, Clock::now())});
-  }
-  return backgrounds;
-}
-
 Recorded events_of(const std::filesystem::path& recording) {
   events::RecordingReader reader(recording);
   const events::Stream& stream = events::event_stream(reader);
@@ -101,7 +77,6 @@ Recorded events_of(const std::filesystem::path& recording) {
 /// The ticks of one setting in one piece of a recording.
 struct Piece {
   CameraTime first{};
-  std::int64_t index = 0;    ///< of the first tick in the recording
   std::int64_t ticks = 0;    ///< of a turn
   std::uint64_t wanted = 0;  ///< of all turns
 };
@@ -111,7 +86,7 @@ Piece piece_of(const TickRange& all, unsigned piece, std::uint64_t wanted, const
   const auto ticks = std::min(static_cast<std::int64_t>((wanted + options.turns - 1) / options.turns), all.count);
   const double middle = (piece + 0.5) / options.pieces * static_cast<double>(all.count);
   const auto begin = std::clamp<std::int64_t>(static_cast<std::int64_t>(middle) - ticks / 2, 0, all.count - ticks);
-  return {all.at(begin), begin, ticks, wanted};
+  return {all.at(begin), ticks, wanted};
 }
 
 /// How often the system has taken the processor from this thread while it had work to do.
@@ -122,9 +97,8 @@ std::uint64_t interruptions() {
 }
 
 /// One turn of one setting over a piece.
-/// @param backgrounds  at the ticks of the whole recording
-void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded,
-               std::span<const Background> backgrounds, const Piece& piece, std::vector<TickTime>& times) {
+void take_turn(const TimedSetting& setting, const TimedModel& open, const Recorded& recorded, const Piece& piece,
+               std::vector<TickTime>& times) {
   const heatmaps::HeatmapOptions& options = setting.rendering;
   const std::unique_ptr<model::EventClassifier> model = open(recorded.sensor, options);
   CameraTime given = before(piece.first, options.history + options.tick * warm_up_ticks);
@@ -142,9 +116,8 @@ void take_turn(const TimedSetting& setting, const TimedModel& open, const Record
     model->classify();
     const auto end = Clock::now();
     if (i < 0) continue;
-    const Background& background = backgrounds[static_cast<std::size_t>(piece.index + i)];
-    times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end), background.comparing,
-                     static_cast<std::uint32_t>(model->events()), background.ratio,
+    times.push_back({us_between(begin, counted), us_between(counted, rendered), us_between(rendered, end),
+                     static_cast<std::uint32_t>(model->events()),
                      static_cast<std::uint32_t>(interruptions() - interrupted_before)});
   }
 }
@@ -178,8 +151,8 @@ class PieceTimes {
     return false;
   }
 
-  void take(std::size_t setting, std::span<const Background> backgrounds, std::vector<TickTime>& times) const {
-    take_turn(settings_[setting], models_[setting], recorded_, backgrounds, pieces_[setting], times);
+  void take(std::size_t setting, std::vector<TickTime>& times) const {
+    take_turn(settings_[setting], models_[setting], recorded_, pieces_[setting], times);
   }
 
  private:
@@ -189,7 +162,7 @@ class PieceTimes {
   std::vector<Piece> pieces_;
 };
 
-constexpr std::size_t bytes_of_tick = 28;
+constexpr std::size_t bytes_of_tick = 20;
 
 }  // namespace
 
@@ -214,20 +187,11 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
   std::uint64_t done = 0;
   for (std::size_t run = 0; run < recordings.size(); ++run) {
     const Recorded recorded = events_of(recordings[run]);
-    // Settings with the same ticks and pixels share one.
-    std::map<std::tuple<microseconds, microseconds, events::MaskPixels>, std::vector<Background>> known;
-    std::vector<std::span<const Background>> backgrounds;
-    for (const TimedSetting& setting : settings) {
-      const heatmaps::HeatmapOptions& rendering = setting.rendering;
-      const auto [place, is_new] = known.try_emplace({rendering.history, rendering.tick, rendering.mask});
-      if (is_new) place->second = backgrounds_of(recorded, rendering);
-      backgrounds.emplace_back(place->second);
-    }
     for (unsigned index = 0; index < options.pieces; ++index) {
       const PieceTimes piece(settings, model_of, recorded, index, wanted, options);
       for (unsigned turn = 0; piece.any_due(turn); ++turn) {
         for (const std::size_t i : any_order(settings.size(), random)) {
-          if (piece.due(i, turn)) piece.take(i, backgrounds[i], times[i][run]);
+          if (piece.due(i, turn)) piece.take(i, times[i][run]);
         }
         report_progress(progress, done, all_pieces, fmt::format("times of {} settings, in turns", settings.size()));
       }
@@ -263,7 +227,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
       for (const auto& count : runs) {
         const auto ticks = count.get<std::uint64_t>();
         if (!count.is_number_unsigned() || ticks > (text.size() - at) / bytes_of_tick)
-          throw Error(file.string() + ": ends before the last tick; expected 28 bytes for each tick");
+          throw Error(file.string() + ": ends before the last tick; expected 20 bytes for each tick");
         times.back().emplace_back(ticks);
         if (ticks > 0) std::memcpy(times.back().back().data(), text.data() + at, ticks * bytes_of_tick);
         at += ticks * bytes_of_tick;
@@ -272,7 +236,7 @@ std::vector<TimesOfRuns> read_times(const std::filesystem::path& file) {
   } catch (const nlohmann::json::exception& e) {
     throw Error(fmt::format("{}: {}; expected times of ticks", file.string(), "a value " + plain_words(e.what())));
   }
-  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 28 bytes for each tick");
+  if (at != text.size()) throw Error(file.string() + ": goes beyond the last tick; expected 20 bytes for each tick");
   return times;
 }
 

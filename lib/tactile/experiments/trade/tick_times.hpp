@@ -4,9 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,21 +21,13 @@ inline float us_between(std::chrono::steady_clock::time_point begin, std::chrono
 
 /// Duration of one tick on one thread [us].
 struct TickTime {
-  float counting = 0;                                    ///< of moving the window: adding new events, removing old ones
-  float rendering = 0;                                   ///< of the model's input: a heatmap, or features
-  float network = 0;                                     ///< of the logits, of any kind of model
-  float comparing = 0;                                   ///< of the `BackgroundRatio`, which a gate may need
-  std::uint32_t events = 0;                              ///< in [t_c - t_h, t_c)
-  float ratio = std::numeric_limits<float>::infinity();  ///< of `BackgroundRatio`, with all earlier events of the recording
-  std::uint32_t interruptions = 0;                       ///< how often another program took the processor from this thread
+  float counting = 0;               ///< of moving the window: adding new events, removing old ones
+  float rendering = 0;              ///< of the model's input, such as a heatmap
+  float network = 0;                ///< of the logits, of any kind of model
+  std::uint32_t events = 0;         ///< in [t_c - t_h, t_c)
+  std::uint32_t interruptions = 0;  ///< how often another program took the processor from this thread
 
-  bool is_open(const std::optional<model::GateRule>& gate) const { return !gate || !gate->closes(events, ratio); }
-
-  /// Without rendering and network if the gate closes.
-  double total(const std::optional<model::GateRule>& gate) const {
-    const double always = static_cast<double>(counting) + (gate && gate->ratio ? comparing : 0);
-    return is_open(gate) ? always + rendering + network : always;
-  }
+  double total() const { return static_cast<double>(counting) + rendering + network; }
 };
 
 /// The part of a setting that costs time. Confirmation itself costs almost nothing.
@@ -78,8 +68,8 @@ std::vector<TimesOfRuns> time_ticks(std::span<const TimedSetting> settings, std:
                                     const TickTimesOptions& options = {}, const ProgressCallback& progress = {},
                                     const OpenTimedModel& open = open_timed_model);
 
-/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 28 bytes for each tick (four float32,
-/// one uint32, one float32 and one uint32 as in `TickTime`, little-endian).
+/// Keeps times: a line of JSON with the number of ticks of each setting and recording, then 20 bytes for each tick (three float32
+/// and two uint32 as in `TickTime`, little-endian).
 void write_times(const std::filesystem::path& file, std::span<const TimesOfRuns> times);
 std::vector<TimesOfRuns> read_times(const std::filesystem::path& file);  ///< @throws Error  if it has another form
 

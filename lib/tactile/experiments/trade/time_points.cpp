@@ -8,6 +8,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/machine.hpp"
 #include "tactile/core/version.hpp"
+#include "tactile/evaluation/run_result.hpp"
 #include "tactile/experiments/file_step.hpp"
 
 namespace tactile::trade {
@@ -44,12 +45,13 @@ experiments::Step step_to_time(const TradePlan& plan, const std::vector<TimedSet
   for (const TimedSetting& setting : settings) timed.push_back(json_of(setting));
   const std::vector<std::uint32_t> tested = plan.tested();
   std::vector<fs::path> recordings;
-  for (const std::uint32_t run : tested) recordings.push_back(plan.recording(run));
+  for (const RunFolder& run : plan.folders(tested)) recordings.push_back(run.events());
   const fs::path file = times_file(plan, name);
   return experiments::file_step(
       name,
       {{"manifest", plan.dataset.manifest_hash()},
-       {"runs", names_of(plan.dataset, tested)},
+       {"runs", plan.names(tested)},
+       {"events", plan.hashes(tested)},
        {"ways", timed},
        {"machine", cpu_name()},
        {"revision", revision()},
@@ -127,7 +129,8 @@ std::optional<results::CostGrowth> time_cost_growth(const Stage& stage) {
   constexpr std::size_t enough_recordings = 3;
   std::vector<fs::path> recordings;
   const std::vector<std::uint32_t>& train = plan.trainings.front().runs.train;
-  for (std::size_t i = 0; i < std::min(train.size(), enough_recordings); ++i) recordings.push_back(plan.recording(train[i]));
+  for (std::size_t i = 0; i < std::min(train.size(), enough_recordings); ++i)
+    recordings.push_back(evaluation::folder_of(plan.dataset, train[i]).events());
   const GrowthOptions& growth = plan.options.growth_options;
   json histories = json::array(), sensors = json::array();
   for (const microseconds history : growth.histories) histories.push_back(history.count());

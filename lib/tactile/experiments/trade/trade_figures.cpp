@@ -8,17 +8,19 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/robust_statistics.hpp"
 #include "tactile/core/ticks.hpp"
+#include "tactile/evaluation/run_judge.hpp"
+#include "tactile/evaluation/whole_runs.hpp"
 
 namespace tactile::trade {
 namespace {
 
-using Runs = std::span<const TradedRun>;
+using Runs = std::span<const results::Cell>;
 using OfRuns = std::function<std::optional<double>(const evaluation::RunsByObject&)>;
 
 OfRuns accuracy_in(Runs runs) {
   return evaluation::mean_over_objects([runs](std::span<const std::size_t> indexes) {
     results::Confusion sum;
-    for (const std::size_t i : indexes) sum += runs[i].confusion;
+    for (const std::size_t i : indexes) sum += runs[i].samples;
     return sum.accuracy();
   });
 }
@@ -26,38 +28,34 @@ OfRuns accuracy_in(Runs runs) {
 /// The durations of the ticks of a setting, sorted once for all draws.
 struct Times {
   explicit Times(std::span<const TimedRun> timed)
-      : all(timed, &TimedRun::tick_us),
-        open(timed, &TimedRun::open_tick_us),
-        runs(evaluation::without_names(evaluation::results_by_object(timed, [](const TimedRun&) { return true; }))) {}
+      : all(timed), runs(evaluation::without_names(evaluation::results_by_object(timed, [](const TimedRun&) { return true; }))) {}
 
   OfRuns us(double q) const {
     return [this, q](const evaluation::RunsByObject& chosen) { return all.of(chosen, q); };
   }
 
-  /// The median over ticks whose gate is open; over all ticks if it is open at none; NaN if none was timed.
-  double computing_us() const {
-    const evaluation::RunsByObject everything = evaluation::all_of(runs);
-    const auto of_open = open.of(everything, 0.5);
-    return (of_open ? of_open : all.of(everything, 0.5)).value_or(std::numeric_limits<double>::quiet_NaN());
-  }
+  /// The median; NaN if no tick was timed.
+  double computing_us() const { return all.of(evaluation::all_of(runs), 0.5).value_or(std::numeric_limits<double>::quiet_NaN()); }
 
-  TickQuantiles all, open;
+  TickQuantiles all;
   evaluation::CrossedResults runs;
 };
 
-std::vector<TradedDelay> delays_in(Runs runs, const evaluation::RunsByObject& chosen) {
-  std::vector<TradedDelay> delays;
+bool is_detected(const results::TouchOutcome& touch) { return touch.outcome == results::DetectionOutcome::detected; }
+
+std::vector<results::TouchOutcome> touches_in(Runs runs, const evaluation::RunsByObject& chosen) {
+  std::vector<results::TouchOutcome> touches;
   for (const auto& object : chosen) {
-    for (const std::size_t i : object) delays.insert(delays.end(), runs[i].delays.begin(), runs[i].delays.end());
+    for (const std::size_t i : object) touches.insert(touches.end(), runs[i].touches.begin(), runs[i].touches.end());
   }
-  return delays;
+  return touches;
 }
 
 /// Over all presses and slips: those that were not detected count with their limit.
 OfRuns delay_in(Runs runs, double q) {
   return [runs, q](const evaluation::RunsByObject& chosen) -> std::optional<double> {
     std::vector<double> us;
-    for (const TradedDelay& delay : delays_in(runs, chosen)) us.push_back(delay.us);
+    for (const results::TouchOutcome& touch : touches_in(runs, chosen)) us.push_back(1000 * touch.ms);
     return us.empty() ? std::nullopt : std::optional(quantile(us, q));
   };
 }
@@ -65,8 +63,8 @@ OfRuns delay_in(Runs runs, double q) {
 OfRuns mean_delay_in(Runs runs) {
   return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
     double sum = 0, count = 0;
-    for (const TradedDelay& delay : delays_in(runs, chosen)) {
-      if (delay.detected) sum += delay.us, ++count;
+    for (const results::TouchOutcome& touch : touches_in(runs, chosen)) {
+      if (is_detected(touch)) sum += 1000 * touch.ms, ++count;
     }
     return count > 0 ? std::optional(sum / count) : std::nullopt;
   };
@@ -74,10 +72,10 @@ OfRuns mean_delay_in(Runs runs) {
 
 OfRuns missed_in(Runs runs) {
   return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
-    const std::vector<TradedDelay> delays = delays_in(runs, chosen);
-    if (delays.empty()) return std::nullopt;
-    const auto missed = std::count_if(delays.begin(), delays.end(), [](const TradedDelay& delay) { return !delay.detected; });
-    return static_cast<double>(missed) / static_cast<double>(delays.size());
+    const std::vector<results::TouchOutcome> touches = touches_in(runs, chosen);
+    if (touches.empty()) return std::nullopt;
+    const auto detected = std::count_if(touches.begin(), touches.end(), is_detected);
+    return 1 - static_cast<double>(detected) / static_cast<double>(touches.size());
   };
 }
 
@@ -88,30 +86,24 @@ results::Figure figure_over(const evaluation::CrossedResults& all, const OfRuns&
                                      : evaluation::figure_over_objects(all, statistic, options, range);
 }
 
-using CountsOf = results::FalseAlarms (*)(const results::FalseAlarms&);
-
-results::FalseAlarms none_time_only(const results::FalseAlarms& counts) { return counts; }
-
-OfRuns per_min_in(Runs runs, CountsOf counts_of) {
-  return [runs, counts_of](const evaluation::RunsByObject& chosen) -> std::optional<double> {
-    results::FalseAlarms sum;
+OfRuns per_min_in(Runs runs) {
+  return [runs](const evaluation::RunsByObject& chosen) -> std::optional<double> {
+    double alarms = 0, outside_s = 0;
     for (const auto& object : chosen) {
-      for (const std::size_t i : object) sum += counts_of(runs[i].alarms);
+      for (const std::size_t i : object) alarms += static_cast<double>(runs[i].alarm_count()), outside_s += runs[i].outside_s;
     }
-    return sum.per_min();
+    return outside_s > 0 ? std::optional(60 * alarms / outside_s) : std::nullopt;
   };
 }
 
 evaluation::CrossedResults all_by_object(Runs runs) {
-  return evaluation::without_names(evaluation::results_by_object(runs, [](const TradedRun&) { return true; }));
+  return evaluation::without_names(evaluation::results_by_object(runs, [](const results::Cell&) { return true; }));
 }
 
-/// For few alarms, or little time, the interval over runs is too narrow. Several trainings on one run see the
-/// same time, which counts once.
-void widen_by_few_alarms_in(Runs runs, CountsOf counts_of, results::Figure& per_min, double confidence) {
-  results::FalseAlarms sum;
-  for (const TradedRun& run : runs) sum += counts_of(run.alarms);
-  evaluation::widen_by_few_alarms(per_min, sum, confidence, evaluation::most_results_of_a_run(all_by_object(runs)));
+/// Accuracy is of runs with balanced samples alone.
+evaluation::CrossedResults sampled_by_object(Runs runs) {
+  return evaluation::without_names(
+      evaluation::results_by_object(runs, [](const results::Cell& run) { return run.samples.samples() > 0; }));
 }
 
 /// The values that figures of these runs may have, in steps of one sample, one interval, one alarm, and the shortest delay.
@@ -123,17 +115,19 @@ struct Ranges {
 Ranges ranges_of(Runs runs) {
   Ranges ranges;
   double samples = 0, intervals = 0, shortest = std::numeric_limits<double>::infinity();
-  results::FalseAlarms outside;
-  for (const TradedRun& run : runs) {
-    samples += static_cast<double>(run.confusion.samples());
-    intervals += static_cast<double>(run.delays.size());
-    outside += run.alarms;
-    for (const TradedDelay& delay : run.delays) shortest = delay.us > 0 ? std::min(shortest, delay.us) : shortest;
+  double outside_min = 0, tick_ms = std::numeric_limits<double>::infinity();
+  for (const results::Cell& run : runs) {
+    samples += static_cast<double>(run.samples.samples());
+    intervals += static_cast<double>(run.touches.size());
+    outside_min += run.outside_s / 60;
+    tick_ms = std::min(tick_ms, run.tick_ms);
+    for (const results::TouchOutcome& touch : run.touches)
+      shortest = touch.ms > 0 ? std::min(shortest, 1000 * touch.ms) : shortest;
   }
   const auto per_run = [&](double units) { return units > 0 ? static_cast<double>(runs.size()) / units : 0; };
   ranges.accuracy.step = per_run(samples);
   ranges.missed.step = per_run(intervals);
-  ranges.per_min = evaluation::range_of_rates(runs.size(), outside.outside_labels_time, outside.tick);
+  ranges.per_min = {.lowest = 0, .highest = 60'000 / tick_ms, .step = per_run(outside_min)};
   if (std::isfinite(shortest)) ranges.delay.step = shortest;
   return ranges;
 }
@@ -149,69 +143,51 @@ void add_to(results::Figure& figure, double more) {
 
 }  // namespace
 
-TradedRun outcome_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts) {
-  TradedRun outcome;
-  outcome.object = run.object;
-  outcome.run = run.run;
+results::Cell cell_of(const JudgedRun& run, const results::FullRun& full, std::span<const Touch> verdicts) {
   const TickRange& ticks = full.ticks;
+  results::Cell cell = evaluation::RunJudge(ticks, evaluation::course_of(run.truth)).judged(verdicts);
+  cell.object = run.folder.object;
+  cell.run = run.folder.run;
   for (const windows::Sample& sample : run.samples) {
     const CameraTime tick = last_tick_until(sample.t, ticks.tick);
     const std::int64_t place = ticks.count > 0 && tick >= ticks.first ? between(ticks.first, tick) / ticks.tick : -1;
     const bool is_predicted = place >= 0 && ticks.count > 0;
-    outcome.confusion.add(sample.touch,
-                          is_predicted ? verdicts[static_cast<std::size_t>(std::min(place, ticks.count - 1))] : Touch::none);
+    cell.samples.add(sample.touch,
+                     is_predicted ? verdicts[static_cast<std::size_t>(std::min(place, ticks.count - 1))] : Touch::none);
   }
-  const auto detections = evaluation::detections_of(ticks, verdicts, run.truth.used());
-  for (const results::Detection& detection : detections) {
-    const bool detected = detection.outcome == results::DetectionOutcome::detected;
-    if (detection.outcome == results::DetectionOutcome::missed) ++outcome.misses;
-    if (detection.outcome == results::DetectionOutcome::early) ++outcome.early;
-    const microseconds delay = detected ? between(detection.interval.start, detection.first_right) : detection.limit;
-    outcome.delays.push_back({static_cast<double>(delay.count()), detected});
-  }
-  const std::vector<TouchInterval> labelled = run.truth.all_labelled();
-  if (!labelled.empty())
-    outcome.alarms =
-        evaluation::false_alarms_of(ticks, verdicts, {labelled, run.truth.releases, run.truth.unlabelled, run.guard}, detections);
-  return outcome;
+  return cell;
 }
 
-TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times, std::optional<model::GateRule> gate) {
+TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times) {
   TimedRun timed;
-  timed.object = run.object;
-  timed.run = run.run;
+  timed.object = run.folder.object;
+  timed.run = run.folder.run;
   for (const TickTime& time : times) {
-    timed.tick_us.push_back(static_cast<float>(time.total(gate)));
-    if (time.is_open(gate)) timed.open_tick_us.push_back(timed.tick_us.back());
+    timed.tick_us.push_back(static_cast<float>(time.total()));
     timed.interrupted += time.interruptions > 0 ? 1 : 0;
   }
   return timed;
-}
-
-results::FalseAlarms outside_labels(const results::FalseAlarms& counts) {
-  results::FalseAlarms all;
-  all.alarms = counts.outside_labels;
-  all.none_time = counts.outside_labels_time;
-  return all;
 }
 
 namespace {
 
 /// Whether one that was not detected lies at or below a quantile: the true one may be higher.
 bool is_bound(Runs runs, const results::Figure& figure) {
-  return std::any_of(runs.begin(), runs.end(), [&](const TradedRun& run) {
-    return std::any_of(run.delays.begin(), run.delays.end(),
-                       [&](const TradedDelay& delay) { return !delay.detected && delay.us <= figure.value; });
+  return std::any_of(runs.begin(), runs.end(), [&](const results::Cell& run) {
+    return std::any_of(run.touches.begin(), run.touches.end(), [&](const results::TouchOutcome& touch) {
+      return !is_detected(touch) && 1000 * touch.ms <= figure.value;
+    });
   });
 }
 
 void add_counts(Runs runs, results::TradeResult& result) {
-  for (const TradedRun& run : runs) {
-    result.intervals += run.delays.size();
-    result.misses += run.misses;
-    result.early += run.early;
-    result.alarms += run.alarms.alarms;
-    result.episodes += outside_labels(run.alarms).alarms;
+  for (const results::Cell& run : runs) {
+    result.intervals += run.touches.size();
+    for (const results::TouchOutcome& touch : run.touches) {
+      result.misses += touch.outcome == results::DetectionOutcome::missed ? 1 : 0;
+      result.early += touch.outcome == results::DetectionOutcome::early ? 1 : 0;
+    }
+    result.episodes += run.alarm_count();
   }
 }
 
@@ -232,7 +208,7 @@ results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const
   const auto of_times = [&](double q) { return figure_over(times.runs, times.us(q), options, {.lowest = 0}); };
   results::TradeResult result;
   results::TradeFigures& figures = result.figures;
-  figures.accuracy = figure(accuracy_in(runs), ranges.accuracy);
+  figures.accuracy = figure_over(sampled_by_object(runs), accuracy_in(runs), options, ranges.accuracy);
   figures.us_p50 = of_times(0.5);
   figures.us_p99 = of_times(0.99);
   figures.us_p999 = of_times(0.999);
@@ -246,10 +222,7 @@ results::TradeResult result_of(Runs runs, std::span<const TimedRun> timed, const
   for (results::Figure* delay : {&figures.delay_median_us, &figures.delay_p90_us, &result.delay_mean_us})
     add_to(*delay, times.computing_us());
   figures.missed = figure(missed_in(runs), ranges.missed);
-  figures.episodes_per_min = figure(per_min_in(runs, outside_labels), ranges.per_min);
-  widen_by_few_alarms_in(runs, outside_labels, figures.episodes_per_min, options.confidence);
-  result.false_alarms_per_min = figure(per_min_in(runs, none_time_only), ranges.per_min);
-  widen_by_few_alarms_in(runs, none_time_only, result.false_alarms_per_min, options.confidence);
+  if (!runs.empty()) figures.episodes_per_min = evaluation::operating_point(runs, options).alarms_per_min;
   add_counts(runs, result);
   double interrupted = 0;
   for (const TimedRun& run : timed) result.ticks += run.tick_us.size(), interrupted += static_cast<double>(run.interrupted);
@@ -279,11 +252,10 @@ results::TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcom
   const Ranges ranges = ranges_of(a.runs);
   const Times of_a(a.timed), of_b(b.timed);
   results::TradeDifference difference{
-      .accuracy = over(all, accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
+      .accuracy = over(sampled_by_object(a.runs), accuracy_in(a.runs), accuracy_in(b.runs), both_ways(ranges.accuracy)),
       .delay_us = over(all, delay_in(a.runs, 0.5), delay_in(b.runs, 0.5), both_ways(ranges.delay)),
       .missed = over(all, missed_in(a.runs), missed_in(b.runs), both_ways(ranges.missed)),
-      .episodes_per_min =
-          over(all, per_min_in(a.runs, outside_labels), per_min_in(b.runs, outside_labels), both_ways(ranges.per_min)),
+      .episodes_per_min = over(all, per_min_in(a.runs), per_min_in(b.runs), both_ways(ranges.per_min)),
       .us_p50 = over(of_a.runs, of_a.us(0.5), of_b.us(0.5), {}),
       .us_p99 = over(of_a.runs, of_a.us(0.99), of_b.us(0.99), {})};
   add_to(difference.delay_us, of_b.computing_us() - of_a.computing_us());

@@ -14,6 +14,7 @@
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/trade/usual_judgement.hpp"
 #include "tactile/results/figure_cells.hpp"
+#include "tactile/results/whole_runs_tables.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 
 namespace tactile::trade {
@@ -25,10 +26,10 @@ using nlohmann::json;
 /// Which trainings judge which runs, in words.
 std::string judged_by(const TradePlan& plan) {
   const std::size_t trainings = plan.trainings.size();
-  const std::string of_runs =
-      plan.objects() < fewest_objects
-          ? " Intervals, where there are any, are over trainings and runs, and hold for these objects only."
-          : "";
+  std::string of_runs = " False alarms, delays and misses are of every run of these objects, accuracy is of those with samples.";
+  of_runs += results::left_out_in_words(plan.left_out);
+  if (plan.objects() < fewest_objects)
+    of_runs += " Intervals, where there are any, are over trainings and runs, and hold for these objects only.";
   if (trainings == 1) {
     const experiments::RunDivision& runs = plan.trainings.front().runs;
     return fmt::format("One training learns from {} runs. Settings are chosen on {} others and reported on {} others.{}",
@@ -86,6 +87,7 @@ json settings_json(const TradeOptions& options) {
           {"train_run", options.train_run},
           {"choice_runs", options.choice_runs},
           {"epochs", options.epochs},
+          {"steps", options.steps},
           {"trainings", options.trainings},
           {"seed", options.seed},
           {"full", options.full},
@@ -139,8 +141,8 @@ results::Trade results_of(const TradePlan& plan, TradeFindings findings) {
       .steps = std::move(findings.steps)};
   for (const TradeTraining& training : plan.trainings) {
     trade.runs.push_back({.train = names_of(dataset, training.runs.train),
-                          .choice = names_of(dataset, training.runs.choice),
-                          .reported = names_of(dataset, training.runs.reported)});
+                          .choice = plan.names(training.runs.choice),
+                          .reported = plan.names(training.runs.reported)});
   }
   for (const TradePoint& point : findings.points) trade.points.push_back(traded(point, options.usual));
   for (const LeftOutPair& pair : left_out_pairs(options.levels))
@@ -155,8 +157,7 @@ void write_trade(const results::Trade& trade, const fs::path& folder) {
 
 std::string trade_csv(const results::Trade& trade) {
   CsvTable table(
-      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,width,last_pool,engine,precision,pass,confirm,filter,gate,"
-      "runs,"
+      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,runs,"
       "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
       "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
       "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay,augment");
@@ -165,9 +166,8 @@ std::string trade_csv(const results::Trade& trade) {
       const results::SettingValues& values = point.values;
       const results::TradeFigures& figures = result->figures;
       table.add_row(point.id, point.design, point.trainings, values.kind, csv_number(values.th_ms), csv_number(values.tick_ms),
-                    csv_number(values.factor), values.resize, values.denoise, csv_number(values.width), values.last_pool,
-                    values.engine, values.precision, values.pass, values.confirm, values.filter, values.gate ? "on" : "off", runs,
-                    results::figure_cells(figures.accuracy), results::figure_cells(figures.delay_median_us),
+                    csv_number(values.factor), values.resize, values.denoise, values.engine, values.precision, values.pass,
+                    values.confirm, runs, results::figure_cells(figures.accuracy), results::figure_cells(figures.delay_median_us),
                     csv_number(figures.delay_p90_us.value), csv_number(figures.missed.value),
                     results::figure_cells(figures.episodes_per_min), results::figure_cells(figures.us_p50),
                     results::figure_cells(figures.us_p99), csv_number(figures.us_p999.value), point.on_accuracy_front ? 1 : 0,

@@ -6,9 +6,8 @@
 
 #include "tactile/core/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
-#include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
-#include "tactile/model/inference/decision.hpp"
+#include "tactile/model/definition/model_settings.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/results/traded_setting.hpp"
 
@@ -18,22 +17,18 @@ namespace tactile::trade {
 /// fastest.
 struct TradeSetting {
   model::ModelKind kind = model::ModelKind::lenet;
-  heatmaps::HeatmapOptions rendering{};        ///< its tick is the detector's; the model may have another
-  double width = model::LeNetOptions{}.width;  ///< of the network, as its `last_pool`
-  int last_pool = model::LeNetOptions{}.last_pool;
-  model::Augmentation augmentation{};  ///< in its training
+  heatmaps::HeatmapOptions rendering{};  ///< its tick is the detector's; LeNet may have another
+  model::Augmentation augmentation{};    ///< in its training
   model::EngineKind engine = model::EngineKind::fast;
   model::Precision precision = model::Precision::fp32;
   bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
   Confirmation confirmation{};
-  std::optional<double> alarm_cost{};  ///< of the decision filter, which then replaces the confirmation; > 0
-  bool gate = false;
 
   friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
 };
 
-/// The same with the defaults of all parameters that only a network on heatmaps has, if the kind reads none: factor, resize,
-/// denoise, width, last pooling, augmentation, engine, precision and pass.
+/// The same with the defaults of all parameters that only LeNet has, if the kind is another: factor, resize, denoise,
+/// augmentation, engine, precision and pass. The history of a stream is its tick.
 TradeSetting without_idle_values(TradeSetting setting);
 
 /// "none", "flip+stress:noise:200": as `model::text_of`, but joined by +, so that commas separate values of an option.
@@ -44,16 +39,12 @@ model::Augmentation joined_augmentation_named(std::string text);  ///< @throws E
 results::SettingValues values_of(const TradeSetting& setting);
 void to_json(nlohmann::json& json, const TradeSetting& setting);  ///< as `values_of`
 
-/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1-open"; a smaller network adds "-w0.5" or
-/// "-p4", an augmentation "-flip+shift" or, with recipes, "-augment-" and a hash, a filter "-filter0.01", another kind than LeNet
-/// "-trees".
+/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1"; an augmentation adds "-flip+shift" or, with
+/// recipes, "-augment-" and a hash, another kind than LeNet "-stream".
 std::string id_of(const TradeSetting& setting);
 
 /// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.
 std::string text_of(const TradeSetting& setting, const TradeSetting& base = {});
-
-/// How predictions of a network become verdicts. @throws Error  if a filter is to be used and the network has no transitions
-model::Decision decision_of(const TradeSetting& setting, const model::ModelBundle& bundle);
 
 /// Why the setting is impossible; nothing if it is possible.
 std::optional<std::string> why_impossible(const TradeSetting& setting);

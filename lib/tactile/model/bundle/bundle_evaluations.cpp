@@ -40,13 +40,13 @@ std::string dataset_file_in(const fs::path& file) {
 
 fs::path evaluation_on(const ModelBundle& bundle, const std::string& learned_from, const std::string& judged_on) {
   if (learned_from == judged_on) return bundle.evaluation();
-  return bundle.folder / (std::string(begins) + judged_on.substr(0, digits) + std::string(ends));
+  return bundle.results() / (std::string(begins) + judged_on.substr(0, digits) + std::string(ends));
 }
 
 std::optional<fs::path> newest_evaluation(const ModelBundle& bundle) {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code failed;
-  for (fs::directory_iterator entry(bundle.folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+  for (fs::directory_iterator entry(bundle.results(), failed), end; !failed && entry != end; entry.increment(failed)) {
     if (!is_of_usual_options(entry->path().filename().string())) continue;
     const auto time = fs::last_write_time(entry->path(), failed);
     if (!failed) found.emplace_back(time, entry->path());

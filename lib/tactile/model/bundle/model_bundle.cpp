@@ -22,12 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr int format_version = 2;
 
-nlohmann::json class_names() {
-  nlohmann::json names = nlohmann::json::array();
-  for (const Touch touch : all_touches) names.push_back(name_of(touch));
-  return names;
-}
-
 /// @throws Error  if a member that others are read from is no object
 void check_members(const nlohmann::json& json, const std::string& where) {
   check_object(json, where + ":");
@@ -36,7 +30,7 @@ void check_members(const nlohmann::json& json, const std::string& where) {
     if (found != json.end() && !(may_be_null && found->is_null())) check_object(*found, fmt::format("{}: '{}'", where, key));
   };
   for (const char* key : {"dataset", "network", "rendering", "software", "split", "training"}) check_member(key, false);
-  for (const char* key : {"gate", "scene", "transitions"}) check_member(key, true);
+  check_member("scene", true);
 }
 
 nlohmann::json learned_json(const std::vector<LearnedRun>& runs) {
@@ -71,8 +65,6 @@ void to_json(nlohmann::json& json, const ModelDescription& description) {
                {"test_runs", description.test_runs},
                {"learned_from", learned_json(description.learned_from)},
                {"samples", description.samples},
-               {"gate", description.gate ? nlohmann::json(*description.gate) : nlohmann::json()},
-               {"transitions", description.transitions ? nlohmann::json(*description.transitions) : nlohmann::json()},
                {"scene", description.scene ? nlohmann::json(*description.scene) : nlohmann::json()},
                {"threads", description.threads},
                {"trained_at", description.trained_at},
@@ -95,13 +87,10 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   description.input = {member<int>(input, "width", where), member<int>(input, "height", where)};
   description.settings = json.get<ModelSettings>();
   if (!reads_heatmaps(description.settings.kind)) {
-    const std::vector<std::size_t> expected = features_shape(description.settings.kind);
-    std::vector<std::size_t> shape{member<std::size_t>(input, "features", where)};
-    if (expected.size() == 2)
-      shape.insert(shape.begin(),
-                   member<std::size_t>(input, description.settings.kind == ModelKind::stream ? "places" : "steps", where));
-    if (shape != expected)
-      throw Error(fmt::format("{}: reads {} features; expected {}", where, fmt::join(shape, " x "), fmt::join(expected, " x ")));
+    const auto places = member<std::size_t>(input, "places", where), features = member<std::size_t>(input, "features", where);
+    if (places != StreamLayout::places || features != StreamLayout::inputs_of_place)
+      throw Error(fmt::format("{}: reads {} x {} features; expected {} x {}", where, places, features, StreamLayout::places,
+                              StreamLayout::inputs_of_place));
   }
   const auto dataset = member<nlohmann::json>(json, "dataset", where);
   description.dataset = member<std::string>(dataset, "file", where);
@@ -113,9 +102,6 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   for (const auto& run : member<std::vector<nlohmann::json>>(json, "learned_from", where))
     description.learned_from.push_back(learned_run_in(run, where));
   description.samples = member<std::uint64_t>(json, "samples", where);
-  if (json.contains("gate") && !json.at("gate").is_null()) description.gate = json.at("gate").get<Gate>();
-  if (json.contains("transitions") && !json.at("transitions").is_null())
-    description.transitions = json.at("transitions").get<Transitions>();
   if (json.contains("scene") && !json.at("scene").is_null())
     description.scene = json.at("scene").get<characterise::SceneRanges>();
   description.threads = member<unsigned>(json, "threads", where);
@@ -150,11 +136,8 @@ void check_description(const ModelDescription& description) {
     throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
                             std::chrono::microseconds(longest_history).count()));
   within("training", [&] { check(description.settings.training); });
-  within("network",
-         [&] { check(description.settings.stream), check(description.settings.trees), check(description.settings.temporal); });
+  within("network", [&] { check(description.settings.stream); });
   if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
-  if (description.gate && !(description.gate->share >= 0 && description.gate->share <= 1))
-    throw Error(fmt::format("model.json: gate: share of {}; expected 0 to 1", description.gate->share));
 }
 
 /// Checks what "network" repeats of the network that the weights are read for. Older bundles have less.
@@ -231,12 +214,12 @@ std::map<std::string, std::string> weights_metadata(const ModelDescription& desc
   const events::SensorSize input = description.input;
   const nlohmann::json of_heatmaps{
       {"shape", {1, input.height, input.width}}, {"type", "float32"}, {"scale", "heatmap / 255, in [0, 1]"}};
-  const nlohmann::json of_features{{"shape", features_shape(description.settings.kind)},
-                                   {"type", "float32"},
-                                   {"sensor", {{"height", input.height}, {"width", input.width}}}};
+  const nlohmann::json of_stream{{"shape", {StreamLayout::places, StreamLayout::inputs_of_place}},
+                                 {"type", "float32"},
+                                 {"sensor", {{"height", input.height}, {"width", input.width}}}};
   return {{"format", "pt"},  // PyTorch's order of a tensor's values
           {"classes", class_names().dump()},
-          {"input", (reads_heatmaps(description.settings.kind) ? of_heatmaps : of_features).dump()},
+          {"input", (reads_heatmaps(description.settings.kind) ? of_heatmaps : of_stream).dump()},
           {"network", network_json(description.settings, input).dump()},
           {"rendering", rendering.dump()},
           {"split", nlohmann::json(description.settings).at("split").dump()},
@@ -245,7 +228,26 @@ std::map<std::string, std::string> weights_metadata(const ModelDescription& desc
           {"software", nlohmann::json{{"name", "tactile"}, {"version", description.version}}.dump()}};
 }
 
+namespace {
+
+/// Of a network of one's own: what its description says, and its hash.
+ModelDescription description_of_own(const fs::path& network) {
+  ModelDescription description;
+  description.own = read_own_description(network);
+  description.settings.kind = ModelKind::own;
+  description.settings.rendering = description.own->rendering;
+  description.input = description.own->sensor;
+  for (const nlohmann::json& run : description.own->learned_from)
+    description.learned_from.push_back(learned_run_in(run, own_description_file(network).string()));
+  description.train_runs = names_of(description.learned_from);
+  description.weights_sha256 = sha256_of_file(network);
+  return description;
+}
+
+}  // namespace
+
 ModelDescription read_description(const ModelBundle& bundle) {
+  if (is_own_network(bundle.folder)) return description_of_own(bundle.folder);
   if (!fs::is_regular_file(bundle.description())) {
     throw Error(bundle.folder.string() + ": no model; expected a folder with model.json, as 'tactile train' makes it");
   }
@@ -271,16 +273,6 @@ Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& d
   Weights weights = read_weights(bundle.weights(), parameters);
   check_finite(weights, bundle.weights().string(), largest_weight);
   return weights;
-}
-
-GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss) {
-  if (description.gate && description.gate->ratios.empty() && miss != gate_share) {
-    throw Error(bundle.folder.string() + ": has no ratios of its training intervals; expected a model that has them for " +
-                "--gate-miss: run 'tactile train --force' again");
-  }
-  if (description.gate) return rule_of(*description.gate, description.settings.rendering.history, miss);
-  throw Error(bundle.folder.string() +
-              ": was trained without a gate's limit; expected a model that has one: run 'tactile train --force' again");
 }
 
 std::optional<ModelBundle> newest_bundle(const fs::path& models, const std::function<bool(const ModelDescription&)>& wanted) {

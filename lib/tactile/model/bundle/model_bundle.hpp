@@ -12,9 +12,8 @@
 
 #include "tactile/characterise/scene.hpp"
 #include "tactile/core/whole_file.hpp"
-#include "tactile/model/bundle/gate.hpp"
+#include "tactile/model/bundle/own_description.hpp"
 #include "tactile/model/bundle/training_history.hpp"
-#include "tactile/model/bundle/transitions.hpp"
 #include "tactile/model/bundle/weights.hpp"
 #include "tactile/model/definition/model_settings.hpp"
 #include "tactile/windows/dataset.hpp"
@@ -49,25 +48,28 @@ struct ModelDescription {
   std::vector<std::string> test_runs;
   std::vector<LearnedRun> learned_from;              ///< the training runs, and those of its starting models
   std::uint64_t samples = 0;                         ///< training samples
-  std::optional<Gate> gate;                          ///< calibrated on the training runs; older bundles have none
-  std::optional<Transitions> transitions{};          ///< of the training runs' labels; older bundles have none
   std::optional<characterise::SceneRanges> scene{};  ///< of the training runs' recordings; older bundles have none
   unsigned threads = 1;
   std::string trained_at;         ///< UTC, "2024-05-31T12:00:00.000000Z"
   std::string version, revision;  ///< of the software
   std::string weights_sha256;
-  unsigned epoch = 0;       ///< of these weights
-  unsigned best_epoch = 0;  ///< with the smallest validation loss; training loss without a validation part
+  unsigned epoch = 0;                   ///< of these weights
+  unsigned best_epoch = 0;              ///< with the smallest validation loss; training loss without a validation part
+  std::optional<OwnDescription> own{};  ///< of kind own, which has no model.json
 };
 
 void to_json(nlohmann::json& json, const ModelDescription& description);
 void from_json(const nlohmann::json& json, ModelDescription& description);  ///< @throws Error
 
-/// Files of a model bundle: the folder `models/<name>/`.
+/// Files of a model bundle: the folder `models/<name>/`. A network of one's own is its file instead; it has only results.
 struct ModelBundle {
   std::filesystem::path folder;
 
   std::string name() const { return folder.filename().string(); }
+  /// The folder of results: the bundle's, or "NAME.pt.results".
+  std::filesystem::path results() const {
+    return is_own_network(folder) ? std::filesystem::path(folder.string() + ".results") : folder;
+  }
   std::filesystem::path description() const { return folder / "model.json"; }
   std::filesystem::path weights() const { return folder / "weights.safetensors"; }
   std::filesystem::path best_weights() const {
@@ -78,8 +80,8 @@ struct ModelBundle {
   }  ///< only if of another epoch than the weights
   std::filesystem::path history() const { return folder / "history.csv"; }
   std::filesystem::path settings() const { return folder / "settings.json"; }  ///< of `tactile train`, for --config
-  std::filesystem::path evaluation() const { return folder / "eval.json"; }
-  std::filesystem::path unseen_evaluation() const { return folder / "eval-unseen.json"; }
+  std::filesystem::path evaluation() const { return results() / "eval.json"; }
+  std::filesystem::path unseen_evaluation() const { return results() / "eval-unseen.json"; }
 };
 
 /// The weights that a training writes to a bundle.
@@ -107,15 +109,12 @@ bool learned_from(const ModelDescription& model, const std::filesystem::path& re
 /// The metadata of a weights file: classes, input shape and scale, layers, rendering, software, as JSON texts.
 std::map<std::string, std::string> weights_metadata(const ModelDescription& description);
 
+/// Of a network of one's own, what its description says.
 /// @throws Error  if there is no such bundle, or its model.json is not of this format
 ModelDescription read_description(const ModelBundle& bundle);
 
 /// The bundle's weights. @throws Error  if their hash differs from `description`, or they have other sizes or are not finite
 Weights read_bundle_weights(const ModelBundle& bundle, const ModelDescription& description);
-
-/// The rule by which the bundle's gate opens. @throws Error  if the bundle has no gate, or no ratios for another `miss` than
-/// usual
-GateRule gate_rule(const ModelBundle& bundle, const ModelDescription& description, double miss = gate_share);
 
 /// The last trained bundle below `models` that `wanted` accepts; nothing if there is none. Folders without a readable model.json
 /// are ignored.

@@ -31,6 +31,7 @@ void from_json(const nlohmann::json& json, Temperature& temperature) {
 }
 
 Temperature read_temperature(const ModelBundle& bundle, const ModelDescription& description) {
+  if (description.own) return {.value = description.own->temperature};
   const std::filesystem::path file = temperature_file(bundle);
   if (!std::filesystem::exists(file)) return {};
   Temperature temperature;

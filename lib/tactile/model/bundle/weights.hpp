@@ -20,8 +20,7 @@ struct Parameter {
 
 using Weights = std::vector<Parameter>;
 
-/// The largest magnitude of a value in a bundle. Weights of trained networks are below 100, a temporal convolution's scales below
-/// 1e6, and the limits in trees are counts of events.
+/// The largest magnitude of a value in a bundle. Weights of trained networks are below 100.
 inline constexpr float largest_weight = 1e9F;
 
 /// Writes the weights as a safetensors file: the header's length as 8 bytes, little-endian; a JSON header with each parameter's

@@ -7,7 +7,7 @@
 namespace tactile::model {
 
 namespace {
-constexpr std::array<std::string_view, 2> names{"fast", "libtorch"};
+constexpr std::array<std::string_view, 3> names{"fast", "libtorch", "opencv"};
 }  // namespace
 
 std::string_view name_of(EngineKind engine) { return names.at(static_cast<std::size_t>(engine)); }

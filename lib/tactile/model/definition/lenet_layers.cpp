@@ -1,7 +1,6 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 
 #include <array>
-#include <cmath>
 
 #include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
@@ -11,20 +10,12 @@
 namespace tactile::model {
 namespace {
 
-constexpr int kernel = 5, largest_side = 4096;
+constexpr int kernel = 5, smallest_side = 16, largest_side = 4096;
 
 constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
 constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
 
-events::SensorSize divided(events::SensorSize size, int by) { return {size.width / by, size.height / by}; }
-events::SensorSize pooled(events::SensorSize size) { return divided({size.width - kernel + 1, size.height - kernel + 1}, 2); }
-
-void check_sizes(const LeNetOptions& options) {
-  if (options.width != 1 && options.width != 0.5 && options.width != 0.25)
-    throw Error("network's width " + nlohmann::json(options.width).dump() + "; expected 1, 0.5 or 0.25");
-  if (options.last_pool != 2 && options.last_pool != 4)
-    throw Error("network's last pooling of " + std::to_string(options.last_pool) + "; expected 2 or 4");
-}
+events::SensorSize pooled(events::SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
 
 }  // namespace
 
@@ -38,16 +29,11 @@ Pooling pooling_named(std::string_view name) { return enumerator_named<Pooling>(
 
 void to_json(nlohmann::json& json, const LeNetOptions& options) {
   json = {{"activation", name_of(options.activation)}, {"pool", name_of(options.pooling)}};
-  if (options.width != LeNetOptions{}.width) json["width"] = options.width;
-  if (options.last_pool != LeNetOptions{}.last_pool) json["last_pool"] = options.last_pool;
 }
 
 void from_json(const nlohmann::json& json, LeNetOptions& options) {
   options.activation = activation_named(member<std::string>(json, "activation", "network settings"));
   options.pooling = pooling_named(member<std::string>(json, "pool", "network settings"));
-  options.width = json.contains("width") ? member<double>(json, "width", "network settings") : LeNetOptions{}.width;
-  options.last_pool = json.contains("last_pool") ? member<int>(json, "last_pool", "network settings") : LeNetOptions{}.last_pool;
-  check_sizes(options);
 }
 
 std::size_t ParameterShape::count() const {
@@ -76,28 +62,18 @@ std::size_t LeNetLayers::parameter_count() const {
   return sum;
 }
 
-LeNetLayers lenet_layers(events::SensorSize input, const LeNetOptions& options) {
-  check_sizes(options);
-  const int smallest_side = options.last_pool == 4 ? 20 : 16;
+LeNetLayers lenet_layers(events::SensorSize input) {
   if (input.width < smallest_side || input.height < smallest_side || input.width > largest_side || input.height > largest_side) {
     throw Error("heatmaps of " + std::to_string(input.width) + " x " + std::to_string(input.height) +
                 " cells: the network's layers do not fit; expected " + std::to_string(smallest_side) + " to " +
                 std::to_string(largest_side) + " a side");
   }
-  const auto scaled = [&](std::size_t count) {
-    return static_cast<std::size_t>(std::ceil(static_cast<double>(count) * options.width));
-  };
   LeNetLayers layers;
   layers.input = input;
   layers.first_pooled = pooled(input);
   layers.second_pooled = pooled(layers.first_pooled);
-  layers.last_pooled = divided(layers.second_pooled, options.last_pool / 2);
-  layers.first_channels = scaled(layers.first_channels);
-  layers.second_channels = scaled(layers.second_channels);
-  layers.first_hidden = scaled(layers.first_hidden);
-  layers.second_hidden = scaled(layers.second_hidden);
-  layers.flat = layers.second_channels * static_cast<std::size_t>(layers.last_pooled.width) *
-                static_cast<std::size_t>(layers.last_pooled.height);
+  layers.flat = LeNetLayers::second_channels * static_cast<std::size_t>(layers.second_pooled.width) *
+                static_cast<std::size_t>(layers.second_pooled.height);
   return layers;
 }
 
@@ -112,14 +88,13 @@ nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
   const std::string activation(name_of(options.activation)), pool(name_of(options.pooling));
   const auto convolution = [](std::size_t channels) { return "conv " + std::to_string(channels) + "@5x5"; };
   const auto linear = [](std::size_t units) { return "linear " + std::to_string(units); };
-  nlohmann::json json = {
-      {"name", "lenet-5"},
-      {"input", {{"channels", 1}, {"height", layers.input.height}, {"width", layers.input.width}}},
-      {"layers",
-       {convolution(layers.first_channels), activation, pool + "-pool 2", convolution(layers.second_channels), activation,
-        pool + "-pool " + std::to_string(options.last_pool), "flatten " + std::to_string(layers.flat),
-        linear(layers.first_hidden), activation, linear(layers.second_hidden), activation, linear(touch_count)}},
-      {"parameters", layers.parameter_count()}};
+  nlohmann::json json = {{"name", "lenet-5"},
+                         {"input", {{"channels", 1}, {"height", layers.input.height}, {"width", layers.input.width}}},
+                         {"layers",
+                          {convolution(layers.first_channels), activation, pool + "-pool 2", convolution(layers.second_channels),
+                           activation, pool + "-pool 2", "flatten " + std::to_string(layers.flat), linear(layers.first_hidden),
+                           activation, linear(layers.second_hidden), activation, linear(touch_count)}},
+                         {"parameters", layers.parameter_count()}};
   json.update(nlohmann::json(options));
   return json;
 }

@@ -31,20 +31,17 @@ enum class Pooling : std::uint8_t { max, average };
 struct LeNetOptions {
   Activation activation = Activation::relu;
   Pooling pooling = Pooling::max;
-  double width = 1;   ///< share of LeNet's channels and hidden units: 1, 0.5 or 0.25
-  int last_pool = 2;  ///< side of the blocks that the last pooling reduces to one value, 2 or 4
 
   bool is_fast() const;  ///< whether the fast engine supports it: ReLU and max-pooling
 
   friend bool operator==(const LeNetOptions&, const LeNetOptions&) = default;
 };
 
-std::string_view name_of(Activation activation);     ///< "relu", "tanh", "sigmoid"
-std::string_view name_of(Pooling pooling);           ///< "max", "average"
-Activation activation_named(std::string_view name);  ///< @throws Error
-Pooling pooling_named(std::string_view name);        ///< @throws Error
-/// {"activation", "pool"}, and "width" and "last_pool" if they are not the defaults: so old models keep their names
-void to_json(nlohmann::json& json, const LeNetOptions& options);
+std::string_view name_of(Activation activation);                    ///< "relu", "tanh", "sigmoid"
+std::string_view name_of(Pooling pooling);                          ///< "max", "average"
+Activation activation_named(std::string_view name);                 ///< @throws Error
+Pooling pooling_named(std::string_view name);                       ///< @throws Error
+void to_json(nlohmann::json& json, const LeNetOptions& options);    ///< {"activation", "pool"}
 void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws Error
 
 /// LeNet-5 for heatmaps of one size:
@@ -52,28 +49,24 @@ void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws
 ///   conv 6@5x5 (stride 1, no padding), ReLU, max-pool 2 (floor), conv 16@5x5, ReLU, max-pool 2, flatten channel first,
 ///   fully connected 120, ReLU, 84, ReLU, then one logit for each touch
 ///
-/// LeNetOptions may select another activation or pooling, which keep the shapes. A width of 0.5 has 3, 8, 60 and 42 in place of
-/// 6, 16, 120 and 84; one of 0.25 has 2, 4, 30 and 21. A last pooling of 4 reduces 4 x 4 values to one, so that the first fully
-/// connected layer has about a quarter of the weights.
+/// LeNetOptions may select another activation or pooling, which keep the shapes.
 ///
-/// Source: LeCun et al., 1998, as Faris et al., arXiv:2403.10120, use it. The sizes below 1 are ours.
+/// Source: LeCun et al., 1998, as Faris et al., arXiv:2403.10120, use it.
 struct LeNetLayers {
+  static constexpr std::size_t first_channels = 6, second_channels = 16, first_hidden = 120, second_hidden = 84;
+
   events::SensorSize input;          ///< of a heatmap [cells]
   events::SensorSize first_pooled;   ///< after the first pooling
-  events::SensorSize second_pooled;  ///< after a second pooling of 2 x 2
-  events::SensorSize last_pooled;    ///< after the whole second pooling; equals `second_pooled` if that is of 2 x 2
-  std::size_t first_channels = 6, second_channels = 16, first_hidden = 120, second_hidden = 84;
-  std::size_t flat = 0;  ///< values after flattening; 9744 for 128 x 96
+  events::SensorSize second_pooled;  ///< after the second pooling
+  std::size_t flat = 0;              ///< values after flattening; 9744 for 128 x 96
 
   /// In the order of the layers, weight before bias: "conv1.weight" [6, 1, 5, 5], "conv1.bias" [6], ... "fc3.bias" [3].
   std::vector<ParameterShape> parameters() const;
   std::size_t parameter_count() const;  ///< number of all values
 };
 
-/// @throws Error  if the heatmap is too small for the layers (at least 16 x 16 cells, 20 x 20 with a last pooling of 4) or larger
-/// than
-///                4096 cells in a direction; if there is no such width or last pooling
-LeNetLayers lenet_layers(events::SensorSize input, const LeNetOptions& options = {});
+/// @throws Error  if the heatmap is too small for the layers (at least 16 x 16 cells) or larger than 4096 cells in a direction
+LeNetLayers lenet_layers(events::SensorSize input);
 
 /// The number of consecutive heatmaps of this size. @throws Error  if it is not a whole number
 std::size_t heatmap_count(std::span<const std::uint8_t> heatmaps, events::SensorSize size);

@@ -7,7 +7,7 @@
 namespace tactile::model {
 
 namespace {
-constexpr std::array<std::string_view, 4> kind_names{"lenet", "stream", "trees", "temporal"};
+constexpr std::array<std::string_view, 3> kind_names{"lenet", "stream", "own"};
 }  // namespace
 
 std::string_view name_of(ModelKind kind) { return kind_names.at(static_cast<std::size_t>(kind)); }

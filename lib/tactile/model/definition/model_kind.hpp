@@ -7,15 +7,14 @@ namespace tactile::model {
 
 /// What predicts.
 enum class ModelKind : std::uint8_t {
-  lenet,     ///< LeNet on heatmaps
-  stream,    ///< a recurrent network on the events of each tick, trained on whole runs
-  trees,     ///< gradient-boosted trees on `features::TickFeatures`
-  temporal,  ///< a causal convolution over time on `features::StepFeatures`
+  lenet,   ///< LeNet on heatmaps
+  stream,  ///< a recurrent network on the events of each tick, trained on whole runs
+  own,     ///< a network that another program trained, from its TorchScript or ONNX file
 };
 
-std::string_view name_of(ModelKind kind);        ///< "lenet", "stream", "trees", "temporal"
+std::string_view name_of(ModelKind kind);        ///< "lenet", "stream", "own"
 ModelKind kind_named(std::string_view name);     ///< @throws Error
-constexpr bool reads_heatmaps(ModelKind kind) {  ///< the others read features of the events
+constexpr bool reads_heatmaps(ModelKind kind) {  ///< the others read events
   return kind == ModelKind::lenet;
 }
 

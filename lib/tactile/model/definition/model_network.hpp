@@ -8,17 +8,11 @@
 
 namespace tactile::model {
 
-/// The size of a model's input: of a heatmap [cells], or, for kinds that read none, of the sensor [px].
+/// The size of a model's input: of a heatmap [cells], or, of stream, of the sensor [px].
 events::SensorSize input_of(const ModelSettings& settings, events::SensorSize sensor);
 
 /// "heatmaps of 128 x 96 cells", or "events of a sensor of 640 x 480 px"
 std::string input_text(ModelKind kind, events::SensorSize input);
-
-/// The numbers that a kind without heatmaps reads at a tick: [84], or [16, 12]; of stream [9, 145].
-std::vector<std::size_t> features_shape(ModelKind kind);
-
-/// @throws Error  if a model of this kind cannot read the history in these ticks
-void check_history(const ModelSettings& settings);
 
 /// The parameters in the weights file of a model.
 /// @throws Error  if a heatmap of this size does not suit the network, or an option is out of its range

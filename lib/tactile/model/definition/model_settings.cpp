@@ -13,50 +13,29 @@
 namespace tactile::model {
 namespace {
 
-/// Only LeNet's training has these.
-constexpr std::array<const char*, 4> of_lenet{"augment", "engine", "validation_share", "early_stop"};
-
-/// Whether the training has no options but its seed.
-bool learns_by_seed_alone(ModelKind kind) { return kind == ModelKind::stream || kind == ModelKind::trees; }
-
 nlohmann::json network_options(const ModelSettings& settings) {
   if (settings.kind == ModelKind::lenet) return settings.network;  // as before there were other kinds
-  nlohmann::json json = settings.kind == ModelKind::stream  ? nlohmann::json(settings.stream)
-                        : settings.kind == ModelKind::trees ? nlohmann::json(settings.trees)
-                                                            : nlohmann::json(settings.temporal);
+  nlohmann::json json = settings.kind == ModelKind::own ? nlohmann::json::object() : nlohmann::json(settings.stream);
   json["kind"] = name_of(settings.kind);
   return json;
 }
 
 nlohmann::json training_options(const ModelSettings& settings) {
-  if (learns_by_seed_alone(settings.kind)) return {{"seed", settings.training.seed}};
-  nlohmann::json json = settings.training;
-  if (settings.kind == ModelKind::temporal) {
-    for (const char* key : of_lenet) json.erase(key);
-  }
-  return json;
+  if (settings.kind == ModelKind::lenet) return settings.training;
+  return {{"seed", settings.training.seed}};
 }
 
 /// Reads what `training_options` and `network_options` give.
-void read_options(const nlohmann::json& network, nlohmann::json training, ModelSettings& settings) {
+void read_options(const nlohmann::json& network, const nlohmann::json& training, ModelSettings& settings) {
   const std::string where = "model settings";
   settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
-  if (learns_by_seed_alone(settings.kind)) {
-    if (settings.kind == ModelKind::trees)
-      settings.trees = network.get<TreesOptions>();
-    else
-      settings.stream = network.get<StreamOptions>();
-    settings.training.seed = member<std::uint64_t>(training, "seed", where);
-    return;
-  }
   if (settings.kind == ModelKind::lenet) {
     settings.network = network.get<LeNetOptions>();
+    settings.training = training.get<TrainingOptions>();
   } else {
-    settings.temporal = network.get<TemporalOptions>();
-    const nlohmann::json usual = TrainingOptions{};
-    for (const char* key : of_lenet) training[key] = usual.at(key);
+    settings.stream = network.get<StreamOptions>();
+    settings.training.seed = member<std::uint64_t>(training, "seed", where);
   }
-  settings.training = training.get<TrainingOptions>();
 }
 
 }  // namespace
@@ -163,9 +142,7 @@ std::string suffix_of(const nlohmann::json& off) {
 std::string default_name(const ModelSettings& settings) {
   const windows::SplitOptions& split = settings.split;
   const std::string history = fmt::format("th{:g}", static_cast<double>(settings.rendering.history.count()) / 1000);
-  const std::string kind = settings.kind == ModelKind::lenet    ? history
-                           : settings.kind == ModelKind::stream ? std::string(name_of(settings.kind))
-                                                                : fmt::format("{}-{}", name_of(settings.kind), history);
+  const std::string kind = settings.kind == ModelKind::lenet ? history : std::string(name_of(settings.kind));
   return fmt::format("{}-{}-{}{}{}", kind, split.kind == windows::SplitKind::unseen ? "unseen" : "single",
                      split.train_run == windows::SplitOptions{}.train_run ? "" : "run" + split.train_run + "-",
                      settings.training.seed, suffix_of(off_default(settings, false)));

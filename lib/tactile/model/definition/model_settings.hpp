@@ -8,9 +8,7 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 #include "tactile/model/definition/model_kind.hpp"
 #include "tactile/model/definition/stream_options.hpp"
-#include "tactile/model/definition/temporal_options.hpp"
 #include "tactile/model/definition/training_options.hpp"
-#include "tactile/model/definition/trees_options.hpp"
 #include "tactile/windows/split.hpp"
 
 namespace tactile::model {
@@ -24,21 +22,18 @@ struct StartingPoint {
 /// Everything that, with the dataset, determines a trained model. The number of threads is not included, see
 /// `depends_on_threads`.
 struct ModelSettings {
-  heatmaps::HeatmapOptions rendering;  ///< of a kind without heatmaps, history, tick and mask; of stream, the history is the tick
+  heatmaps::HeatmapOptions rendering;  ///< of stream, tick and mask; its history is the tick
   windows::SplitOptions split;
   LeNetOptions network;      ///< of LeNet
-  TrainingOptions training;  ///< of stream and trees only the seed
+  TrainingOptions training;  ///< of stream only the seed
   std::optional<StartingPoint> from;
   ModelKind kind = ModelKind::lenet;
-  StreamOptions stream{};      ///< of kind stream
-  TreesOptions trees{};        ///< of trees
-  TemporalOptions temporal{};  ///< of a temporal convolution
+  StreamOptions stream{};  ///< of kind stream
 };
 
 /// "rendering" as HeatmapOptions, "split" with "kind", "train_run" and, for unseen, "held_out" in alphabetical order, "network"
 /// as LeNetOptions, "training" as TrainingOptions with "from": null, or the "name" and "weights_sha256" of a model. Of
-/// another kind, "network" has "kind" and its options. "training" of stream and trees has only "seed" and "from"; that of a
-/// temporal convolution lacks what only LeNet's has: "augment", "engine", "validation_share" and "early_stop".
+/// stream, "network" has "kind" and its options, and "training" only "seed" and "from".
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 
@@ -48,10 +43,10 @@ bool depends_on_threads(const ModelSettings& settings);
 /// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);
 
-/// The name of a model that a person trains: "th40-single-7" with history, split and seed; "stream-single-7" and
-/// "trees-th40-single-7" of other kinds, "th40-single-run02-7" of another training run than 01. Up to three settings off their
-/// default follow as words: "th40-unseen-1-epochs3-denoise-none"; more, or such as are no words, as the first 8 characters of
-/// their hash. Different settings have different names.
+/// The name of a model that a person trains: "th40-single-7" with history, split and seed; "stream-single-7" of
+/// kind stream, "th40-single-run02-7" of another training run than 01. Up to three settings off their default follow as words:
+/// "th40-unseen-1-epochs3-denoise-none"; more, or such as are no words, as the first 8 characters of their hash. Different
+/// settings have different names.
 std::string default_name(const ModelSettings& settings);
 
 /// The name of a model of an experiment, and of every model of older versions: "th040-single-run-01-s1", with "-" and the first

@@ -21,7 +21,7 @@ void check(const StreamOptions& options) {
 
 std::vector<ParameterShape> stream_parameters() {
   constexpr std::int64_t channels = StreamSizes::channels, memory = StreamSizes::memory, pooled = StreamSizes::pooled;
-  constexpr std::int64_t inputs = StreamLayout::cells_of_place + 1, kept = StreamSizes::kept, classes = touch_count;
+  constexpr std::int64_t inputs = StreamLayout::inputs_of_place, kept = StreamSizes::kept, classes = touch_count;
   return {{"grid", {4}},
           {"cells.weight", {channels, inputs}},
           {"cells.bias", {channels}},

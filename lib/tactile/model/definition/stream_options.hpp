@@ -15,8 +15,9 @@ namespace tactile::model {
 struct StreamLayout {
   static constexpr std::size_t across = 3, down = 3, columns = 4, rows = 18;
   static constexpr std::size_t places = across * down;
-  static constexpr std::size_t cells_of_place = 2 * rows * columns;  ///< [polarity, row, column]
-  static constexpr std::size_t cells = places * cells_of_place;      ///< [place, polarity, row, column]
+  static constexpr std::size_t cells_of_place = 2 * rows * columns;   ///< [polarity, row, column]
+  static constexpr std::size_t inputs_of_place = cells_of_place + 1;  ///< of the network: of its counts, and of their sum
+  static constexpr std::size_t cells = places * cells_of_place;       ///< [place, polarity, row, column]
   static constexpr std::size_t all_columns = across * columns, all_rows = down * rows;
 
   /// The cell of a polarity, a row from the top and a column from the left.
@@ -25,6 +26,11 @@ struct StreamLayout {
     return place * cells_of_place + (polarity * rows + row % rows) * columns + column % columns;
   }
 };
+
+/// Position of a place along an axis of `count` places: from -1 to 1.
+constexpr float position_of(std::size_t index, std::size_t count) {
+  return count < 2 ? 0.0F : static_cast<float>(2 * index) / static_cast<float>(count - 1) - 1.0F;
+}
 
 /// Sizes of the network of kind `stream`.
 struct StreamSizes {
@@ -37,7 +43,7 @@ struct StreamSizes {
 
 /// Options of kind `stream`.
 struct StreamOptions {
-  unsigned steps = 800;  ///< of the training, 1 to 100 000
+  unsigned steps = 1600;  ///< of the training, 1 to 100 000
 
   friend bool operator==(const StreamOptions&, const StreamOptions&) = default;
 };

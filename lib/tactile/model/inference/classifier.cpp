@@ -11,9 +11,8 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/model/definition/model_network.hpp"
+#include "tactile/model/inference/own_classifier.hpp"
 #include "tactile/model/inference/stream_classifier.hpp"
-#include "tactile/model/inference/temporal_classifier.hpp"
-#include "tactile/model/inference/tree_classifier.hpp"
 
 namespace tactile::model {
 
@@ -81,6 +80,8 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
       temperature_(read_temperature(bundle_, description_)),
       threads_(threads_or_all(threads)),
       engine_(engine) {
+  if (kind() == ModelKind::own)
+    throw Error(bundle_.folder.string() + ": a network of one's own; expected a model's folder, or the program 'tactile'");
   const Weights weights = read_bundle_weights(bundle_, description_);
   json_ = read_json(bundle_.description());
   try {
@@ -90,15 +91,26 @@ Classifier::Classifier(const std::filesystem::path& bundle, unsigned threads, En
     }
     if (engine == EngineKind::libtorch)
       throw Error(fmt::format("a model of kind {} runs without libtorch; expected --engine fast", name_of(kind())));
-    if (kind() == ModelKind::stream) {
-      stream_ = std::make_shared<const StreamNetwork>(weights);
-    } else if (kind() == ModelKind::trees) {
-      trees_ = std::make_shared<const BoostedTrees>(features::feature_count, description_.settings.trees, weights);
-    } else {
-      temporal_ = std::make_shared<const TemporalNetwork>(description_.settings.temporal, weights);
-    }
+    stream_ = std::make_shared<const StreamNetwork>(weights);
   } catch (const Error& e) {
     throw Error(bundle_.folder.string() + ": " + e.what());
+  }
+}
+
+Classifier::Classifier(const std::filesystem::path& file, EngineKind engine,
+                       const std::function<OpenOwnNetwork(const NetworkPorts&)>& open)
+    : bundle_{file},
+      description_(read_description(bundle_)),
+      temperature_(read_temperature(bundle_, description_)),
+      threads_(1),
+      engine_(engine),
+      open_own_(open(ports_of(*description_.own))) {
+  json_ = read_json(own_description_file(file));
+  OwnTicks(file.string(), ports_of(*description_.own), open_own_()).advance();  // reports a network that does not suit
+  try {
+    on_events(description_.input, rendering());  // reports a grid outside the sensor
+  } catch (const Error& e) {
+    throw Error(own_description_file(file).string() + ": " + e.what());
   }
 }
 
@@ -109,15 +121,12 @@ std::unique_ptr<EventClassifier> Classifier::on_events(events::SensorSize sensor
                             input_text(kind(), input_size()), bundle().string()));
   }
   if (reads_heatmaps(kind())) return std::make_unique<HeatmapClassifier>(sensor, rendering, network_.for_one_thread());
-  if (kind() == ModelKind::stream) {
-    const microseconds own = this->rendering().tick;
-    if (rendering.tick != own)
-      throw Error(fmt::format("a tick of {} us; expected the {} us by which {} counts", rendering.tick.count(), own.count(),
-                              bundle().string()));
-    return std::make_unique<StreamClassifier>(sensor, own, rendering.mask, stream_);
-  }
-  if (kind() == ModelKind::trees) return std::make_unique<TreeClassifier>(sensor, rendering, trees_);
-  return std::make_unique<TemporalClassifier>(sensor, rendering, this->rendering().tick, temporal_);
+  if (kind() == ModelKind::own) return own_classifier(bundle().string(), *description_.own, sensor, rendering, open_own_());
+  const microseconds own = this->rendering().tick;
+  if (rendering.tick != own)
+    throw Error(fmt::format("a tick of {} us; expected the {} us by which {} counts", rendering.tick.count(), own.count(),
+                            bundle().string()));
+  return std::make_unique<StreamClassifier>(sensor, own, rendering.mask, stream_);
 }
 
 std::vector<Logits> Classifier::classify(std::span<const std::uint8_t> heatmaps) const { return classify(heatmaps, threads_); }

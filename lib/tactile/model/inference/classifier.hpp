@@ -12,13 +12,12 @@
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/bundle/temperature.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
-#include "tactile/model/inference/boosted_trees.hpp"
 #include "tactile/model/inference/event_classifier.hpp"
 #include "tactile/model/inference/heatmap_classifier.hpp"
 #include "tactile/model/inference/lenet_engine.hpp"
 #include "tactile/model/inference/logits.hpp"
+#include "tactile/model/inference/own_network.hpp"
 #include "tactile/model/inference/stream_network.hpp"
-#include "tactile/model/inference/temporal_network.hpp"
 
 namespace tactile::model {
 
@@ -46,8 +45,16 @@ class Classifier {
   Classifier(const std::filesystem::path& bundle, unsigned threads, EngineKind engine,
              const std::function<HeatmapNetwork(const ModelDescription&, const Weights&)>& make_network);
 
+  /// A network that another program trained.
+  /// @param file    NAME.pt or NAME.onnx, with its description beside it
+  /// @param engine  what runs it
+  /// @param open    opens it
+  /// @throws Error  if the description cannot be read, or the network does not suit it
+  Classifier(const std::filesystem::path& file, EngineKind engine,
+             const std::function<OpenOwnNetwork(const NetworkPorts&)>& open);
+
   const std::filesystem::path& bundle() const { return bundle_.folder; }
-  const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json
+  const nlohmann::json& description() const { return json_; }     ///< the bundle's model.json; of kind own, NAME.json
   const ModelDescription& model() const { return description_; }  ///< the same as a struct
   const heatmaps::HeatmapOptions& rendering() const { return description_.settings.rendering; }
   ModelKind kind() const { return description_.settings.kind; }
@@ -81,10 +88,9 @@ class Classifier {
   Temperature temperature_;
   unsigned threads_;
   EngineKind engine_;
-  HeatmapNetwork network_;                           ///< of a kind that reads heatmaps
-  std::shared_ptr<const StreamNetwork> stream_;      ///< of kind stream
-  std::shared_ptr<const BoostedTrees> trees_;        ///< of trees
-  std::shared_ptr<const TemporalNetwork> temporal_;  ///< of a temporal convolution
+  HeatmapNetwork network_;                       ///< of LeNet
+  std::shared_ptr<const StreamNetwork> stream_;  ///< of kind stream
+  OpenOwnNetwork open_own_;                      ///< of kind own
 };
 
 }  // namespace tactile::model

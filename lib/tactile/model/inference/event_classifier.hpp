@@ -24,7 +24,7 @@ class EventClassifier {
   virtual void move_to(CameraTime tick) = 0;
 
   virtual std::uint64_t events() const = 0;  ///< in the history
-  virtual void prepare() = 0;                ///< makes the input from the history: a heatmap, or features
+  virtual void prepare() = 0;                ///< makes the input from the history, such as a heatmap
   virtual Logits classify() = 0;             ///< the logits of the input that was prepared last
   virtual void restart() = 0;                ///< forgets all events: the next ones may have any time
 };

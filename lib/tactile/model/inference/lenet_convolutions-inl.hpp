@@ -18,19 +18,12 @@ constexpr hn::CappedTag<float, Sizes::lanes> floats;
 using Floats = decltype(floats);
 using Vector = hn::Vec<Floats>;
 constexpr std::size_t lanes = HWY_LANES(float) < Sizes::lanes ? HWY_LANES(float) : Sizes::lanes;
-constexpr std::size_t taps = Sizes::taps, points = Sizes::points, block = Sizes::block;
-
-/// Sizes of a network of this width, and the vectors that its second convolution has channels in.
-template <std::size_t quarters>
-struct Network : SizesOf<quarters> {
-  using Channels = hn::CappedTag<float, SizesOf<quarters>::second_channels>;
-  using ChannelVector = hn::Vec<Channels>;
-  static constexpr std::size_t channel_lanes = std::min(lanes, SizesOf<quarters>::second_channels);
-  static constexpr std::size_t parts = SizesOf<quarters>::second_channels / channel_lanes;
-  /// Pooled outputs of the second convolution that are worked out together: enough sums to keep the multipliers busy, few enough
-  /// for the registers.
-  static constexpr std::size_t together = std::max(std::size_t{1}, 6 / parts);
-};
+constexpr std::size_t parts = Sizes::second_channels / lanes;  ///< vectors that the second convolution's channels are
+constexpr std::size_t taps = Sizes::taps, first_channels = Sizes::first_channels, hidden_row = Sizes::hidden_row;
+constexpr std::size_t points = Sizes::points, block = Sizes::block;
+/// Pooled outputs of the second convolution that are worked out together: enough sums to keep the multipliers busy, few enough
+/// for the registers.
+constexpr std::size_t together = std::max(std::size_t{1}, 6 / parts);
 
 template <std::size_t... i, class Body>
 HWY_INLINE void each_of(std::index_sequence<i...> /*numbers*/, const Body& body) {
@@ -115,10 +108,10 @@ HWY_ATTR bool spread(const LeNetPlan& plan, LeNetMemory& memory, const std::uint
   return any;
 }
 
-/// Two or three channels of the first convolution, pooled, at `lanes` columns of a row from pair `k` on.
-template <class N, std::size_t first_channel>
+/// Three channels of the first convolution, pooled, at `lanes` columns of a row from pair `k` on.
+template <std::size_t first_channel>
 HWY_INLINE void first_channels_at(const LeNetPlan& plan, LeNetMemory& memory, std::size_t row, std::size_t k) {
-  constexpr std::size_t first_channels = N::first_channels, channels = std::min(first_channels, std::size_t{3});
+  constexpr std::size_t channels = 3;
   Vector sums[channels * 4];  // [channel][row of the block][column of the block]
   each<channels>([&](auto c) HWY_ATTR {
     const Vector bias = hn::Set(floats, plan.first_bias[first_channel + c]);
@@ -180,9 +173,7 @@ HWY_INLINE void take_at_points(const float* values, Vector* out) {
 }
 
 /// A row of the first pooled layer as the second convolution takes it.
-template <class N>
 HWY_ATTR void take_row_at_points(const LeNetPlan& plan, LeNetMemory& memory, std::size_t row) {
-  constexpr std::size_t first_channels = N::first_channels;
   float* const place = &memory.at_points[row * plan.blocks * points * first_channels * block];
   for (std::size_t c = 0; c < first_channels; ++c) {
     const float* const values = &memory.pooled[(row * first_channels + c) * plan.pooled_stride];
@@ -206,9 +197,7 @@ HWY_ATTR void take_row_at_points(const LeNetPlan& plan, LeNetMemory& memory, std
 }
 
 /// The first pooled layer; where no cell of a chunk's receptive field is lit it stays as an empty heatmap has it.
-template <class N>
 HWY_ATTR void first_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_empty) {
-  constexpr std::size_t first_channels = N::first_channels;
   const auto rows = static_cast<std::size_t>(plan.layers.first_pooled.height);
   const auto columns = static_cast<std::size_t>(plan.layers.first_pooled.width);
   for (std::size_t row = 0; row < rows; ++row) {
@@ -231,11 +220,11 @@ HWY_ATTR void first_layer(const LeNetPlan& plan, LeNetMemory& memory, bool skip_
       computed = 1;
       changed = true;
       for (std::size_t k = chunk * Sizes::lanes; k < (chunk + 1) * Sizes::lanes; k += lanes) {
-        first_channels_at<N, 0>(plan, memory, row, k);
-        if constexpr (first_channels > 3) first_channels_at<N, 3>(plan, memory, row, k);
+        first_channels_at<0>(plan, memory, row, k);
+        first_channels_at<3>(plan, memory, row, k);
       }
     }
-    if (changed) take_row_at_points<N>(plan, memory, row);
+    if (changed) take_row_at_points(plan, memory, row);
   }
 }
 
@@ -275,17 +264,16 @@ struct Ahead {
 
 constexpr int to_second_level = 2;
 
-template <class N>
 HWY_INLINE void fetch_row(const Ahead& ahead, std::size_t i) {
   if (i >= ahead.count) return;
   const char* row = ahead.weights + ahead.rows[i] * ahead.row_bytes;
   const auto fetch = [row](auto weight_bytes) HWY_ATTR {
-    each<std::max(N::hidden_row * weight_bytes / cache_line, std::size_t{1})>(
+    each<hidden_row * weight_bytes / cache_line>(
         [&](auto line) HWY_ATTR { __builtin_prefetch(row + line * cache_line, 0, to_second_level); });
   };
-  if (ahead.row_bytes == N::hidden_row) {
+  if (ahead.row_bytes == hidden_row) {
     fetch(std::integral_constant<std::size_t, 1>{});
-  } else if (ahead.row_bytes == 2 * N::hidden_row) {
+  } else if (ahead.row_bytes == 2 * hidden_row) {
     fetch(std::integral_constant<std::size_t, 2>{});
   } else {
     fetch(std::integral_constant<std::size_t, 4>{});
@@ -293,55 +281,51 @@ HWY_INLINE void fetch_row(const Ahead& ahead, std::size_t i) {
 }
 
 /// `together` outputs of the second convolution, pooled and activated: their products at each point, then from these the outputs.
-template <class N>
-HWY_INLINE void second_at(const LeNetPlan& plan, const float* const* in, const Ahead& ahead, typename N::ChannelVector* out) {
-  constexpr typename N::Channels channels;
-  using Sum = typename N::ChannelVector;
-  constexpr std::size_t parts = N::parts, together = N::together, width = N::channel_lanes, first_channels = N::first_channels;
+HWY_INLINE void second_at(const LeNetPlan& plan, const float* const* in, const Ahead& ahead, Vector* out) {
   constexpr std::size_t sums = together * 2 * parts;  // [output][row of the block][part]
-  alignas(cache_line) float products[points][sums * width];
+  alignas(cache_line) float products[points][sums * lanes];
   const std::size_t row = plan.blocks * points * first_channels * block;
   const float* weights = plan.second_weights.data();
   for (std::size_t point = 0; point < points; ++point) {
-    Sum sum[sums];
-    each<sums>([&](auto i) HWY_ATTR { sum[i] = hn::Zero(channels); });
-    for (std::size_t c = 0; c < first_channels; ++c, weights += taps * N::second_channels) {
-      fetch_row<N>(ahead, (point * first_channels + c) * 3);
-      fetch_row<N>(ahead, (point * first_channels + c) * 3 + 1);
-      fetch_row<N>(ahead, (point * first_channels + c) * 3 + 2);
+    Vector sum[sums];
+    each<sums>([&](auto i) HWY_ATTR { sum[i] = hn::Zero(floats); });
+    for (std::size_t c = 0; c < first_channels; ++c, weights += taps * Sizes::second_channels) {
+      fetch_row(ahead, (point * first_channels + c) * 3);
+      fetch_row(ahead, (point * first_channels + c) * 3 + 1);
+      fetch_row(ahead, (point * first_channels + c) * 3 + 2);
       const std::size_t offset = (point * first_channels + c) * block;
       each<taps + 1>([&](auto y) HWY_ATTR {  // a row of values is above for one of the block's rows, below for the other
         each<together>([&](auto k) HWY_ATTR {
-          const Sum value = hn::Set(channels, in[k][offset + y * row]);
+          const Vector value = hn::Set(floats, in[k][offset + y * row]);
           each<parts>([&](auto part) HWY_ATTR {
             if constexpr (y < taps) {
-              const Sum weight = hn::Load(channels, weights + y * N::second_channels + part * width);
+              const Vector weight = hn::Load(floats, weights + y * Sizes::second_channels + part * lanes);
               sum[k * 2 * parts + part] = hn::MulAdd(value, weight, sum[k * 2 * parts + part]);
             }
             if constexpr (y > 0) {
-              const Sum weight = hn::Load(channels, weights + (y - 1) * N::second_channels + part * width);
+              const Vector weight = hn::Load(floats, weights + (y - 1) * Sizes::second_channels + part * lanes);
               sum[(k * 2 + 1) * parts + part] = hn::MulAdd(value, weight, sum[(k * 2 + 1) * parts + part]);
             }
           });
         });
       });
     }
-    each<sums>([&](auto i) HWY_ATTR { hn::Store(sum[i], channels, products[point] + i * width); });
+    each<sums>([&](auto i) HWY_ATTR { hn::Store(sum[i], floats, products[point] + i * lanes); });
   }
-  const Sum two = hn::Set(channels, 2.0F), zero = hn::Zero(channels);
+  const Vector two = hn::Set(floats, 2.0F), zero = hn::Zero(floats);
   for (std::size_t k = 0; k < together; ++k) {
     for (std::size_t part = 0; part < parts; ++part) {
-      Sum largest = zero;
+      Vector largest = zero;
       each<2>([&](auto y) HWY_ATTR {
-        Sum m[points];
-        each<points>([&](auto p) HWY_ATTR { m[p] = hn::Load(channels, products[p] + ((k * 2 + y) * parts + part) * width); });
-        const Sum left = hn::Add(m[0], hn::Add(hn::Add(m[1], m[2]), hn::Add(m[3], m[4])));
-        const Sum right = hn::Add(m[5], hn::MulAdd(two, hn::Sub(m[3], m[4]), hn::Sub(m[1], m[2])));
-        const Sum larger = hn::Max(left, right);
+        Vector m[points];
+        each<points>([&](auto p) HWY_ATTR { m[p] = hn::Load(floats, products[p] + ((k * 2 + y) * parts + part) * lanes); });
+        const Vector left = hn::Add(m[0], hn::Add(hn::Add(m[1], m[2]), hn::Add(m[3], m[4])));
+        const Vector right = hn::Add(m[5], hn::MulAdd(two, hn::Sub(m[3], m[4]), hn::Sub(m[1], m[2])));
+        const Vector larger = hn::Max(left, right);
         if constexpr (y == 0) largest = larger;
         if constexpr (y == 1) largest = hn::Max(largest, larger);
       });
-      out[k * parts + part] = hn::Max(hn::Add(largest, hn::Load(channels, &plan.second_bias[part * width])), zero);
+      out[k * parts + part] = hn::Max(hn::Add(largest, hn::Load(floats, &plan.second_bias[part * lanes])), zero);
     }
   }
 }

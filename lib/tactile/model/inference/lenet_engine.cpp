@@ -14,7 +14,7 @@ namespace tactile::model {
 namespace {
 
 using Sizes = LeNetSizes;
-constexpr std::size_t taps = Sizes::taps;
+constexpr std::size_t taps = Sizes::taps, in_channels = Sizes::first_channels, out_channels = Sizes::second_channels;
 constexpr float largest_byte = 127;
 
 constexpr std::size_t rounded_up(std::size_t value, std::size_t step) { return (value + step - 1) / step * step; }
@@ -55,11 +55,9 @@ void set_sizes(LeNetPlan& plan) {
   plan.blocks = rounded_up(side(plan.layers.second_pooled.width), Sizes::block) / Sizes::block;
   const std::size_t columns = rounded_up(plan.blocks * Sizes::block, Sizes::lanes);
   plan.pooled_stride = rounded_up(std::max(side(first.width), 2 * columns + taps), Sizes::lanes) + Sizes::lanes;
-  plan.hidden_row = rounded_up(plan.layers.first_hidden, 2 * Sizes::lanes);
 }
 
 void set_convolutions(LeNetPlan& plan, const Weights& weights) {
-  const std::size_t in_channels = plan.layers.first_channels, out_channels = plan.layers.second_channels;
   plan.first_weights.resize(taps * taps * in_channels);
   for (std::size_t c = 0; c < in_channels; ++c) {
     for (std::size_t tap = 0; tap < taps * taps; ++tap)
@@ -93,11 +91,11 @@ void set_convolutions(LeNetPlan& plan, const Weights& weights) {
   for (std::size_t c = 0; c < in_channels; ++c) plan.first_empty[c] = std::max(plan.first_bias[c], 0.0F);
 }
 
-/// A layer's weights as [input, rounded up][outputs, rounded up], and its bias in the same layout.
+/// A layer's weights as [input][outputs, rounded up], and its bias in the same layout.
 void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Parameter& weight, const Parameter& bias_in,
                std::size_t row) {
   const std::size_t outputs = bias_in.values.size(), inputs = weight.values.size() / outputs;
-  rows.assign(rounded_up(inputs, Sizes::chains) * row, 0.0F);
+  rows.assign(inputs * row, 0.0F);
   bias.assign(row, 0.0F);
   for (std::size_t out = 0; out < outputs; ++out) {
     bias[out] = bias_in.values[out];
@@ -107,13 +105,13 @@ void set_dense(AlignedValues<float>& rows, AlignedValues<float>& bias, const Par
 
 /// The first fully connected layer, with its inputs in channel-last order.
 void set_hidden(LeNetPlan& plan, const Parameter& weight) {
-  const std::size_t out_channels = plan.layers.second_channels, pixels = plan.layers.flat / out_channels;
-  plan.hidden_weights.assign(plan.layers.flat * plan.hidden_row, 0.0F);
-  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
+  const std::size_t pixels = plan.layers.flat / out_channels;
+  plan.hidden_weights.assign(plan.layers.flat * Sizes::hidden_row, 0.0F);
+  for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
     const float* in = &weight.values[out * plan.layers.flat];
     for (std::size_t channel = 0; channel < out_channels; ++channel) {
       for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-        plan.hidden_weights[(pixel * out_channels + channel) * plan.hidden_row + out] = in[channel * pixels + pixel];
+        plan.hidden_weights[(pixel * out_channels + channel) * Sizes::hidden_row + out] = in[channel * pixels + pixel];
     }
   }
 }
@@ -138,14 +136,14 @@ void set_precision(LeNetPlan& plan, Precision precision) {
     }
   } else if (precision == Precision::int8) {
     plan.hidden_bytes.resize(weights.size());
-    plan.hidden_scale.assign(plan.hidden_row, 0.0F);
-    for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
+    plan.hidden_scale.assign(Sizes::hidden_row, 0.0F);
+    for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
       float largest = 0;
-      for (std::size_t in = out; in < weights.size(); in += plan.hidden_row) largest = std::max(largest, std::abs(weights[in]));
+      for (std::size_t in = out; in < weights.size(); in += Sizes::hidden_row) largest = std::max(largest, std::abs(weights[in]));
       const double unit = static_cast<double>(largest) / largest_byte;
       plan.hidden_scale[out] = static_cast<float>(unit);
       if (unit == 0) continue;
-      for (std::size_t in = out; in < weights.size(); in += plan.hidden_row)
+      for (std::size_t in = out; in < weights.size(); in += Sizes::hidden_row)
         plan.hidden_bytes[in] = static_cast<std::int8_t>(std::lround(static_cast<double>(weights[in]) / unit));
     }
   }
@@ -153,12 +151,12 @@ void set_precision(LeNetPlan& plan, Precision precision) {
 
 /// The sums of the first fully connected layer for an empty heatmap, with the same weights as for others.
 void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
-  plan.hidden_empty.assign(plan.hidden_row, 0.0F);
-  for (std::size_t out = 0; out < plan.layers.first_hidden; ++out) {
+  plan.hidden_empty.assign(Sizes::hidden_row, 0.0F);
+  for (std::size_t out = 0; out < Sizes::first_hidden; ++out) {
     double sum = 0;
     for (std::size_t in = 0; in < plan.layers.flat; ++in) {
-      const std::size_t place = in * plan.hidden_row + out;
-      sum += static_cast<double>(plan.second_empty[in % plan.layers.second_channels]) *
+      const std::size_t place = in * Sizes::hidden_row + out;
+      sum += static_cast<double>(plan.second_empty[in % out_channels]) *
              (plan.hidden_bytes.empty() ? static_cast<double>(plan.hidden_weights[place])
                                         : static_cast<double>(plan.hidden_bytes[place]) * plan.hidden_scale[out]);
     }
@@ -185,8 +183,7 @@ Precision precision_named(std::string_view name) { return enumerator_named<Preci
 
 struct LeNetEngine::State {
   std::shared_ptr<const LeNetPlan> plan;
-  const char* target = "";
-  LeNetKernel::Run run = nullptr;
+  LeNetKernel kernel;
   bool skip_empty = true;
   LeNetMemory memory;
 };
@@ -198,7 +195,7 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
                 "-pooling: the fast engine does not support it; expected relu and max-pooling, or --engine libtorch");
   }
   auto plan = std::make_shared<LeNetPlan>();
-  plan->layers = lenet_layers(input, layers);
+  plan->layers = lenet_layers(input);
   check_shapes(weights, plan->layers.parameters(), "weights: not of this network");
   check_finite(weights, "weights");
   check_range(weights);
@@ -207,21 +204,20 @@ LeNetEngine::LeNetEngine(events::SensorSize input, const Weights& weights, const
   set_convolutions(*plan, weights);
   set_hidden(*plan, weights[4]);
   set_precision(*plan, options.precision);
-  set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], plan->hidden_row);
+  set_dense(plan->inner_weights, plan->inner_bias, weights[6], weights[7], Sizes::hidden_row);
   set_dense(plan->last_weights, plan->last_bias, weights[8], weights[9], Sizes::lanes);
 
   // The kernel itself computes the empty heatmap, so that the differences are exactly 0.
   const LeNetKernel kernel = kernel_named(options.target);
-  const LeNetKernel::Run run = kernel.run_of(plan->layers);
   LeNetMemory memory = memory_for(*plan);
   const std::vector<std::uint8_t> empty(side(input.width) * side(input.height));
   AlignedValues<float> second(plan->layers.flat);
-  run(*plan, memory, empty.data(), false, nullptr, second.data());
-  plan->second_empty.assign(second.begin(), second.begin() + static_cast<std::ptrdiff_t>(plan->layers.second_channels));
+  kernel.run(*plan, memory, empty.data(), false, nullptr, second.data());
+  plan->second_empty.assign(second.begin(), second.begin() + out_channels);
   set_hidden_empty(*plan, weights[5]);
   if (options.precision != Precision::fp32) plan->hidden_weights = AlignedValues<float>();  // frees them, which {} does not
-  run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
-  state_ = std::make_unique<State>(State{plan, kernel.name, run, options.skip_empty, memory_for(*plan)});
+  kernel.run(*plan, memory, empty.data(), false, plan->logits_empty.data(), nullptr);
+  state_ = std::make_unique<State>(State{plan, kernel, options.skip_empty, memory_for(*plan)});
 }
 
 LeNetEngine::~LeNetEngine() = default;
@@ -234,7 +230,7 @@ LeNetEngine::LeNetEngine(LeNetEngine&&) noexcept = default;
 LeNetEngine& LeNetEngine::operator=(LeNetEngine&&) noexcept = default;
 
 const LeNetLayers& LeNetEngine::layers() const { return state_->plan->layers; }
-std::string_view LeNetEngine::target() const { return state_->target; }
+std::string_view LeNetEngine::target() const { return state_->kernel.name; }
 
 std::vector<std::string> LeNetEngine::targets() {
   std::vector<std::string> names;
@@ -250,7 +246,7 @@ Logits LeNetEngine::classify(std::span<const std::uint8_t> heatmap) {
   }
   Logits logits{};
   const FlushedDenormals flushed;
-  state_->run(*state_->plan, state_->memory, heatmap.data(), state_->skip_empty, logits.data(), nullptr);
+  state_->kernel.run(*state_->plan, state_->memory, heatmap.data(), state_->skip_empty, logits.data(), nullptr);
   return logits;
 }
 

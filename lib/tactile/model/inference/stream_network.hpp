@@ -64,9 +64,4 @@ class StreamNetwork {
 /// The rectangle of `weights`, which come first.
 StreamGrid grid_of(const Weights& weights);
 
-/// Position of a place along an axis of `count` places: from -1 to 1.
-constexpr float position_of(std::size_t index, std::size_t count) {
-  return count < 2 ? 0.0F : static_cast<float>(2 * index) / static_cast<float>(count - 1) - 1.0F;
-}
-
 }  // namespace tactile::model

@@ -17,11 +17,14 @@ namespace {
 constexpr microseconds longest_hold{10'000'000};
 
 void check(const TwoThresholds& settings) {
-  if (std::isfinite(settings.on) && std::isfinite(settings.off) && settings.off <= settings.on &&
-      settings.hold >= microseconds{0} && settings.hold <= longest_hold)
+  if (std::isfinite(settings.on) && std::isfinite(settings.off) && std::isfinite(settings.confirmed) &&
+      settings.off <= settings.on && settings.on <= settings.confirmed && settings.hold >= microseconds{0} &&
+      settings.hold <= longest_hold)
     return;
-  throw Error(fmt::format("thresholds '{}'; expected ON:OFF:HOLD, log-odds with OFF <= ON and a hold from 0 to {} ms, such as {}",
-                          text_of(settings), longest_hold.count() / 1000, text_of(TwoThresholds{})));
+  throw Error(
+      fmt::format("thresholds '{}'; expected ON:OFF:HOLD or ON:OFF:HOLD:CONFIRMED, log-odds with OFF <= ON <= CONFIRMED "
+                  "and a hold from 0 to {} ms, such as {}",
+                  text_of(settings), longest_hold.count() / 1000, text_of(TwoThresholds{})));
 }
 
 }  // namespace
@@ -33,21 +36,29 @@ TwoThresholds two_thresholds_in(std::string_view text) {
     numbers.push_back(number_in(text.substr(begin, end - begin)).value_or(std::numeric_limits<double>::quiet_NaN()));
     begin = end + 1;
   }
-  const bool is_read =
-      numbers.size() == 3 && std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::abs(n) < 1e9; });
+  const bool is_read = (numbers.size() == 3 || numbers.size() == 4) &&
+                       std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::abs(n) < 1e9; });
   if (!is_read)
-    throw Error(fmt::format("thresholds '{}'; expected three numbers ON:OFF:HOLD, such as {}", text, text_of(TwoThresholds{})));
-  const TwoThresholds settings{.on = numbers[0], .off = numbers[1], .hold = microseconds{std::llround(1000 * numbers[2])}};
+    throw Error(fmt::format("thresholds '{}'; expected three or four numbers ON:OFF:HOLD:CONFIRMED, such as {}", text,
+                            text_of(TwoThresholds{})));
+  const TwoThresholds settings{.on = numbers[0],
+                               .off = numbers[1],
+                               .hold = microseconds{std::llround(1000 * numbers[2])},
+                               .confirmed = numbers.size() == 4 ? numbers[3] : std::max(numbers[0], TwoThresholds{}.confirmed)};
   check(settings);
   return settings;
 }
 
 std::string text_of(const TwoThresholds& thresholds) {
-  return fmt::format("{:g}:{:g}:{:g}", thresholds.on, thresholds.off, static_cast<double>(thresholds.hold.count()) / 1000);
+  return fmt::format("{:g}:{:g}:{:g}:{:g}", thresholds.on, thresholds.off, static_cast<double>(thresholds.hold.count()) / 1000,
+                     thresholds.confirmed);
 }
 
 TwoThresholds moved_to(const TwoThresholds& thresholds, double on) {
-  return {.on = on, .off = on - (thresholds.on - thresholds.off), .hold = thresholds.hold};
+  return {.on = on,
+          .off = on - (thresholds.on - thresholds.off),
+          .hold = thresholds.hold,
+          .confirmed = std::max(on, thresholds.confirmed)};
 }
 
 double log_odds(const Probabilities& probabilities, Touch touch) {
@@ -78,18 +89,23 @@ Touch ThresholdDecision::next(const Probabilities& probabilities) {
   if (likelier != reported_ && std::max(press, slip) >= needed) {
     reported_ = likelier;
     below_ = 0;
+    confirms_slip_ = false;
   }
+  confirms_slip_ = reported_ == Touch::slip && (confirms_slip_ || slip >= settings_.confirmed);
   return reported_;
 }
 
 void ThresholdDecision::skip(std::uint64_t ticks) {
   if (reported_ == Touch::none || ticks == 0) return;
   below_ = ticks >= hold_ticks_ - below_ ? hold_ticks_ : below_ + ticks;
-  if (below_ >= hold_ticks_) reported_ = Touch::none;
+  if (below_ < hold_ticks_) return;
+  reported_ = Touch::none;
+  confirms_slip_ = false;
 }
 
 void ThresholdDecision::restart() {
   reported_ = Touch::none;
+  confirms_slip_ = false;
   below_ = 0;
 }
 

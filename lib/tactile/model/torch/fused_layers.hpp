@@ -19,13 +19,10 @@ class FusedBatch {
   FusedBatch(const LeNetLayers& layers, unsigned threads)
       : layers_(layers),
         cells_(static_cast<std::size_t>(layers.input.width) * static_cast<std::size_t>(layers.input.height)),
-        flat_(layers.second_channels * static_cast<std::size_t>(layers.second_pooled.width) *
-              static_cast<std::size_t>(layers.second_pooled.height)),
         passes_(layers),
         workspaces_(threads, passes_.make_workspace()) {}
 
   unsigned threads() const { return static_cast<unsigned>(workspaces_.size()); }
-  const LeNetLayers& layers() const { return layers_; }
 
   /// Sets the batch of the next pass, which it must outlive.
   void set_heatmaps(std::span<const std::uint8_t> heatmaps) { heatmaps_ = heatmaps; }
@@ -33,23 +30,23 @@ class FusedBatch {
   torch::Tensor forward(const ConvolutionValues<const float>& weights) {
     passes_.set(weights);
     while (kept_.size() < count()) kept_.push_back(passes_.make_kept());
-    torch::Tensor flat = torch::empty({static_cast<std::int64_t>(count()), static_cast<std::int64_t>(flat_)});
-    const std::span<float> values(flat.data_ptr<float>(), count() * flat_);
+    torch::Tensor flat = torch::empty({static_cast<std::int64_t>(count()), static_cast<std::int64_t>(layers_.flat)});
+    const std::span<float> values(flat.data_ptr<float>(), count() * layers_.flat);
     for_slices([&](std::size_t, std::size_t i, FusedConvolutions::Workspace& workspace) {
-      passes_.forward(heatmap(i), values.subspan(i * flat_, flat_), kept_[i], workspace);
+      passes_.forward(heatmap(i), values.subspan(i * layers_.flat, layers_.flat), kept_[i], workspace);
     });
     return flat;
   }
 
   void backward(const torch::Tensor& gradient, const ConvolutionValues<float>& into) {
-    const std::span<const float> values(gradient.data_ptr<float>(), count() * flat_);
+    const std::span<const float> values(gradient.data_ptr<float>(), count() * layers_.flat);
     sums_.resize(std::max(sums_.size(), slices()));
     for (auto& sum : sums_) sum.clear();
     for_slices([&](std::size_t slice, std::size_t i, FusedConvolutions::Workspace& workspace) {
-      passes_.backward(heatmap(i), kept_[i], values.subspan(i * flat_, flat_), sums_[slice], workspace);
+      passes_.backward(heatmap(i), kept_[i], values.subspan(i * layers_.flat, layers_.flat), sums_[slice], workspace);
     });
     for (std::size_t slice = 1; slice < slices(); ++slice) sums_[0].add(sums_[slice]);
-    sums_[0].write(layers_, into);
+    sums_[0].write(into);
   }
 
  private:
@@ -69,7 +66,6 @@ class FusedBatch {
 
   LeNetLayers layers_;
   std::size_t cells_;
-  std::size_t flat_;  ///< values of a heatmap after the second layer
   FusedConvolutions passes_;
   std::span<const std::uint8_t> heatmaps_;
   std::vector<FusedConvolutions::Kept> kept_;             ///< of each heatmap
@@ -93,10 +89,8 @@ class FusedLayers : public torch::autograd::Function<FusedLayers> {
     // The context keeps numbers and tensors alone.
     // NOLINTNEXTLINE(performance-no-int-to-ptr)
     auto* batch = reinterpret_cast<FusedBatch*>(static_cast<std::intptr_t>(context->saved_data["batch"].toInt()));
-    const auto first = static_cast<std::int64_t>(batch->layers().first_channels);
-    const auto second = static_cast<std::int64_t>(batch->layers().second_channels);
-    const torch::Tensor first_weight = torch::empty({first, 1, 5, 5}), first_bias = torch::empty({first});
-    const torch::Tensor second_weight = torch::empty({second, first, 5, 5}), second_bias = torch::empty({second});
+    const torch::Tensor first_weight = torch::empty({6, 1, 5, 5}), first_bias = torch::empty({6});
+    const torch::Tensor second_weight = torch::empty({16, 6, 5, 5}), second_bias = torch::empty({16});
     batch->backward(gradients[0].contiguous(), {first_weight.data_ptr<float>(), first_bias.data_ptr<float>(),
                                                 second_weight.data_ptr<float>(), second_bias.data_ptr<float>()});
     return {first_weight, first_bias, second_weight, second_bias, torch::Tensor()};

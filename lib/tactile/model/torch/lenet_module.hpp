@@ -110,13 +110,8 @@ struct LeNetModule : torch::nn::Module {
     return options.pooling == Pooling::average ? pooled(activated(x)) : activated(pooled(x));
   }
 
-  /// The rest of the last pooling, and flattened. Pooling by 2 twice is pooling by 4, also where sizes are odd.
-  torch::Tensor flattened(const torch::Tensor& second) const {
-    return (options.last_pool == 4 ? pooled(second) : second).flatten(1);
-  }
-
   torch::Tensor convolved(const torch::Tensor& x) {
-    return flattened(activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))));
+    return activated_and_pooled(conv2->forward(activated_and_pooled(conv1->forward(x)))).flatten(1);
   }
 
   torch::Tensor connected(const torch::Tensor& x) { return connected_after_first(fc1->forward(x)); }

@@ -82,8 +82,7 @@ Logits logits_at(const float* row) {
 /// Its module is shared with the trainer.
 class LeNetWithModule : public LeNetOnTorch {
  public:
-  LeNetWithModule(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options)
-      : layers_(lenet_layers(input, options)) {
+  LeNetWithModule(events::SensorSize input, std::uint64_t seed, const LeNetOptions& options) : layers_(lenet_layers(input)) {
     torch::manual_seed(seed);
     module_ = std::make_shared<LeNetModule>(layers_, options);
   }
@@ -222,15 +221,8 @@ class TrainerWithModule : public TrainerOnTorch {
     batch_->set_heatmaps(heatmaps);
     const torch::Tensor flat = FusedLayers::apply(trained_->conv1->weight, trained_->conv1->bias, trained_->conv2->weight,
                                                   trained_->conv2->bias, batch_.get());
-    const torch::Tensor inputs = trained_->options.last_pool == 2 ? flat : trained_->flattened(flat.view(second_sizes()));
     return trained_->connected_after_first(
-        FusedLinear::apply(inputs.contiguous(), trained_->fc1->weight, trained_->fc1->bias, static_cast<std::int64_t>(threads_)));
-  }
-
-  /// The second pooled layer of a batch: [n, channels, height, width].
-  std::vector<std::int64_t> second_sizes() const {
-    const LeNetLayers& layers = network_.layers();
-    return {-1, static_cast<std::int64_t>(layers.second_channels), layers.second_pooled.height, layers.second_pooled.width};
+        FusedLinear::apply(flat, trained_->fc1->weight, trained_->fc1->bias, static_cast<std::int64_t>(threads_)));
   }
 
   /// @return  whether the gradient is finite and not too large
@@ -342,5 +334,4 @@ extern "C" const tactile::model::TorchPart tactile_torch_part{tactile::model::ne
                                                               tactile::model::new_trainer,
                                                               tactile::model::fit_stream_on_torch,
                                                               tactile::model::stream_logits_on_torch,
-                                                              tactile::model::fit_temporal_on_torch,
-                                                              tactile::model::temporal_logits_on_torch};
+                                                              tactile::model::own_network_on_torch};

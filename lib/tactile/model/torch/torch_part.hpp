@@ -5,10 +5,11 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "tactile/model/inference/own_network.hpp"
 #include "tactile/model/training/fit_stream.hpp"
-#include "tactile/model/training/fit_temporal.hpp"
 #include "tactile/model/training/lenet.hpp"
 
 namespace tactile::model {
@@ -50,15 +51,15 @@ struct TorchPart {
                                                  const TrainerOptions& options);
   decltype(fit_stream)* stream_fit;
   decltype(stream_logits_by_libtorch)* stream_logits;
-  decltype(fit_temporal)* temporal_fit;
-  decltype(temporal_logits_by_libtorch)* temporal_logits;
+  OpenOwnNetwork (*own_network)(const std::string& file, const NetworkPorts& ports);
 };
 
-/// As `fit_stream`, `stream_logits_by_libtorch`, `fit_temporal` and `temporal_logits_by_libtorch`, in the part.
+/// As `fit_stream` and `stream_logits_by_libtorch`, in the part.
 decltype(fit_stream) fit_stream_on_torch;
 decltype(stream_logits_by_libtorch) stream_logits_on_torch;
-decltype(fit_temporal) fit_temporal_on_torch;
-decltype(temporal_logits_by_libtorch) temporal_logits_on_torch;
+
+/// A network in a TorchScript file. @throws Error  if libtorch cannot read it
+OpenOwnNetwork own_network_on_torch(const std::string& file, const NetworkPorts& ports);
 
 /// @throws Error  if the part cannot be loaded
 const TorchPart& torch_part();

@@ -86,8 +86,8 @@ void second_backward(const LeNetLayers& layers, const Packed& packed, const Kept
   std::array<std::size_t, second_channels> counts{};
   std::array<float, second_channels> bias{};
   for (std::size_t tile = 0; tile < tiles; ++tile) {
-    float gradients[second_channels] = {};
-    for (std::size_t c = 0; c < layers.second_channels; ++c) gradients[c] = gradient[c * tiles + tile];
+    float gradients[second_channels];
+    for (std::size_t c = 0; c < second_channels; ++c) gradients[c] = gradient[c * tiles + tile];
     const std::size_t corner = tile / tiles_x * 2 * stride + tile % tiles_x * 2 * first_channels;
     const std::uint8_t* largest = kept.second_largest.data() + tile * second_channels;
     for (std::size_t place = 0; place < 4; ++place) {

@@ -32,15 +32,15 @@ std::size_t cells_of(events::SensorSize size) {
 /// Calls `pair(ours, theirs)` for each weight of the first and of the second layer: its index in the layout of the passes and in
 /// libtorch's.
 template <class First, class Second>
-void for_weights(const LeNetLayers& layers, const First& first, const Second& second) {
-  for (std::size_t c = 0; c < layers.first_channels; ++c) {
+void for_weights(const First& first, const Second& second) {
+  for (std::size_t c = 0; c < channels_1; ++c) {
     for (std::size_t tap = 0; tap < side * side; ++tap) first(tap, c);
   }
-  for (std::size_t c = 0; c < layers.second_channels; ++c) {
-    for (std::size_t in = 0; in < layers.first_channels; ++in) {
+  for (std::size_t c = 0; c < channels_2; ++c) {
+    for (std::size_t in = 0; in < channels_1; ++in) {
       for (std::size_t dy = 0; dy < side; ++dy) {
         for (std::size_t dx = 0; dx < side; ++dx)
-          second(c, dy, dx * channels_1 + in, ((c * layers.first_channels + in) * side + dy) * side + dx);
+          second(c, dy, dx * channels_1 + in, ((c * channels_1 + in) * side + dy) * side + dx);
       }
     }
   }
@@ -51,21 +51,19 @@ void for_weights(const LeNetLayers& layers, const First& first, const Second& se
 FusedConvolutions::FusedConvolutions(const LeNetLayers& layers) : layers_(layers) {}
 
 void FusedConvolutions::set(const ConvolutionValues<const float>& values) {
-  for_weights(
-      layers_, [&](std::size_t tap, std::size_t c) { packed_.first[tap * 8 + c] = values.first_weight[c * side * side + tap]; },
-      [&](std::size_t c, std::size_t dy, std::size_t k, std::size_t theirs) {
-        packed_.second[(dy * 30 + k) * channels_2 + c] = values.second_weight[theirs];
-        packed_.second_back[(c * side + dy) * 32 + k] = values.second_weight[theirs];
-      });
-  std::copy_n(values.first_bias, layers_.first_channels, packed_.first_bias.begin());
-  std::copy_n(values.second_bias, layers_.second_channels, packed_.second_bias.begin());
+  for_weights([&](std::size_t tap, std::size_t c) { packed_.first[tap * 8 + c] = values.first_weight[c * side * side + tap]; },
+              [&](std::size_t c, std::size_t dy, std::size_t k, std::size_t theirs) {
+                packed_.second[(dy * 30 + k) * channels_2 + c] = values.second_weight[theirs];
+                packed_.second_back[(c * side + dy) * 32 + k] = values.second_weight[theirs];
+              });
+  std::copy_n(values.first_bias, channels_1, packed_.first_bias.begin());
+  std::copy_n(values.second_bias, channels_2, packed_.second_bias.begin());
   HWY_DYNAMIC_DISPATCH(answer_empty)(packed_);
 }
 
 FusedConvolutions::Kept FusedConvolutions::make_kept() const {
   const std::size_t first = cells_of(layers_.first_pooled) * channels_1 + beyond;
-  return {AlignedValues<float>(first), std::vector<std::uint8_t>(first),
-          std::vector<std::uint8_t>(cells_of(layers_.second_pooled) * channels_2)};
+  return {AlignedValues<float>(first), std::vector<std::uint8_t>(first), std::vector<std::uint8_t>(layers_.flat)};
 }
 
 FusedConvolutions::Workspace FusedConvolutions::make_workspace() const {
@@ -110,14 +108,13 @@ void FusedConvolutions::Gradients::add(const Gradients& other) {
   add_all(second_bias, other.second_bias);
 }
 
-void FusedConvolutions::Gradients::write(const LeNetLayers& layers, const ConvolutionValues<float>& values) const {
-  for_weights(
-      layers, [&](std::size_t tap, std::size_t c) { values.first_weight[c * side * side + tap] = first[tap * 8 + c]; },
-      [&](std::size_t c, std::size_t dy, std::size_t k, std::size_t theirs) {
-        values.second_weight[theirs] = second[(c * side + dy) * 32 + k];
-      });
-  std::copy_n(first_bias.begin(), layers.first_channels, values.first_bias);
-  std::copy_n(second_bias.begin(), layers.second_channels, values.second_bias);
+void FusedConvolutions::Gradients::write(const ConvolutionValues<float>& values) const {
+  for_weights([&](std::size_t tap, std::size_t c) { values.first_weight[c * side * side + tap] = first[tap * 8 + c]; },
+              [&](std::size_t c, std::size_t dy, std::size_t k, std::size_t theirs) {
+                values.second_weight[theirs] = second[(c * side + dy) * 32 + k];
+              });
+  std::copy_n(first_bias.begin(), channels_1, values.first_bias);
+  std::copy_n(second_bias.begin(), channels_2, values.second_bias);
 }
 
 }  // namespace tactile::model

@@ -14,10 +14,10 @@ namespace tactile::model {
 /// Weights and biases of the two layers, or their gradients, in libtorch's layout: [out][in][5][5].
 template <class Float>
 struct ConvolutionValues {
-  Float* first_weight;   ///< first_channels x 1 x 5 x 5
-  Float* first_bias;     ///< first_channels
-  Float* second_weight;  ///< second_channels x first_channels x 5 x 5
-  Float* second_bias;    ///< second_channels
+  Float* first_weight;   ///< 6 x 1 x 5 x 5
+  Float* first_bias;     ///< 6
+  Float* second_weight;  ///< 16 x 6 x 5 x 5
+  Float* second_bias;    ///< 16
 };
 
 /// LeNet's two convolution layers with ReLU and max-pool 2, forward and backward:
@@ -28,8 +28,6 @@ struct ConvolutionValues {
 /// backward pass has a gradient at one of four positions, and only visits those. Both passes of the first layer only visit the
 /// nonzero cells of the heatmap. If the second layer sees only empty cells, its output is known. The terms of a sum have a fixed
 /// order, so omitting empty cells does not change a bit.
-///
-/// A narrower network is computed as one of 6 and 16 channels of which some are 0: its convolutions take as long.
 ///
 /// Only for the paper's ReLU and max-pool. NaN is propagated. Written for vectors of any width, chosen at run time.
 class FusedConvolutions {
@@ -54,7 +52,7 @@ class FusedConvolutions {
 
     void clear();
     void add(const Gradients& other);
-    void write(const LeNetLayers& layers, const ConvolutionValues<float>& values) const;
+    void write(const ConvolutionValues<float>& values) const;
   };
 
   /// Working memory of one thread.
@@ -71,7 +69,7 @@ class FusedConvolutions {
   Workspace make_workspace() const;
 
   /// @param heatmap  [height, width]; the network's input is H / 255
-  /// @param flat     output of the second layer, channel first: [second_channels][second_pooled.height][second_pooled.width]
+  /// @param flat     output of the second layer, channel first: layers.flat values
   void forward(std::span<const std::uint8_t> heatmap, std::span<float> flat, Kept& kept, Workspace& workspace) const;
 
   /// Adds the gradients of one heatmap to `sums`.

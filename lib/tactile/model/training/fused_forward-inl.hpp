@@ -207,7 +207,7 @@ void find_tiles(const LeNetLayers& layers, const Packed& packed, const std::uint
         work.tiles.push_back(static_cast<std::uint32_t>(tile));
         continue;
       }
-      for (std::size_t c = 0; c < layers.second_channels; ++c) flat[c * tiles + tile] = packed.empty_answer[c];
+      for (std::size_t c = 0; c < second_channels; ++c) flat[c * tiles + tile] = packed.empty_answer[c];
       std::copy_n(packed.empty_largest.data(), second_channels, kept.second_largest.data() + tile * second_channels);
     }
   }
@@ -224,7 +224,7 @@ void second_forward(const LeNetLayers& layers, const Packed& packed, float* flat
     return kept.pooled.data() + tile / tiles_x * 2 * stride + tile % tiles_x * 2 * first_channels;
   };
   const auto put = [&](std::size_t i, std::size_t tile) {
-    for (std::size_t c = 0; c < layers.second_channels; ++c) flat[c * tiles + tile] = value[i * second_channels + c];
+    for (std::size_t c = 0; c < second_channels; ++c) flat[c * tiles + tile] = value[i * second_channels + c];
     std::copy_n(which + i * second_channels, second_channels, kept.second_largest.data() + tile * second_channels);
   };
   std::size_t i = 0;

@@ -6,7 +6,6 @@
 #include "tactile/core/loaded_part.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/model/inference/temporal_network.hpp"
 #include "tactile/model/training/blas_threads.hpp"
 #include "tactile/model/training/fully_connected.hpp"
 #include "tactile/model/training/fused_convolutions.hpp"
@@ -23,11 +22,10 @@ constexpr StreamBatch (StreamCrops::*batch_of)(std::uint64_t, unsigned) const = 
 
 // The part calls functions of the program that loads it. These keep in each such program the files that it calls: at least one
 // function of each.
-[[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &temporal_parameters, &stream_parameters,
-                                              &check_finite, &check_shapes, &heatmap_count, &verdict_of, &standardise,
-                                              &prepare_blas, &take_step, &weights_of_classes, &moment_shapes,
-                                              &FusedConvolutions::make_kept, &FullyConnected::forward, &learning_rate_at,
-                                              check_grid, check_options, batch_of);
+[[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &stream_parameters, &check_finite,
+                                              &check_shapes, &heatmap_count, &verdict_of, &prepare_blas, &take_step,
+                                              &moment_shapes, &FusedConvolutions::make_kept, &FullyConnected::forward, check_grid,
+                                              check_options, batch_of);
 
 }  // namespace
 

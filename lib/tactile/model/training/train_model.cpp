@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 #include <future>
 #include <set>
@@ -17,13 +16,8 @@
 #include "tactile/core/version.hpp"
 #include "tactile/heatmaps/render_samples.hpp"
 #include "tactile/model/definition/model_network.hpp"
-#include "tactile/model/training/calibrate_model.hpp"
 #include "tactile/model/training/fit_stream.hpp"
-#include "tactile/model/training/fit_temporal.hpp"
-#include "tactile/model/training/fit_trees.hpp"
-#include "tactile/model/training/follow_samples.hpp"
-#include "tactile/model/training/sample_features.hpp"
-#include "tactile/model/training/seen_in_runs.hpp"
+#include "tactile/model/training/scene_of_runs.hpp"
 #include "tactile/model/training/stressed_heatmaps.hpp"
 #include "tactile/model/training/torch_version.hpp"
 #include "tactile/model/training/training_log.hpp"
@@ -175,7 +169,6 @@ void describe(ModelDescription& description, const windows::Dataset& dataset, co
   description.simulated = dataset.simulated();
   description.train_runs = names_of(dataset, split.train_runs);
   description.test_runs = names_of(dataset, test_runs);
-  description.transitions = transitions_of(dataset, split.train_runs);
   description.trained_at = now_utc();
   description.version = version();
   description.revision = revision();
@@ -215,7 +208,7 @@ Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settin
                     const ModelBundle& bundle, const Weights* from, CheckpointFolder& kept, TrainingLog& log,
                     const TrainModelOptions& options, const ProgressCallback& progress) {
   const events::SensorSize size = input_of(settings, dataset.sensor());
-  const Resumption resumed = resumption_of(dataset, settings, lenet_layers(size, settings.network), bundle, options, kept);
+  const Resumption resumed = resumption_of(dataset, settings, lenet_layers(size), bundle, options, kept);
   const unsigned threads = resumed.threads;
   const auto training = sample_heatmaps(dataset, settings.rendering, samples.training, threads, progress);
   const auto validation = sample_heatmaps(dataset, settings.rendering, samples.validation, threads, progress);
@@ -248,62 +241,7 @@ Learned learn_lenet(const windows::Dataset& dataset, const ModelSettings& settin
   return {{trained.network.weights(), std::move(trained.other)}, trained.summary, threads};
 }
 
-/// The numbers that a kind without heatmaps learns from, of all training samples.
-/// @param of_run  `sample_features` or `sample_steps`
-template <class OfRun>
-std::vector<float> features_of(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                               const OfRun& of_run) {
-  std::vector<float> features;
-  for_runs_of(dataset, samples.training, [&](std::uint32_t run, std::span<const std::uint32_t> chosen) {
-    const std::vector<float> more = of_run(dataset, run, chosen, settings.rendering);
-    features.insert(features.end(), more.begin(), more.end());
-  });
-  return features;
-}
-
-/// Trees are fitted within seconds. Therefore no state is kept.
-Learned learn_trees(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                    const TrainModelOptions& options, const ProgressCallback& progress) {
-  using Clock = std::chrono::steady_clock;
-  const std::vector<float> features = features_of(dataset, settings, samples, sample_features);
-  if (options.begins) options.begins(1, 0);
-  const Clock::time_point begun = Clock::now();
-  const BoostedTrees trees = fit_trees(features, samples.training_truth, settings.trees, settings.training.seed, progress);
-  EpochResult fit;
-  fit.epoch = 1;
-  fit.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
-  std::vector<Logits> logits;
-  for (std::size_t i = 0; i < samples.training.size(); ++i)
-    logits.push_back(trees.logits(std::span(features).subspan(i * trees.features(), trees.features())));
-  std::size_t correct = 0;
-  for (std::size_t i = 0; i < logits.size(); ++i) correct += verdict_of(logits[i]) == samples.training_truth[i] ? 1 : 0;
-  const auto count = static_cast<double>(logits.size());
-  fit.loss = loss_at(logits, samples.training_truth, 1);
-  fit.accuracy = static_cast<double>(correct) / count;
-  fit.learning_rate = settings.trees.learning_rate;
-  fit.images_per_s = count / fit.seconds;
-  TrainingSummary summary;
-  summary.history = {fit};
-  summary.best_epoch = 1;
-  return {{trees.weights(), {}}, summary, 1};
-}
-
-/// So is a temporal convolution, within a minute.
-Learned learn_temporal(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                       TrainingLog& log, const TrainModelOptions& options, const ProgressCallback& progress) {
-  const std::vector<float> features = features_of(dataset, settings, samples, sample_steps);
-  if (options.begins) options.begins(1, 0);
-  const auto see = [&log](const std::vector<EpochResult>& history) { log.see(history); };
-  FittedTemporal fitted = fit_temporal(features, samples.training_truth, settings.temporal, settings.training, progress, see);
-  TrainingSummary summary;
-  summary.history = std::move(fitted.history);
-  const auto best = std::min_element(summary.history.begin(), summary.history.end(),
-                                     [](const EpochResult& a, const EpochResult& b) { return a.loss < b.loss; });
-  summary.best_epoch = best->epoch;
-  return {{std::move(fitted.weights), {}}, summary, 1};
-}
-
-/// A network of kind stream learns from every tick of whole runs, within minutes.
+/// A network of kind stream learns from every tick of whole runs, within minutes. Therefore no state is kept.
 Learned learn_stream(const windows::Dataset& dataset, const ModelSettings& settings, std::span<const std::uint32_t> train_runs,
                      CheckpointFolder& kept, TrainingLog& log, const TrainModelOptions& options,
                      const ProgressCallback& progress) {
@@ -322,20 +260,6 @@ Learned learn_stream(const windows::Dataset& dataset, const ModelSettings& setti
   return {{std::move(fitted.weights), {}}, summary, 1};
 }
 
-/// A kind without heatmaps. An interrupted training of it leaves no state.
-Learned learn_features(const windows::Dataset& dataset, const ModelSettings& settings, const CutSamples& samples,
-                       CheckpointFolder& kept, TrainingLog& log, const TrainModelOptions& options,
-                       const ProgressCallback& progress) {
-  kept.clear();
-  log.begin({});
-  Learned learned = settings.kind == ModelKind::trees ? learn_trees(dataset, settings, samples, options, progress)
-                                                      : learn_temporal(dataset, settings, samples, log, options, progress);
-  log.see(learned.summary.history);
-  learned.summary.samples = samples.training.size();
-  for (const EpochResult& epoch : learned.summary.history) learned.summary.seconds += epoch.seconds;
-  return learned;
-}
-
 }  // namespace
 
 TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings& settings, const ModelBundle& bundle,
@@ -346,7 +270,6 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   description.settings = settings;
   description.input = input_of(settings, dataset.sensor());
   parameters_of(settings, description.input);  // throws for a heatmap that is too small before any is rendered
-  check_history(settings);
   const CutSamples samples = cut_samples(dataset, settings, split.train_runs);
   for (const std::uint32_t run : split.train_runs) description.learned_from.push_back(learned_run_of(dataset.runs()[run]));
   const std::optional<Weights> from = starting_weights(settings, options.from, description);
@@ -354,20 +277,17 @@ TrainingSummary train_model(const windows::Dataset& dataset, const ModelSettings
   const std::vector<std::uint32_t> test_runs = test_runs_of(dataset, description);
   // Loading libtorch takes most of a second. Where memory is limited, it must not run short meanwhile.
   std::future<void> loading;
-  if (settings.kind != ModelKind::trees && !memory_is_limited()) loading = start_beside(options.threads, load_libtorch);
-  SeenInRuns seen = seen_in(dataset, split.train_runs, settings.rendering, options.threads);
-  description.gate = std::move(seen.gate);
-  description.scene = seen.scene;
+  if (!memory_is_limited()) loading = start_beside(options.threads, load_libtorch);
+  description.scene = scene_of_runs(dataset, split.train_runs, settings.rendering.mask, options.threads);
   if (loading.valid()) loading.get();  // what follows may fork
 
   const std::filesystem::path beside = CheckpointFolder::beside(bundle.folder);
   CheckpointFolder kept(beside);
   TrainingLog log(beside / bundle.history().filename(), options.tensorboard);
   const Learned learned =
-      settings.kind == ModelKind::stream ? learn_stream(dataset, settings, split.train_runs, kept, log, options, progress)
-      : settings.kind == ModelKind::lenet
-          ? learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, log, options, progress)
-          : learn_features(dataset, settings, samples, kept, log, options, progress);
+      settings.kind == ModelKind::stream
+          ? learn_stream(dataset, settings, split.train_runs, kept, log, options, progress)
+          : learn_lenet(dataset, settings, samples, bundle, from ? &*from : nullptr, kept, log, options, progress);
   description.samples = learned.summary.samples;
   description.threads = learned.threads;
   describe(description, dataset, split, test_runs);

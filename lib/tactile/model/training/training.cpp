@@ -274,7 +274,7 @@ std::array<double, touch_count> weights_of_classes(const ClassWeights& weights, 
 
 TrainedNetwork train_lenet(const TrainingTask& task, const TrainingControl& control) {
   check(task.options);
-  lenet_layers(task.size, task.network);
+  lenet_layers(task.size);
   check_samples(task);
   return Training(task, control, threads_or_all(task.threads)).run();
 }

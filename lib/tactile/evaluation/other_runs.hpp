@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "tactile/core/run_folder.hpp"
+#include "tactile/results/whole_runs.hpp"
+#include "tactile/windows/dataset.hpp"
+
+namespace tactile::evaluation {
+
+/// Whether the dataset uses labels that are in doubt.
+bool includes_flagged(const windows::Dataset& dataset);
+
+/// Runs beside those with samples.
+struct OtherRuns {
+  std::vector<RunFolder> runs;
+  std::vector<results::LeftOutRun> left_out;  ///< that cannot be judged
+};
+
+/// The other runs of the judged objects in their data folder: those that are not `judged` and that the dataset has no samples of,
+/// because they lack a press or a slip without a flag. A run without a truth
+/// whose labels are flagged as a whole is left out, except where the dataset uses flagged labels.
+/// @param judged   runs of the dataset
+/// @param is_known  of the runs that are passed over: a model learned from them; may be empty
+OtherRuns other_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> judged,
+                     const std::function<bool(const RunFolder&)>& is_known = {});
+
+}  // namespace tactile::evaluation
