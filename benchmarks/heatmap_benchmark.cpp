@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
+#include "dense_heatmaps.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/experiments/trade/cost_growth.hpp"
-#include "tactile/experiments/trade/dense_heatmaps.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
 namespace tactile::bench {
@@ -50,6 +50,27 @@ cv::Mat1b plain_heatmap(std::span<const events::Event> window) {
   cv::Mat1b heatmap;
   resized.convertTo(heatmap, CV_8U);
   return heatmap;
+}
+
+/// The events of the milliseconds in which the skin moves, of all recordings one after the other.
+std::vector<events::Event> moving_events(std::span<const std::filesystem::path> recordings) {
+  constexpr std::size_t fewest_events = 100;  // in such a millisecond
+  std::vector<events::Event> all;
+  for (const auto& file : recordings) {
+    std::vector<events::Event> of_recording;
+    events::RecordingReader recording(file);
+    events::for_all_events(recording, events::event_stream(recording).id, [&](std::span<const events::Event> events) {
+      of_recording.insert(of_recording.end(), events.begin(), events.end());
+    });
+    for (auto begin = of_recording.begin(); begin != of_recording.end();) {
+      const CameraTime end_of_ms = after(begin->t, 1ms);
+      const auto end = std::find_if(begin, of_recording.end(), [&](const events::Event& event) { return event.t >= end_of_ms; });
+      if (static_cast<std::size_t>(end - begin) >= fewest_events) all.insert(all.end(), begin, end);
+      begin = end;
+    }
+  }
+  if (all.empty()) throw Error("no events to render; expected recordings in which something moves");
+  return all;
 }
 
 std::vector<events::Event> events_anywhere(std::size_t count) {
@@ -122,7 +143,7 @@ void compare(benchmark::State& state, const std::vector<events::Event>& source, 
         });
         active += ours.counts().histogram().active_pixels();
       }
-      trade::DenseHeatmaps kept(sensor, 0.2);
+      DenseHeatmaps kept(sensor, 0.2);
       kept.add(events_between(0, history));
       kept.render();
       for (std::size_t i = 0, tick = history + 1; i < ticks_of_piece; ++i, ++tick) {
@@ -160,7 +181,7 @@ int main(int count, char** texts) {
     cv::setNumThreads(1);
     benchmark::Initialize(&count, texts);
     const std::vector<std::filesystem::path> recordings(texts + 1, texts + count);
-    const std::vector<events::Event> simulated = trade::moving_events(recordings);
+    const std::vector<events::Event> simulated = moving_events(recordings);
     const std::vector<events::Event> anywhere = events_anywhere(4'000'000);
     const auto measure = [&](const std::string& curve, const std::vector<events::Event>& source, double events_per_s,
                              std::chrono::milliseconds history) {

@@ -50,7 +50,7 @@ void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, u
   const auto testing_maps = model::sample_heatmaps(dataset, settings.rendering, testing, threads);
   const auto training_truth = truth_of(dataset, training), testing_truth = truth_of(dataset, testing);
 
-  std::vector<std::vector<results::RunConfusion>> judged(methods.size());  // of each method: the runs of each seed
+  std::vector<std::vector<results::Cell>> judged(methods.size());  // of each method: the runs of each seed
   fmt::print("| seed |");
   for (const Method& method : methods) fmt::print(" {}: loss | accuracy [%] |", method.name);
   fmt::print("\n| ---: |");
@@ -67,20 +67,20 @@ void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, u
                                                .threads = threads,
                                                .float64 = methods[method].float64});
       const auto logits = trained.network.logits(testing_maps, threads);
-      std::map<std::uint32_t, results::RunConfusion> of_seed;
+      std::map<std::uint32_t, results::Cell> of_seed;
       for (const std::uint32_t run : split.test_runs) {
-        results::RunConfusion& confusion = of_seed[run];
-        confusion.object = dataset.runs()[run].object;
-        confusion.run = dataset.runs()[run].run;
-        confusion.training = seed - 1;
+        results::Cell& cell = of_seed[run];
+        cell.object = dataset.runs()[run].object;
+        cell.run = dataset.runs()[run].run;
+        cell.training = seed - 1;
       }
       results::Confusion all;
       for (std::size_t i = 0; i < logits.size(); ++i) {
         const Touch predicted = model::verdict_of(logits[i]);
         all.add(testing_truth[i], predicted);
-        of_seed.at(dataset.samples()[testing[i]].run_index).confusion.add(testing_truth[i], predicted);
+        of_seed.at(dataset.samples()[testing[i]].run_index).samples.add(testing_truth[i], predicted);
       }
-      for (const auto& [run, confusion] : of_seed) judged[method].push_back(confusion);
+      for (const auto& [run, cell] : of_seed) judged[method].push_back(cell);
       fmt::print(" {:.6f} | {:.2f} |", trained.summary.history.back().loss, 100 * all.accuracy().value_or(0));
       std::fflush(stdout);
     }
@@ -88,11 +88,11 @@ void measure(const windows::Dataset& dataset, unsigned seeds, unsigned epochs, u
   }
 
   const auto of_seed = [&](unsigned seed) {
-    std::vector<results::RunConfusion> runs;
-    for (const results::RunConfusion& run : judged.back()) {
+    std::vector<results::Cell> runs;
+    for (const results::Cell& run : judged.back()) {
       if (run.training == seed) runs.push_back(run);
     }
-    for (results::RunConfusion& run : runs) run.training = 0;
+    for (results::Cell& run : runs) run.training = 0;
     return runs;
   };
   fmt::print("\n| accuracy, mean over objects, difference [%] | | 95 % |\n| --- | ---: | ---: |\n");

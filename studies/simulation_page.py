@@ -6,16 +6,18 @@
 The pages are DOCS/simulation.md and DOCS/simulation/*.md. A table is what lies between `<!-- table: NAME -->` and `<!-- end -->`. Other parts stay as they are in tables.json.
 """
 
+import csv
 import json
 import math
 import pathlib
 import re
+import subprocess
 import sys
 
 from page_text import wrapped
-from publish_study import PAPER, claim_item, figure, number, table
+from publish_study import STUDY_FORMAT, figure, number, read as read_results, table
 
-FITTED = 8  # the simulation was calibrated to this figure; the others are predictions
+OF_SETTINGS = ("preset", "seed", "worlds", "trainings", "epochs")
 WORST_LABELS_MS = ("press_onset", "press_end", "slip_onset", "slip_end", "robot_clock", "video_clock")
 
 # The sensors of the table: folder below sensors/, and head of the column.
@@ -59,28 +61,62 @@ def read(file):
     return json.loads(file.read_text())
 
 
-def study_part(folder):
-    """The paper's protocol: one history for all trainings, judged on all runs that a training did not learn from."""
-    study = read(folder / "study" / "study.json")
-    evaluation = read(folder / "study" / next(entry["json"] for entry in study["evaluations"] if entry["id"] == "all_test"))
-    part = {key: study[key] for key in ("settings", "software", "paper_way")}
-    part["trainings"] = len(study["trainings"])
-    part["claims"] = [{"id": claim["id"], "paper": claim["paper"], "in_words": claim["all_test"]["in_words"], "verdict": claim["all_test"]["verdict"]}
-                      for claim in study["claims"]]
-    part["histories"] = [{"th_ms": history["th_ms"], "accuracy": history["accuracy"]["all_test"]} for history in study["histories"]]
-    part["unseen"] = study["unseen"]["all_test"]["objects"]
-    part.update({key: evaluation[key] for key in ("accuracy", "confusion", "baselines")})
-    part["delays"] = {touch: {name: {key: delay[key] for key in ("mean", "sem", "misses", "intervals")} for name, delay in delays["objects"].items()}
-                      for touch, delays in ((touch, evaluation["delay_ms"][touch]) for touch in ("press", "slip"))}
-    part["over_time"] = {touch: {key: evaluation["over_time"][touch][key] for key in ("first", "before_last", "last")} for touch in ("press", "slip")}
+def delays_in(cells):
+    """By class and object, from the true onset: the mean delay of detected touches, and its standard error, the mean over trainings."""
+    delays = {}
+    for touch in ("press", "slip"):
+        of_objects = {}
+        for cell in cells:
+            of_objects.setdefault(cell["object"], {}).setdefault((cell["world"], cell["training"]), []).extend(
+                (word, float(cell["tick_ms"])) for word in cell[touch + "_ms"].split())
+        delays[touch] = {}
+        for name, of_trainings in of_objects.items():
+            times, errors, missed, touches = [], [], 0, 0
+            for words in of_trainings.values():
+                missed += sum(word.startswith(">") for word, _ in words)
+                touches += len(words)
+                own = [math.ceil(float(word) / tick_ms - 1e-6) * tick_ms for word, tick_ms in words if ">" not in word]
+                times += own
+                if len(own) > 1:
+                    mean = sum(own) / len(own)
+                    errors.append(math.sqrt(sum((ms - mean) ** 2 for ms in own) / (len(own) - 1) / len(own)))
+            delays[touch][name] = {"mean": {"value": sum(times) / len(times) if times else None, "low": None, "high": None},
+                                   "sem": sum(errors) / len(errors) if errors else None, "misses": missed, "intervals": touches}
+    return delays
+
+
+def study_part(tactile, folder):
+    """LeNet of each history on all runs that a training did not learn from; delays of the one that is judged on whole runs."""
+    study = read_results(folder / "study" / "study.json", STUDY_FORMAT)
+    lenets = [setting for setting in study["results"] if setting["th_ms"] is not None and not setting["is_unseen"]]
+    main = next(setting for setting in lenets if setting["whole_runs"]["runs"])
+    with open(folder / "study" / study["cells"], newline="") as file:
+        cells = [cell for cell in csv.DictReader(file) if cell["setting"] == main["setting"] and cell["answer"] == "touch" and not cell["threshold"]]
+    # Baselines are of its first training.
+    model = next(model for model in study["models"] if model["setting"] == main["setting"])
+    data = folder / "study" / study["worlds"][model["world"]]["data"]
+    evaluated = subprocess.run([tactile, "eval", data, "--model", folder / "study" / model["folder"], "--json", "--quiet"], check=True, stdout=subprocess.PIPE)
+    evaluation = json.loads(evaluated.stdout)
+    part = {"settings": {key: study["settings"][key] for key in OF_SETTINGS}, "software": study["software"], "th_ms": main["th_ms"]}
+    part["histories"] = [{"th_ms": setting["th_ms"], "accuracy": setting["accuracy"]} for setting in lenets]
+    part["unseen"] = next(unseen for unseen in study["unseen"] if unseen["setting"] == main["setting"])["accuracy"]["objects"]
+    part["delays"], part["delays_by"] = delays_in(cells), "truth"
+    part["evaluated_trainings"] = len(evaluation["trainings"])
+    part.update({key: evaluation[key] for key in ("accuracy", "confusion")})
     return part
+
+
+def data_of(folder):
+    """The runs of the study's first world."""
+    study = read_results(folder / "study" / "study.json", STUDY_FORMAT)
+    return folder / "study" / study["worlds"][0]["data"]
 
 
 def worlds_part(folder):
     worlds = {}
     for file in sorted(folder.glob("worlds/*/eval.json")):
         evaluation = read(file)
-        worlds[file.parent.name] = {"accuracy": evaluation["accuracy"], "logistic_moments": evaluation["baselines"]["logistic_moments"]["accuracy"]}
+        worlds[file.parent.name] = {"accuracy": evaluation["accuracy"]}
     return worlds
 
 
@@ -118,8 +154,8 @@ def gather(tactile, folder, part, known):
     tables = dict(known)
     if part in (None, "study"):
         from simulated_events import event_statistics  # needs numpy
-        tables["study"] = study_part(folder)
-        tables["events"] = event_statistics(tactile, folder / "data")
+        tables["study"] = study_part(tactile, folder)
+        tables["events"] = event_statistics(tactile, data_of(folder))
     if part in (None, "worlds"):
         tables["worlds"] = worlds_part(folder)
     if part in (None, "labels"):
@@ -140,10 +176,13 @@ def about_text(tables):
 
 def protocol_text(tables):
     study = tables["study"]
-    several = study["trainings"] > 1
-    return ((f"LeNet is trained {study['trainings']} times, each time on another run of each object," if several else "LeNet is trained on one run of each object,")
-            + f" for {study['settings']['epochs']} epochs, and tested on all other runs. The tables use the history that is best for most objects on these runs, as the paper "
-            f"did: {study['paper_way']['th_ms']:g} ms." + (" Figures are means over the trainings.\n" if several else "\n"))
+    settings = study["settings"]
+    count = settings["worlds"] * settings["trainings"]
+    trained = "LeNet is trained on one run of each object," if count == 1 else (
+        f"LeNet is trained {count} times, each time on another run of each object," if settings["worlds"] == 1 else
+        f"LeNet is trained {count} times in {settings['worlds']} worlds, each time on one run of each object,")
+    return (f"{trained} for {settings['epochs']} epochs, and tested on all other runs. The tables use a history of {study['th_ms']:g} ms, unless they say otherwise."
+            + (" Figures are over all trainings.\n" if count > 1 else "\n"))
 
 
 def events_text(tables):
@@ -194,15 +233,6 @@ def sensors_text(tables):
     return text + (f"\nThe last run of the script did not measure these again, because their files were not at hand: {'; '.join(kept)}.\n" if kept else "")
 
 
-def claims_text(tables):
-    items = []
-    for claim in tables["study"]["claims"]:
-        words = claim["in_words"] or "Not measured."
-        kind = "fitted" if PAPER[claim["id"]] == FITTED else "predicted"
-        items.append(claim_item(f"Figure {PAPER[claim['id']]}, {kind}", claim, words))
-    return "\n".join(items) + "\n"
-
-
 def histories_text(tables):
     histories = tables["study"]["histories"]
     rows = [(name, *(number(history["accuracy"]["objects"][name]["value"], 100) for history in histories)) for name in sorted(histories[0]["accuracy"]["objects"])]
@@ -215,23 +245,13 @@ def delays_text(tables):
         return number(delay["mean"]["value"]) + ("" if delay["sem"] is None else f" ± {delay['sem']:.1f}"), f"{delay['misses']} of {delay['intervals']}"
 
     press, slip = (tables["study"]["delays"][touch] for touch in ("press", "slip"))
-    return table(("mean delay ± standard error [ms]", "press", "missed", "slip", "missed"), [(name, *cells(press[name]), *cells(slip[name])) for name in sorted(press)])
-
-
-def over_time_text(tables):
-    rows = [(touch, *(figure(shares[part], 100) for part in ("first", "before_last", "last"))) for touch, shares in tables["study"]["over_time"].items()]
-    return table(("correct ticks [%]", "first 500 ms", "before the last 200 ms", "last 200 ms"), rows)
+    onset = "true" if tables["study"]["delays_by"] == "truth" else "labelled"
+    return table((f"mean delay ± standard error from the {onset} onset [ms]", "press", "missed", "slip", "missed"), [(name, *cells(press[name]), *cells(slip[name])) for name in sorted(press)])
 
 
 def unseen_text(tables):
     rows = [(name, *(figure(of[key], 100) for key in ("seen", "held_out", "difference"))) for name, of in sorted(tables["study"]["unseen"].items())]
     return table(("accuracy [%]", "in training", "not in training", "difference"), rows)
-
-
-def baselines_text(tables):
-    rows = [("LeNet", figure(tables["study"]["accuracy"]["mean"], 100))]
-    rows += [(f"`{name}`", figure(score["accuracy"], 100)) for name, score in sorted(tables["study"]["baselines"].items())]
-    return table(("on the same runs", "accuracy, mean over objects [%]"), rows)
 
 
 def confusion_text(tables):
@@ -244,8 +264,8 @@ def worlds_text(tables):
     for name, world in sorted(tables["worlds"].items()):
         objects = world["accuracy"]["objects"]
         worst = min(objects, key=lambda name: objects[name]["value"])
-        rows.append((name, figure(world["accuracy"]["mean"], 100), f"{worst}, {number(objects[worst]['value'], 100)}", figure(world["logistic_moments"], 100)))
-    return table(("`quick`, t_h 40 ms", "LeNet, mean [%]", "worst object [%]", "`logistic_moments` [%]"), rows)
+        rows.append((name, figure(world["accuracy"]["mean"], 100), f"{worst}, {number(objects[worst]['value'], 100)}"))
+    return table(("`quick`, t_h 40 ms", "LeNet, mean [%]", "worst object [%]"), rows)
 
 
 def labels_text(tables):
@@ -262,8 +282,8 @@ def labels_text(tables):
     return text + ("\nThese labels are wrong **without a flag**:\n\n" + "".join(unflagged) if unflagged else "\nNo label is wrong without a flag.\n")
 
 
-BLOCKS = {"about": about_text, "events": events_text, "sensors": sensors_text, "protocol": protocol_text, "claims": claims_text, "histories": histories_text,
-          "delays": delays_text, "over time": over_time_text, "unseen": unseen_text, "baselines": baselines_text, "confusion": confusion_text,
+BLOCKS = {"about": about_text, "events": events_text, "sensors": sensors_text, "protocol": protocol_text, "histories": histories_text,
+          "delays": delays_text, "unseen": unseen_text, "confusion": confusion_text,
           "worlds": worlds_text, "labels": labels_text}
 
 

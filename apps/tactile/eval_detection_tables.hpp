@@ -10,6 +10,5 @@ namespace tactile::cli {
 
 std::string delays_text(const results::Evaluation& evaluation);  ///< all intervals first, then the paper's mean
 std::string whole_runs_text(const results::Evaluation& evaluation);
-std::string labels_text(const results::Evaluation& evaluation);  ///< what the labels add to both
 
 }  // namespace tactile::cli

@@ -21,17 +21,6 @@ std::string percent_of(const results::Figure& figure) {
   return results::value_text(figure, 100, 1) + " %" + spaced(results::interval_text(figure, 100, 1));
 }
 
-/// "event_count", or "those of 2 of 3 baselines"
-std::string baselines_not_below(const results::Evaluation& evaluation) {
-  const auto is_not_below = [&](const results::BaselineScore& baseline) {
-    return *baseline.accuracy.mean.high >= *evaluation.accuracy.mean.low;
-  };
-  const auto& all = evaluation.baselines;
-  const auto count = std::count_if(all.begin(), all.end(), is_not_below);
-  if (count == 1) return "that of " + std::find_if(all.begin(), all.end(), is_not_below)->name;
-  return fmt::format("those of {} of {} baselines", count, all.size());
-}
-
 }  // namespace
 
 std::string heading_of(const results::Evaluation& evaluation) {
@@ -41,23 +30,17 @@ std::string heading_of(const results::Evaluation& evaluation) {
   return heading;
 }
 
-std::string comparison_with_baselines(const results::Evaluation& evaluation) {
-  const auto above = evaluation.above_baselines();
-  if (evaluation.baselines.empty()) return "No baselines: the dataset has none of the runs that the model was trained on.";
-  if (!above) return "No comparison with the baselines: too few objects for an interval.";
-  if (*above) return "The model's accuracy interval lies above every baseline's.";
-  return "The model's accuracy interval does not lie above " + baselines_not_below(evaluation) + ".";
-}
-
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {
   const results::Figure& accuracy = evaluation.accuracy.mean;
   auto lines = results::lines_of(evaluation.whole_runs);
   lines.emplace_back("accuracy", fmt::format("{} on balanced samples, mean over {} objects, {} runs", percent_of(accuracy),
                                              evaluation.accuracy.objects.size(), evaluation.test_runs().size()));
-  const auto best = std::max_element(evaluation.baselines.begin(), evaluation.baselines.end(),
-                                     [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
-  if (best != evaluation.baselines.end()) {
-    lines.emplace_back("best baseline", fmt::format("{}, {}", percent_of(best->accuracy.mean), best->name));
+  if (const auto best = results::best_baseline(evaluation.baselines)) {
+    const auto& [name, point] = *best;
+    lines.emplace_back("best baseline",
+                       fmt::format("{}, with {} false alarms a minute: median {} ms, {} of {} missed", name,
+                                   results::value_text(point.alarms_per_min, 1, 1), results::value_text(point.median_ms),
+                                   point.misses + point.early, point.touches));
   }
   if (speed) {
     lines.emplace_back("time per tick", fmt::format("{:.0f} us in half of the ticks, {:.0f} us in 99 of 100, of one core",
@@ -65,7 +48,7 @@ std::string summary_of(const results::Evaluation& evaluation, const std::optiona
   }
   const results::TextTable calm = results::calm_table(evaluation.whole_runs);
   return wrapped(heading_of(evaluation)) + "\n\n" + text_list(lines) + "\n" + text_table(calm.head, calm.rows) + "\n" +
-         wrapped(results::runs_in_words(evaluation.whole_runs)) + "\n" + wrapped(comparison_with_baselines(evaluation)) +
+         wrapped(results::runs_in_words(evaluation.whole_runs)) +
          "\nIn brackets: 95 % intervals. --verbose prints all tables, --run fan/02 a run over time.\n";
 }
 

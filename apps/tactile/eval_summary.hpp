@@ -20,7 +20,4 @@ std::string summary_of(const results::UnseenComparison& comparison, const result
 /// "Evaluation of th40-single-1 on simulated runs, confirmed in 2/3 ticks"
 std::string heading_of(const results::Evaluation& evaluation);
 
-/// Whether the model's accuracy interval lies above every baseline's, in a sentence.
-std::string comparison_with_baselines(const results::Evaluation& evaluation);
-
 }  // namespace tactile::cli

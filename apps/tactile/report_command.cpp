@@ -16,8 +16,8 @@
 #include "tactile/core/text_lines.hpp"
 #include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/bundle/pinned_bundle.hpp"
-#include "tactile/report/read_experiment.hpp"
 #include "tactile/report/report.hpp"
+#include "tactile/results/experiment_file.hpp"
 #include "tactile/results/json_view.hpp"
 #include "tactile/windows/dataset.hpp"
 
@@ -141,8 +141,12 @@ std::pair<report::ReportInput, fs::path> input_of(const fs::path& what, const Re
     const report::ModelToReport model(what, model::newest_evaluation({what}).value_or(what / "eval.json"));
     return {report::read_models({model}, data_of(model)), what / "report"};
   }
-  if (is_file(what / "trade.json")) return {report_of(report::read_trade(what), &report::ReportInput::trade), what / "report"};
-  if (is_file(what / "stress.json")) return {report_of(report::read_stress(what), &report::ReportInput::stress), what / "report"};
+  if (is_file(what / "trade.json"))
+    return {report_of(results::read_experiment<results::Trade>(what / "trade.json"), &report::ReportInput::trade),
+            what / "report"};
+  if (is_file(what / "stress.json"))
+    return {report_of(results::read_experiment<results::Stress>(what / "stress.json"), &report::ReportInput::stress),
+            what / "report"};
   const fs::path dataset = is_file(what) ? what : what / "dataset.h5";
   if (!is_file(dataset)) {
     throw Error(
@@ -162,9 +166,9 @@ void report(const ReportArguments& args, const CommonArguments& common) {
   const fs::path what = args.what.empty() ? usual_what() : fs::path(args.what);
   auto [input, place] = input_of(what, args);
   if (const fs::path trade = folder_to_include(args.trade, "trade"); !trade.empty() && !input.trade)
-    input.trade = report::read_trade(trade);
+    input.trade = results::read_experiment<results::Trade>(trade / "trade.json");
   if (const fs::path stress = folder_to_include(args.stress, "stress"); !stress.empty() && !input.stress)
-    input.stress = report::read_stress(stress);
+    input.stress = results::read_experiment<results::Stress>(stress / "stress.json");
   RunsBelow below;
   std::error_code unknown;
   if (!input.data.empty() && fs::is_directory(input.data, unknown)) below = look_for_runs(input.data);

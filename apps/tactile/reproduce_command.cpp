@@ -3,12 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
-#include <functional>
-#include <limits>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +29,7 @@
 #include "tactile/experiments/study/study.hpp"
 #include "tactile/report/report.hpp"
 #include "tactile/results/figure_text.hpp"
+#include "tactile/results/whole_runs_tables.hpp"
 #include "text_table.hpp"
 
 namespace tactile::cli {
@@ -50,24 +46,13 @@ struct ReproduceArguments {
   std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
   std::string train_run = "01";
   std::vector<std::string> held_out;
-  unsigned epochs = 0, trainings = 0;
+  unsigned worlds = 0, epochs = 0, steps = 0, trainings = 0;
   std::uint64_t seed = 1;
-  std::string splits;
   std::string engine = "fast";
   bool include_flagged = false, strict = false;
   bool without_report = false, verbose = false, dry_run = false;
   ExecutorArguments executor;
 };
-
-/// "all", or a whole number >= 0.
-std::size_t number_of_splits(const std::string& text) {
-  if (text == "all") return std::numeric_limits<std::size_t>::max();
-  std::size_t number = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (failed != std::errc{} || end != text.data() + text.size())
-    throw Error(fmt::format("'{}' is no number of splits; expected a whole number from 0 on, or all", text));
-  return number;
-}
 
 study::StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
   study::StudyOptions options;
@@ -84,12 +69,12 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   options.histories.clear();
   for (const double history_ms : args.histories_ms) options.histories.push_back(heatmap_options(history_ms, {}).history);
   options.train_run = args.train_run;
-  options.hold_out_each = args.held_out == std::vector<std::string>{"each"};
-  if (!options.hold_out_each) options.held_out = args.held_out;
+  options.held_out = args.held_out;
+  if (args.worlds > 0) options.worlds = args.worlds;
   if (args.epochs > 0) options.epochs = args.epochs;
+  if (args.steps > 0) options.steps = args.steps;
   if (args.trainings > 0) options.trainings = args.trainings;
   options.seed = args.seed;
-  if (!args.splits.empty()) options.splits = number_of_splits(args.splits);
   options.program = fs::read_symlink("/proc/self/exe");
   options.engine = model::engine_named(args.engine);
   options.threads = common.threads;
@@ -97,51 +82,50 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
   return options;
 }
 
-std::string mean_of(const std::optional<results::Accuracy>& accuracy) {
-  return accuracy ? figure_text(accuracy->mean, 100, 2) : "-";
-}
-
-/// "3 of 10 objects", where a claim is counted over objects.
-std::string kept_text(const results::Claim& claim) {
-  return claim.kept && claim.of ? fmt::format("{} of {} objects", *claim.kept, *claim.of) : "-";
-}
-
-/// Commands that use the chosen model.
+/// Commands that use the stream of the first world.
 std::string next_commands(const ReproduceArguments& args, const results::Study& study) {
-  // Each training is judged with the history that it chose.
-  const bool is_judged = study.trainings.front().history_ms == study.choice.history_ms;
-  const std::string folder = shell_word((experiments::models_folder(args.models, args.out) / study.choice.model).string());
-  const std::string data = args.data == "data" ? "" : " " + shell_word(args.data);
-  return fmt::format("To use the chosen model{}:\n  tactile eval{} --model {}\n  tactile export --model {} --onnx model.onnx\n",
-                     is_judged ? "" : ", whose delays and false alarms 'eval' measures", data, folder, folder);
+  const auto stream = std::find_if(study.models.begin(), study.models.end(),
+                                   [](const results::StudiedModel& model) { return model.setting == "stream"; });
+  const fs::path out = args.out;
+  const std::string folder = shell_word((out / stream->folder).lexically_normal().string());
+  const std::string data = shell_word((out / study.worlds[stream->world].data).lexically_normal().string());
+  return fmt::format("To use its first stream:\n  tactile eval {} --model {}\n  tactile detect --model {}\n", data, folder,
+                     folder);
 }
 
-std::string histories_text(const results::Study& study) {
+std::string accuracies_text(const results::Study& study) {
   std::vector<std::vector<std::string>> rows;
-  for (const results::StudyHistory& history : study.histories) {
-    rows.push_back({fmt::format("{}", history.history_ms), mean_of(history.accuracy.choice), mean_of(history.accuracy.reported),
-                    mean_of(history.accuracy.all_test)});
+  for (const results::StudiedSetting& setting : study.results)
+    rows.push_back({setting.text, figure_text(setting.accuracy.mean, 100, 2)});
+  return "Accuracy on balanced samples [%]: mean over objects, and its 95 % interval\n\n" + text_table({"setting", ""}, rows) +
+         "\n";
+}
+
+std::string whole_runs_text(const results::Study& study) {
+  std::string text;
+  for (const results::StudiedSetting& setting : study.results) {
+    const results::WholeRuns& whole = setting.whole_runs;
+    if (whole.runs.empty()) continue;
+    text += wrapped(fmt::format("{}. {}", setting.text, results::runs_in_words(whole))) + "\n\n";
+    for (const results::TextTable& table : {results::calm_table(whole), results::confirmed_table(whole),
+                                            results::baseline_table(whole, setting.baselines), results::cause_table(whole)}) {
+      if (!table.rows.empty()) text += wrapped(table.caption + ":") + "\n" + text_table(table.head, table.rows) + "\n";
+    }
   }
-  return "Accuracy by history [%]: mean over objects, and its 95 % interval\n\n" +
-         text_table({"t_h [ms]", "to choose on", "reported", "all test runs"}, rows) + "\n" +
-         wrapped(study.choice.why + " As in the paper: " + study.paper_way.why) + "\n\n";
+  return text;
 }
 
 std::string unseen_text(const results::Study& study) {
   std::string text;
-  if (study.unseen && study.unseen->on.reported) {
+  for (const results::StudiedUnseen& unseen : study.unseen) {
     std::vector<std::vector<std::string>> rows;
-    for (const auto& [object, figures] : study.unseen->on.reported->objects) {
-      rows.push_back({object, figure_text(figures.seen, 100, 2), figure_text(figures.held_out, 100, 2),
-                      figure_text(figures.difference, 100, 2)});
-    }
-    text +=
-        "Objects held out of training: accuracy [%]\n\n" + text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
-  }
-  if (!study.splits.empty()) {
-    text += wrapped(fmt::format("{} random splits: unseen minus seen is {} points on the reported runs.", study.splits.size(),
-                                figure_text(study.splits_mean.reported.value_or(results::Figure{}), 100, 2))) +
-            "\n\n";
+    const auto add = [&](const std::string& name, const results::SeenAndHeldOut& of) {
+      rows.push_back({name, figure_text(of.seen, 100, 2), figure_text(of.held_out, 100, 2), figure_text(of.difference, 100, 2)});
+    };
+    for (const auto& [object, of] : unseen.accuracy.objects) add(object, of);
+    add("mean over objects", unseen.accuracy.mean);
+    text += fmt::format("Objects held out of training, {}: accuracy [%]\n\n", unseen.text) +
+            text_table({"object", "seen", "unseen", "difference"}, rows) + "\n";
   }
   return text;
 }
@@ -150,63 +134,44 @@ std::string claims_text(const std::vector<results::Claim>& claims) {
   std::vector<std::vector<std::string>> rows;
   std::string sentences;
   for (const results::Claim& claim : claims) {
-    rows.push_back({claim.id, kept_text(claim), std::string(name_of(claim.outcome)),
-                    claim.all_test ? std::string(name_of(claim.all_test->outcome)) : "-"});
-    std::string words = claim.id + ":";
-    if (!claim.in_words.empty()) words += " " + claim.in_words;
-    if (!claim.why.empty()) words += fmt::format(" Not decided: {}.", claim.why);
-    sentences += wrapped(words, 2) + "\n";
+    rows.push_back({claim.id, fmt::format("{} of {}", claim.written, claim.replicates), std::string(name_of(claim.outcome))});
+    sentences += wrapped(claim.id + ": " + words_of(claim), 2) + "\n";
   }
-  return "The paper's claims\n\n" + text_table({"claim", "true for", "outcome", "as in the paper"}, rows) + "\n" + sentences +
-         "\n";
+  return "The paper's sentences, and in how many replicates of its study they would be written\n\n" +
+         text_table({"sentence", "written in", "outcome"}, rows) + "\n" + sentences + "\n";
 }
 
 std::string text_of(const study::StudySummary& summary) {
   const results::Study& study = summary.study;
   double seconds = 0;
   for (const results::StepRecord& step : study.steps) seconds += step.seconds;
-  std::string trainings = study.bootstrap.trainings;
-  if (study.variance) trainings += fmt::format(" Of the variance of the mean accuracy, {}.", words_of(*study.variance));
-  return study.title + "\n\n" + histories_text(study) + unseen_text(study) + claims_text(study.claims) + wrapped(trainings) +
-         "\n" +
+  return study.title + "\n\n" + whole_runs_text(study) + accuracies_text(study) + unseen_text(study) + claims_text(study.claims) +
+         wrapped(study.intervals) + "\n" +
          wrapped(fmt::format("{} steps done, {} kept: {} (min:s) of work in all. Trainings and judgements run side by side.",
                              summary.done, summary.kept, clock_text(seconds))) +
          "\n\n";
 }
 
-/// The label, and its words in a column of their own.
-std::string short_line(const std::string& label, const std::string& words) {
-  constexpr std::size_t column = 12;
-  return wrapped(fmt::format("{:<{}}{}", label, column, words), column) + "\n";
-}
-
-/// The claims' outcomes, counted: "4 holds, 2 does not, 5 cannot tell".
-std::string outcomes_of(const std::vector<results::Claim>& claims) {
-  std::map<std::string_view, std::size_t> outcomes;
-  for (const results::Claim& claim : claims) ++outcomes[name_of(claim.outcome)];
-  std::string text;
-  for (const auto& [outcome, count] : outcomes) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, outcome);
-  return text;
-}
-
 constexpr const char* note_on_simulated_runs = "Results on simulated runs say nothing about real ones.\n";
 
-/// The figures that matter most: at most 9 lines.
+std::string short_line(const results::StudiedSetting& setting) {
+  const results::OperatingPoint& point = setting.whole_runs.decided;
+  return wrapped(fmt::format("{}: {} false alarms a minute, median {} ms, 90 % within {} ms, {} of {} missed", setting.text,
+                             figure_text(point.alarms_per_min, 1, 1), results::value_text(point.median_ms),
+                             results::value_text(point.p90_ms), point.misses + point.early, point.touches),
+                 2) +
+         "\n";
+}
+
+/// The figures that matter most.
 std::string short_text(const study::StudySummary& summary) {
   const results::Study& study = summary.study;
   std::string text = wrapped(study.title) + "\n\n";
-  for (const results::StudyHistory& history : study.histories) {
-    if (history.history_ms != study.choice.history_ms) continue;
-    text += short_line("accuracy", fmt::format("{} % with t_h {:g} ms, on the reported runs", mean_of(history.accuracy.reported),
-                                               history.history_ms));
+  for (const results::StudiedSetting& setting : study.results) {
+    if (!setting.whole_runs.runs.empty()) text += short_line(setting);
   }
-  if (study.unseen && study.unseen->on.reported) {
-    const results::SeenAndHeldOut& mean = study.unseen->on.reported->mean;
-    text += short_line("held out", fmt::format("{} %, {} points from seen objects", figure_text(mean.held_out, 100, 2),
-                                               figure_text(mean.difference, 100, 2)));
-  }
-  text += short_line("claims", fmt::format("of the paper's {}: {}", study.claims.size(), outcomes_of(study.claims)));
-  text += short_line("steps", fmt::format("{} done, {} kept; --verbose prints all tables", summary.done, summary.kept));
+  text += wrapped(study.found.back()) + "\n";
+  text += fmt::format("{} steps done, {} kept; --verbose prints all tables\n", summary.done, summary.kept);
   if (study.simulated) text += note_on_simulated_runs;
   return text;
 }
@@ -288,10 +253,14 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
   command
       .add_option("--preset", args->preset,
-                  "tiny: 2 simulated runs per object, 3 epochs, 2 trainings, t_h is not chosen; quick: 3 runs, 6 epochs, "
-                  "5 trainings, 1 run to choose on; paper: 10 runs, 10 epochs, 5 trainings, 2 runs to choose on, 20 splits")
+                  "tiny: 1 simulated world of 2 runs per object, 2 trainings of 3 epochs and 100 steps; quick: 3 worlds of 3 "
+                  "runs, 6 epochs, 800 steps; paper: 8 worlds of 10 runs, 10 epochs, 1600 steps. One training in each world; "
+                  "on runs that are there, 5 trainings")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
+  command.add_option("--worlds", args->worlds, "Simulated worlds, each with another seed; default: the preset's")
+      .check(in_range(1U, 1000U))
+      .type_name("N");
   command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
@@ -313,24 +282,24 @@ void add_reproduce_command(CLI::App& app) {
       .show_default();
   command
       .add_option("--held-out", args->held_out,
-                  "Objects held out in the unseen test, separated by commas, or each: one at a time; default: those of the "
-                  "paper's five that exist")
+                  "Objects held out in the unseen test, separated by commas; default: those of the paper's five that exist, and "
+                  "in every second world the others")
       .delimiter(',')
       .type_name("NAME,...");
-  command.add_option("--epochs", args->epochs, "Training epochs; default: the preset's")
+  command.add_option("--epochs", args->epochs, "Training epochs of a LeNet; default: the preset's")
       .check(in_range(1U, 100'000U))
+      .type_name("N");
+  command.add_option("--steps", args->steps, "Training steps of a stream; default: the preset's")
+      .check(in_range(1U, 1'000'000U))
       .type_name("N");
   command
       .add_option("--trainings", args->trainings,
-                  "Trainings of each setting, each on another run and seed; claims need 5 or more; default: the preset's")
+                  "Trainings of each setting in each world, each on another run and seed; default: the preset's")
       .check(in_range(1U, 1000U))
       .type_name("N");
-  command.add_option("--seed", args->seed, "Seed of simulation, samples, random splits and the first training")
+  command.add_option("--seed", args->seed, "Seed of the first world and its first training; the next ones add 1, 2, ...")
       .check(is_seed())
       .show_default();
-  command.add_option("--splits", args->splits, "Number of other splits to train, drawn at random, or all; default: the preset's")
-      .check(readable_by(number_of_splits))
-      .type_name("N|all");
   command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
       .check(one_of({"fast", "libtorch"}))
       .show_default();

@@ -48,7 +48,6 @@ struct StressArguments {
   std::string sensor, engine = "fast";
   std::optional<unsigned> runs;
   std::uint64_t seed = 1;
-  DecisionArguments decision;
   ExecutorArguments executor;
   bool quick = false, force = false, verbose = false, no_figures = false, dry_run = false;
 };
@@ -110,7 +109,6 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   options.series = series_of(args);
   for (const std::string& file : args.quiet) options.quiet.emplace_back(file);
   options.runs = args.runs;
-  options.judging.confirmation = confirmation_of(args.decision);
   options.judging.threads = common.threads;
   options.engine = model::engine_named(args.engine);
   options.seed = args.seed;
@@ -354,7 +352,6 @@ void add_options(Command& command, const std::shared_ptr<StressArguments>& args)
       .check(is_existing_file())
       .type_name("FILE.json");
   command.add_option("--seed", args->seed, "Seed of the recipes").check(is_seed()).show_default();
-  add_confirm_option(command, args->decision);
   add_engine_option(command, args->engine);
   add_executor_options(command, args->executor);
   command.add_flag("--dry-run", args->dry_run, "Only print the number of judgements, their hours and their size");

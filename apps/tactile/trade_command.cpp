@@ -27,8 +27,8 @@
 #include "tactile/experiments/trade/trade.hpp"
 #include "tactile/pictures/gnuplot.hpp"
 #include "tactile/report/budget_plot.hpp"
-#include "tactile/report/read_experiment.hpp"
 #include "tactile/report/trade_plots.hpp"
+#include "tactile/results/experiment_file.hpp"
 #include "tactile/windows/dataset.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 #include "trade_text.hpp"
@@ -51,10 +51,9 @@ struct TradeArguments {
   std::vector<double> factors{0.1, 0.2, 0.25};
   std::vector<std::string> resizes{"area", "linear"}, denoises{"mean", "literal", "none"};
   std::vector<std::string> augmentations{"none", "flip"};
-  std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"}, passes{"sparse", "dense"};
-  std::vector<std::string> confirmations{"1/1", "2/3", "3/5", "5/9"};
+  std::vector<std::string> engines{"fast", "libtorch"}, precisions{"fp32", "int8"};
   std::uint64_t timed_ticks = 20'000;
-  bool full = false, verbose = false, no_growth = false, no_figures = false, no_trial = false, strict = false, dry_run = false;
+  bool full = false, verbose = false, no_figures = false, no_trial = false, strict = false, dry_run = false;
   unsigned corners = 6;
   std::optional<double> budget_minutes, at_most_us, at_least_accuracy, at_most_false_alarms, at_most_missed;
   std::string at_most_delay;
@@ -88,9 +87,7 @@ trade::TradeLevels levels_of(const TradeArguments& args) {
                                 }),
           .augmentations = each_once(args.augmentations, [](const auto& text) { return trade::joined_augmentation_named(text); }),
           .engines = each_once(args.engines, [](const auto& name) { return model::engine_named(name); }),
-          .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); }),
-          .sparse = each_once(args.passes, [](const auto& name) { return name == "sparse"; }),
-          .confirmations = each_once(args.confirmations, [](const auto& text) { return confirmation_in(text); })};
+          .precisions = each_once(args.precisions, [](const auto& name) { return model::precision_named(name); })};
 }
 
 /// Replaces a usual value that is not among the values to try by the first of them.
@@ -109,8 +106,6 @@ trade::TradeSetting usual_of(const trade::TradeLevels& levels) {
   take_usual(usual.augmentation, levels.augmentations);
   take_usual(usual.engine, levels.engines);
   take_usual(usual.precision, levels.precisions);
-  take_usual(usual.sparse, levels.sparse);
-  take_usual(usual.confirmation, levels.confirmations);
   take_usual(usual.kind, levels.kinds);
   return without_idle_values(usual);
 }
@@ -150,7 +145,6 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
   options.full = args.full;
   options.corners = args.corners;
   options.budget_minutes = args.budget_minutes;
-  options.growth = !args.no_growth;
   options.timing.ticks = args.timed_ticks;
   if (args.no_trial) options.trial = std::chrono::milliseconds{0};
   options.constraints = {args.at_most_us, args.at_least_accuracy, args.at_most_false_alarms, delay_limit_in(args.at_most_delay),
@@ -162,15 +156,10 @@ trade::TradeOptions options_of(const TradeArguments& args, const CommonArguments
 }
 
 std::vector<std::string> draw_figures(const fs::path& out) {
-  const results::Trade trade = report::read_trade(out);
-  std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
-                                                            {"trade-delay", report::trade_delay_plot(trade)},
-                                                            {"trade-budgets", report::trade_budget_plot(trade)}};
-  if (trade.growth && !trade.growth->by_rate.empty()) {
-    plots.emplace_back("trade-growth", report::trade_growth_plot(trade));
-  } else {
-    for (const char* type : {".svg", ".png"}) fs::remove(out / "figures" / ("trade-growth" + std::string(type)));
-  }
+  const results::Trade trade = results::read_experiment<results::Trade>(out / "trade.json");
+  const std::vector<std::pair<std::string, pictures::Plot>> plots{{"trade-accuracy", report::trade_accuracy_plot(trade)},
+                                                                  {"trade-delay", report::trade_delay_plot(trade)},
+                                                                  {"trade-budgets", report::trade_budget_plot(trade)}};
   return draw_plots(plots, out / "figures");
 }
 
@@ -294,8 +283,8 @@ void add_trade_command(CLI::App& app) {
       .type_name("N");
   command
       .add_option("--at-most-delay-ms", args->at_most_delay,
-                  "Constraint: longest median delay of all presses and slips [ms]; a missed one counts with the time in which "
-                  "it could be detected. p90:MS limits the 90 % quantile")
+                  "Constraint: longest median delay of all presses and slips [ms]; one that is missed or early is later than all "
+                  "others. p90:MS limits the 90 % quantile")
       .check(is_delay_limit())
       .type_name("[p90:]MS");
   command.add_option("--at-most-missed", args->at_most_missed, "Constraint: largest share of presses and slips missed or early")
@@ -327,9 +316,6 @@ void add_trade_command(CLI::App& app) {
   add_list("--engine", args->engines, "Inference engines to try: fast, libtorch").check(one_of({"fast", "libtorch"}));
   add_list("--precision", args->precisions, "Precisions of the fast engine's largest layer to try: fp32, bf16, int8")
       .check(one_of({"fp32", "bf16", "int8"}));
-  add_list("--pass", args->passes, "Passes of the network to try: sparse (it skips empty regions), dense (it does not)")
-      .check(one_of({"sparse", "dense"}));
-  add_list("--confirm", args->confirmations, "Confirmations K/N to try").type_name("K/N").check(is_confirmation());
   command.add_option("--train-run", args->train_run, "Run of each object to train on; the next one if it has no samples")
       .type_name("NN")
       .show_default();
@@ -347,12 +333,11 @@ void add_trade_command(CLI::App& app) {
       .check(in_range(std::uint64_t{1}, std::uint64_t{1'000'000'000}))
       .show_default();
   command.add_option("--seed", args->seed, "Seed of the first training").check(is_seed()).show_default();
-  command.add_flag("--no-growth", args->no_growth, "Do not measure how cost grows with event rate, history and resolution");
   command.add_flag("--no-trial", args->no_trial, "Do not run the recommended setting in detect for 20 s");
   command.add_flag("--dry-run", args->dry_run, "Only print the number of steps, their hours and their size; needs the dataset");
   command.add_flag("--no-figures", args->no_figures, "Do not draw figures");
   add_executor_options(command, args->executor);
-  command.add_flag("--verbose", args->verbose, "Print every setting and how the cost grows");
+  command.add_flag("--verbose", args->verbose, "Print every setting");
   command.add_option("--models", args->models, "Folder of the models that it trains")
       .type_name("DIR")
       .default_text("models/ in --out");

@@ -35,13 +35,13 @@ std::string settings_text(const results::Trade& trade) {
       ++more;
       continue;
     }
-    const results::TradeFigures& figures = point.reported.figures;
+    const results::TradeResult& figures = point.reported;
     const std::vector<std::string> words = lines_of(wrapped(point.text, 0, width_of_setting));
     rows.push_back({words.front(), probability_text(point.front_probability.accuracy, point.on_accuracy_front),
                     probability_text(point.front_probability.delay, point.on_delay_front),
-                    results::figure_text(figures.accuracy, 100, 1), results::value_text(figures.delay_median_us, 1e-3, 1),
-                    results::value_text(figures.delay_p90_us, 1e-3, 0), results::value_text(figures.missed, 100, 0),
-                    results::value_text(figures.episodes_per_min, 1, 1), results::value_text(figures.us_p50, 1, 0),
+                    results::figure_text(figures.accuracy, 100, 1), results::value_text(figures.whole_runs.median_ms, 1),
+                    results::value_text(figures.whole_runs.p90_ms), results::value_text(figures.whole_runs.missed, 100, 0),
+                    results::value_text(figures.whole_runs.alarms_per_min, 1, 1), results::value_text(figures.us_p50, 1, 0),
                     results::value_text(figures.us_p99, 1, 0), results::value_text(figures.us_p999, 1, 0)});
     for (std::size_t i = 1; i < words.size(); ++i) {
       rows.emplace_back(rows.back().size());
@@ -54,35 +54,14 @@ std::string settings_text(const results::Trade& trade) {
   return text + "\n";
 }
 
-std::string growth_table(const std::string& title, const std::vector<results::GrowthPoint>& points,
-                         const std::function<std::string(const results::GrowthPoint&)>& place) {
-  std::vector<std::vector<std::string>> rows;
-  for (const results::GrowthPoint& point : points) {
-    const double sparse = point.sparse.p50_us, dense = point.dense.p50_us;
-    rows.push_back({place(point), number_text(point.sparse.rendering_us, 1), number_text(point.sparse.network_us, 1),
-                    number_text(sparse, 1), number_text(dense, 1), number_text(dense / sparse, 1)});
-  }
-  return text_table({title, "rendering [us]", "network [us]", "a tick [us]", "dense [us]", "times"}, rows) + "\n";
-}
-
-std::string growth_text(const results::CostGrowth& growth) {
-  using Point = results::GrowthPoint;
-  return "How the cost of a tick grows (medians)\n\n" +
-         growth_table("events/s", growth.by_rate, [](const Point& point) { return fmt::format("{:.0f}", point.events_per_s); }) +
-         growth_table("t_h [ms]", growth.by_history,
-                      [](const Point& point) { return fmt::format("{:g}", in_ms(point.history)); }) +
-         growth_table("sensor", growth.by_resolution,
-                      [](const Point& point) { return fmt::format("{}x{}", point.sensor.width, point.sensor.height); });
-}
-
 /// The point for which a figure of the reported runs is best among those that suit; null if there is none.
 const results::TradedSetting* best_point(const results::Trade& trade,
                                          const std::function<bool(const results::TradedSetting&)>& suits,
-                                         const std::function<double(const results::TradeFigures&)>& badness) {
+                                         const std::function<double(const results::TradeResult&)>& badness) {
   const results::TradedSetting* best = nullptr;
   for (const results::TradedSetting& point : trade.points) {
-    const double bad = badness(point.reported.figures);
-    if (suits(point) && std::isfinite(bad) && (best == nullptr || bad < badness(best->reported.figures))) best = &point;
+    const double bad = badness(point.reported);
+    if (suits(point) && std::isfinite(bad) && (best == nullptr || bad < badness(best->reported))) best = &point;
   }
   return best;
 }
@@ -90,7 +69,7 @@ const results::TradedSetting* best_point(const results::Trade& trade,
 /// The usual setting, the recommended one, and the ends of both fronts: a row for each.
 std::string ends_of_fronts(const results::Trade& trade) {
   using Setting = results::TradedSetting;
-  using Figures = results::TradeFigures;
+  using Figures = results::TradeResult;
   const auto on_front = [](bool Setting::*front) { return [front](const Setting& point) { return point.*front; }; };
   const auto is_recommended = [&](const Setting& point) { return point.id == trade.recommendation.id; };
   const auto by_accuracy = on_front(&Setting::on_accuracy_front), by_delay = on_front(&Setting::on_delay_front);
@@ -99,15 +78,16 @@ std::string ends_of_fronts(const results::Trade& trade) {
       {"recommended", best_point(trade, is_recommended, [](const Figures&) { return 0.0; })},
       {"most accurate", best_point(trade, by_accuracy, [](const Figures& figures) { return -figures.accuracy.value; })},
       {"fastest", best_point(trade, by_accuracy, [](const Figures& figures) { return figures.us_p99.value; })},
-      {"fewest alarms", best_point(trade, by_delay, [](const Figures& figures) { return figures.episodes_per_min.value; })}};
+      {"fewest alarms",
+       best_point(trade, by_delay, [](const Figures& figures) { return figures.whole_runs.alarms_per_min.value; })}};
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, point] : chosen) {
     if (point == nullptr) continue;
-    const Figures& figures = point->reported.figures;
+    const Figures& figures = point->reported;
     constexpr std::size_t widest = 26;
     rows.push_back({name, pictures::shortened(point->text, widest), results::value_text(figures.accuracy, 100, 1),
-                    results::value_text(figures.delay_median_us, 1e-3, 1), results::value_text(figures.episodes_per_min, 1, 1),
-                    results::value_text(figures.us_p99, 1, 0)});
+                    results::value_text(figures.whole_runs.median_ms, 1),
+                    results::value_text(figures.whole_runs.alarms_per_min, 1, 1), results::value_text(figures.us_p99, 1, 0)});
   }
   return text_table({"", "setting", "acc. [%]", "delay [ms]", "alarms/min", "p99 [us]"}, rows);
 }
@@ -135,13 +115,13 @@ std::string full_trade_text(const trade::TradeSummary& summary) {
   std::string text =
       trade.title + "\n\n" + wrapped(trade.times_are) + "\n\n" + wrapped(trade.judged_by) + "\n\n" +
       wrapped(
-          "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] (a "
-          "missed one counts with the time in which it could be detected), share missed or early [%], false alarms per minute "
+          "Of each setting: accuracy with its 95 % interval, median and 90 % quantile of the delay of presses and slips [ms] "
+          "(one "
+          "that is missed or early is later than all others), share missed or early [%], false alarms per minute "
           "outside of touches, time per tick [us]. A: probability of being on the front of accuracy and time, with trainings, "
           "objects and runs drawn again; a star: on the front. D: the same for delay, misses and false alarms. Fronts are found "
           "on the runs to choose on. All other figures are of the runs to report on.") +
       "\n\n" + settings_text(trade);
-  if (trade.growth) text += growth_text(*trade.growth);
   if (!trade.left_out.empty()) {
     std::string list;
     for (const results::UntriedPair& pair : trade.left_out)
@@ -152,7 +132,6 @@ std::string full_trade_text(const trade::TradeSummary& summary) {
   for (const results::NotMeasured& one : trade.not_measured)
     text += wrapped(fmt::format("Not measured: {}: {}.", one.setting, one.why)) + "\n";
   if (!trade.unfinished.empty()) text += "\n" + wrapped(trade.unfinished) + "\n";
-  text += "\n" + wrapped(trade.usual_is) + "\n";
   text += "\n" + wrapped(trade.recommendation.sentence) + "\n\n";
   text += fmt::format("{} steps done, {} kept. Written to {}\n", summary.done, summary.kept, summary.file.string());
   return text;

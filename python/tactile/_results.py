@@ -19,8 +19,8 @@ class Figure:
     """A value and its 95 % interval.
 
     value      None where nothing was there to measure
-    low, high  None also where too few objects or runs were there for an interval
-    n          the runs or objects that the interval is drawn from
+    low, high  None also where there were too few objects or runs for an interval
+    n          the runs, objects or worlds that the interval is over
     """
 
     value: float | None
@@ -34,13 +34,15 @@ class Delay:
     """Detection delay of one class, from the labelled onset."""
 
     median_of_all_ms: Figure
-    """over all intervals; a missed one counts with its limit"""
+    """over all touches; one that is missed or early is later than all others. A quantile among these is a lower bound,
+    without an interval"""
     p90_of_all_ms: Figure
     mean_ms: Figure
-    """over the detected intervals, as the paper has it"""
+    """over the detected touches, as the paper has it"""
     missed: Figure
-    """share of the intervals"""
+    """share of the touches"""
     intervals: int
+    """all touches"""
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,10 @@ class OperatingPoint:
     """false alarms, of the time outside of touches"""
     median_ms: Figure
     p90_ms: Figure
-    """delay over all touches"""
+    """delay over all touches; one that is not detected is later than all others"""
+    median_is_lower_bound: bool
+    p90_is_lower_bound: bool
+    """too few touches are detected for the quantile: the true one is longer"""
     missed: Figure
     """share of touches that are missed, or in alarm since before their onset"""
     wrong_class: Figure
@@ -67,15 +72,20 @@ class WholeRuns:
     """A detector on every run: also those without a press or a slip, firm lifts, and flagged ones."""
 
     runs: list[str]
-    left_out: dict[str, str]
-    """runs that are not judged, and why"""
+    """as "fan/03" or, of several worlds, as "501/fan/03" """
+    left_out: list[tuple[str, str]]
+    """runs that are not judged, and why; the run is empty where the reason is about a folder"""
+    units: str
+    """what intervals are over: "worlds", "objects", or "runs" of one or two objects"""
     decided: OperatingPoint
     causes: dict[str, int]
     """false alarms of `decided` by cause"""
     curve: list[OperatingPoint]
     """by ascending threshold"""
     calm: dict[float, OperatingPoint | None]
-    """the earliest point with at most so many false alarms a minute; None: no threshold has so few"""
+    """the lowest threshold from which on there are at most so many false alarms a minute; None: there is none"""
+    confirmed: OperatingPoint | None
+    """confirmed slips alone, without presses; None where verdicts are not decided by two thresholds"""
 
 
 @dataclass(frozen=True)
@@ -89,8 +99,8 @@ class Evaluation:
     delay: dict[str, Delay]
     """of "press" and "slip" """
     whole_runs: WholeRuns
-    baselines: dict[str, Figure]
-    """accuracy of simpler methods, by name"""
+    baselines: dict[str, OperatingPoint]
+    """published detectors on the same runs, by name, as decided"""
     calibration_error: Figure
     confusion: list[list[int]]
     """[true class][predicted class], in the order none, press, slip"""
@@ -129,19 +139,26 @@ def read_json(path: str, written_as: str, build: Callable[[dict[str, Any]], T], 
         raise _tactile.Error(f"{path}: its contents cannot be used ({error!r:.80}); expected {written_as}") from None
 
 
-def _point(entry: dict[str, Any]) -> OperatingPoint:
+def operating_point(entry: dict[str, Any]) -> OperatingPoint:
     names = ("alarms_per_min", "median_ms", "p90_ms", "missed", "wrong_class", "false_slips")
-    return OperatingPoint(entry["threshold"], *(figure(entry[name]) for name in names))
+    return OperatingPoint(
+        threshold=entry["threshold"],
+        median_is_lower_bound=entry["median_ms"]["is_lower_bound"],
+        p90_is_lower_bound=entry["p90_ms"]["is_lower_bound"],
+        **{name: figure(entry[name]) for name in names},
+    )
 
 
-def _whole_runs(content: dict[str, Any]) -> WholeRuns:
+def whole_runs(content: dict[str, Any]) -> WholeRuns:
     return WholeRuns(
         runs=content["runs"],
-        left_out={run["run"]: run["why"] for run in content["left_out"]},
-        decided=_point(content["decided"]),
+        left_out=[(run["run"], run["why"]) for run in content["left_out"]],
+        units=content["units"],
+        decided=operating_point(content["decided"]),
         causes=content["causes"],
-        curve=[_point(entry) for entry in content["curve"]],
-        calm={entry["at_most_per_min"]: entry["point"] and _point(entry["point"]) for entry in content["calm"]},
+        curve=[operating_point(entry) for entry in content["curve"]],
+        calm={entry["at_most_per_min"]: entry["point"] and operating_point(entry["point"]) for entry in content["calm"]},
+        confirmed=content["confirmed"] and operating_point(content["confirmed"]),
     )
 
 
@@ -152,8 +169,8 @@ def _evaluation(content: dict[str, Any]) -> Evaluation:
         accuracy=figure(content["accuracy"]["mean"]),
         accuracy_by_object={name: figure(entry) for name, entry in content["accuracy"]["objects"].items()},
         delay={name: _delay(content["delay_ms"][name]) for name in ("press", "slip")},
-        whole_runs=_whole_runs(content["whole_runs"]),
-        baselines={name: figure(entry["accuracy"]) for name, entry in content["baselines"].items()},
+        whole_runs=whole_runs(content["whole_runs"]),
+        baselines={name: operating_point(entry["decided"]) for name, entry in content["baselines"].items()},
         calibration_error=figure(content["calibration"]["ece"]),
         confusion=content["confusion"],
         everything=content,

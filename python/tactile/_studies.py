@@ -6,49 +6,94 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
-from tactile._results import Figure, figure, read_json
+from tactile._results import Figure, OperatingPoint, WholeRuns, figure, operating_point, read_json, whole_runs
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper, and what was measured.
+    """A sentence of the paper. It is tested in each replicate of its study: one training of each setting in one world.
 
-    paper     the paper's figures
-    measured  holds if it is `asked` ("below" or "above") the `limit`
-    unit      %, points (of percent), ms or objects
-    verdict   holds, does not, or cannot tell
-    why       why the claim cannot be decided; empty if it can
+    paper         the sentence
+    figure        of the paper: "8"
+    measure       what decides whether a replicate would write the sentence
+    is_below      the sentence is written where the measure is below `limit`; else where it is above
+    is_by_margin  the interval of `measured` decides the outcome, and `limit` is its margin
+    unit          of `limit` and `measured`: %, points (of percent), ms or objects
+    written       in so many of `replicates` the sentence would be written
+    measured      the mean over replicates
+    outcome       holds, does not, or cannot tell
     """
 
     id: str
-    claim: str
+    figure: str
     paper: str
-    measured: Figure
-    asked: str
+    measure: str
+    is_below: bool
     limit: float
+    is_by_margin: bool
     unit: str
-    verdict: str
-    why: str
+    written: int
+    replicates: int
+    measured: Figure
+    outcome: str
+
+
+@dataclass(frozen=True)
+class StudyWorld:
+    """Runs that share their objects and their sensor.
+
+    name      the seed of a simulated world; empty if the study has one world only
+    data      folder of its runs, relative to the study's folder
+    runs      with samples
+    held_out  objects that are held out of training for the test of unseen objects
+    """
+
+    name: str
+    data: str
+    runs: int
+    samples: int
+    held_out: list[str]
+
+
+@dataclass(frozen=True)
+class StudySetting:
+    """What a setting gives over all worlds and trainings.
+
+    text                in words
+    is_unseen           on objects that were held out of training
+    th_ms               history of a LeNet; None: a stream
+    accuracy            of balanced samples, the mean over objects
+    whole_runs          None where only samples were judged
+    """
+
+    text: str
+    is_unseen: bool
+    th_ms: float | None
+    accuracy: Figure
+    accuracy_by_object: dict[str, Figure]
+    whole_runs: WholeRuns | None
 
 
 @dataclass(frozen=True)
 class Study:
     """What `tactile reproduce` found.
 
-    th_ms              the history to use
-    model              a model with this history: that of the first training, in the study's folder `models`
-    accuracy           by history [ms], on the runs that no training learned from or chose on
-    unseen_difference  accuracy on objects held out of training minus that of models trained on them; None: none held out
+    settings           by name: "th040", "stream", "th040-unseen", "stream-unseen"
+    unseen_difference  by the name of the setting: accuracy on objects held out of training minus that with them in
+                       training, on the same runs; empty if none could be held out
+    found              sentences
+    cells              the table that every figure is made from, a CSV in the study's folder
     everything         study.json
     """
 
     title: str
     simulated: bool
-    th_ms: float
-    model: str
-    accuracy: dict[float, Figure]
-    unseen_difference: Figure | None
+    worlds: list[StudyWorld]
+    settings: dict[str, StudySetting]
+    unseen_difference: dict[str, Figure]
     claims: list[Claim]
+    found: list[str]
+    cells: str
     everything: dict[str, Any]
 
 
@@ -58,10 +103,8 @@ class TradePoint:
 
     text                   its differences from the usual setting
     setting                the value of each option
-    median_delay_us        over all presses and slips; a missed one counts with its limit
-    p90_delay_us           as above, the delay that 90 % do not exceed
-    missed                 share of presses and slips
-    false_alarms_per_min   false alarms, of the time outside of touches
+    accuracy               of balanced samples
+    whole_runs             false alarms, delays and misses; delays include the median time of a tick
     median_tick_us, p99_tick_us   time of a tick
     is_on_accuracy_front   on the front of accuracy and p99_tick_us, on the runs to choose on
     is_on_delay_front      on the front of false alarms, median delay and misses, on the runs to choose on
@@ -71,10 +114,7 @@ class TradePoint:
     text: str
     setting: dict[str, Any]
     accuracy: Figure
-    median_delay_us: Figure
-    p90_delay_us: Figure
-    missed: Figure
-    false_alarms_per_min: Figure
+    whole_runs: OperatingPoint
     median_tick_us: Figure
     p99_tick_us: Figure
     is_on_accuracy_front: bool
@@ -126,19 +166,32 @@ class Stress:
     """stress.json"""
 
 
+def _setting(entry: dict[str, Any]) -> StudySetting:
+    return StudySetting(
+        text=entry["text"],
+        is_unseen=entry["is_unseen"],
+        th_ms=entry["th_ms"],
+        accuracy=figure(entry["accuracy"]["mean"]),
+        accuracy_by_object={name: figure(of) for name, of in entry["accuracy"]["objects"].items()},
+        whole_runs=whole_runs(entry["whole_runs"]) if entry["whole_runs"]["runs"] else None,
+    )
+
+
 def _study(content: dict[str, Any]) -> Study:
-    unseen = content["unseen"] and content["unseen"]["reported"]
     return Study(
         title=content["title"],
         simulated=content["simulated"],
-        th_ms=content["choice"]["th_ms"],
-        model=content["choice"]["model"],
-        accuracy={entry["th_ms"]: figure(entry["accuracy"]["reported"]["mean"]) for entry in content["histories"]},
-        unseen_difference=figure(unseen["mean"]["difference"]) if unseen else None,
+        worlds=[StudyWorld(**{name: world[name] for name in StudyWorld.__dataclass_fields__}) for world in content["worlds"]],
+        settings={entry["setting"]: _setting(entry) for entry in content["results"]},
+        unseen_difference={
+            entry["setting"]: figure(entry["accuracy"]["mean"]["difference"]) for entry in content["unseen"]
+        },
         claims=[
             Claim(**{**{name: entry[name] for name in Claim.__dataclass_fields__}, "measured": figure(entry["measured"])})
             for entry in content["claims"]
         ],
+        found=content["found"],
+        cells=content["cells"],
         everything=content,
     )
 
@@ -150,14 +203,11 @@ def _point(entry: dict[str, Any]) -> TradePoint:
         text=entry["text"],
         setting=entry["setting"],
         accuracy=figure(reported["accuracy"]),
-        median_delay_us=figure(reported["delay_us"]["median"]),
-        p90_delay_us=figure(reported["delay_us"]["p90"]),
-        missed=figure(reported["delay_us"]["missed"]),
-        false_alarms_per_min=figure(reported["episodes_per_min"]),
-        median_tick_us=figure(reported["us"]["p50"]),
-        p99_tick_us=figure(reported["us"]["p99"]),
-        is_on_accuracy_front=entry["front"]["accuracy"],
-        is_on_delay_front=entry["front"]["delay"],
+        whole_runs=operating_point(reported["whole_runs"]),
+        median_tick_us=figure(reported["us_p50"]),
+        p99_tick_us=figure(reported["us_p99"]),
+        is_on_accuracy_front=entry["on_accuracy_front"],
+        is_on_delay_front=entry["on_delay_front"],
     )
 
 
@@ -185,14 +235,14 @@ def _file(path: str | os.PathLike[str], name: str) -> str:
 
 def read_study(path: str | os.PathLike[str] = "study") -> Study:
     """The results in study.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "study.json"), "study.json of 'tactile reproduce'", _study, "tactile-study-1")
+    return read_json(_file(path, "study.json"), "study.json of 'tactile reproduce'", _study, "tactile-study-2")
 
 
 def read_trade(path: str | os.PathLike[str] = "trade") -> Trade:
     """The results in trade.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "trade.json"), "trade.json of 'tactile trade'", _trade, "tactile-trade-1")
+    return read_json(_file(path, "trade.json"), "trade.json of 'tactile trade'", _trade, "tactile-trade-2")
 
 
 def read_stress(path: str | os.PathLike[str] = "stress") -> Stress:
     """The results in stress.json, or in the folder that has it. Raises Error."""
-    return read_json(_file(path, "stress.json"), "stress.json of 'tactile stress'", _stress, "tactile-stress-1")
+    return read_json(_file(path, "stress.json"), "stress.json of 'tactile stress'", _stress, "tactile-stress-2")

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "tactile/core/robust_statistics.hpp"
-#include "tactile/evaluation/detection_curve.hpp"
 
 namespace tactile::study {
 namespace {
@@ -36,19 +35,14 @@ double expected_accuracy(double centre, double deviation) {
 
 double delay_of(double logarithm) { return tick_ms * (1 + std::floor(usual_ticks * std::exp(logarithm))); }
 
-double expected_delay(double centre, double deviation) {
-  return expected(deviation, [&](double x) { return delay_of(centre + x); });
-}
-
-/// Where the effects are centred if the expected accuracy or delay is `level`.
-template <double (*expected_at)(double, double)>
+/// Where the effects are centred if the expected accuracy is `level`.
 double centre_of(double level, double deviation) {
   thread_local std::map<std::pair<double, double>, double> known;
   if (const auto found = known.find({level, deviation}); found != known.end()) return found->second;
   double low = -20, high = 20;
   for (int step = 0; step < 60; ++step) {
     const double middle = (low + high) / 2;
-    (expected_at(middle, deviation) < level ? low : high) = middle;
+    (expected_accuracy(middle, deviation) < level ? low : high) = middle;
   }
   return known[{level, deviation}] = low;
 }
@@ -156,23 +150,6 @@ evaluation::Statistic rate_of_alarms(double per_min, std::vector<double> counts,
       };
 }
 
-/// By the estimate of Kaplan and Meier: touches end after 6 to 100 ms, and those not detected by then are missed.
-evaluation::Statistic share_detected(const std::vector<double>& delays, double within_ms, Random& random) {
-  std::vector<results::RunDetections> runs;
-  for (const double delay : delays) {
-    results::Detection touch;
-    touch.interval.touch = Touch::press;
-    const double limit = tick_ms * std::floor(random.uniform(3, 50));
-    touch.limit = microseconds{std::llround(1000 * limit)};
-    touch.outcome = delay <= limit ? results::DetectionOutcome::detected : results::DetectionOutcome::missed;
-    touch.delay = microseconds{std::llround(1000 * std::min(delay, limit))};
-    runs.push_back({});
-    runs.back().detections.push_back(touch);
-  }
-  const evaluation::DetectionTimes times(runs, Touch::press);
-  return [times, within_ms](const evaluation::RunsByObject& lists) { return times.share_within(lists, within_ms); };
-}
-
 double true_quantile_of_delays(double q, double deviation) {
   for (double ticks = 1;; ++ticks) {
     if (expected(deviation, [&](double x) { return delay_of(x) <= tick_ms * ticks ? 1.0 : 0.0; }) >= q) return tick_ms * ticks;
@@ -192,10 +169,6 @@ evaluation::Statistic gain_of_best(std::vector<std::vector<double>> settings) {
 
 double Effects::together() const {
   return std::sqrt(training * training + object * object + both * both + run * run + single * single);
-}
-
-Effects Effects::times(double factor) const {
-  return {factor * training, factor * object, factor * both, factor * run, factor * single};
 }
 
 bool Layout::judged(std::size_t training, std::size_t run) const {
@@ -227,19 +200,17 @@ Trial draw(const Scenario& scenario, Random& random) {
   const double inf = std::numeric_limits<double>::infinity();
   switch (scenario.quantity) {
     case Quantity::accuracy:
-      trial = {trial.objects,
-               mean_of(accuracies(centre_of<expected_accuracy>(scenario.level, deviation))),
-               {0, 1, 1.0 / samples_of_run},
-               scenario.level};
+      trial = {
+          trial.objects, mean_of(accuracies(centre_of(scenario.level, deviation))), {0, 1, 1.0 / samples_of_run}, scenario.level};
       break;
     case Quantity::missed:
       trial = {trial.objects,
-               mean_of(accuracies(centre_of<expected_accuracy>(scenario.level, deviation), touches_of_run)),
+               mean_of(accuracies(centre_of(scenario.level, deviation), touches_of_run)),
                {0, 1, 1.0 / touches_of_run},
                scenario.level};
       break;
     case Quantity::difference: {
-      const double centre = centre_of<expected_accuracy>(scenario.level, deviation);
+      const double centre = centre_of(scenario.level, deviation);
       std::vector<double> values = accuracies(centre + added_logit);
       const std::vector<double> others = accuracies(centre);
       for (std::size_t i = 0; i < values.size(); ++i) values[i] -= others[i];
@@ -250,7 +221,7 @@ Trial draw(const Scenario& scenario, Random& random) {
     }
     case Quantity::best_of_five: {
       std::vector<std::vector<double>> settings;
-      for (const double level : best_levels) settings.push_back(accuracies(centre_of<expected_accuracy>(level, deviation)));
+      for (const double level : best_levels) settings.push_back(accuracies(centre_of(level, deviation)));
       trial.statistic = gain_of_best(std::move(settings));
       trial.range = {-1, 1, 1.0 / samples_of_run};
       trial.truth = best_levels[4] - best_levels[0];
@@ -265,40 +236,12 @@ Trial draw(const Scenario& scenario, Random& random) {
                {0, longest_ms, tick_ms},
                true_quantile_of_delays(scenario.level, deviation)};
       break;
-    case Quantity::detected:
-      trial.statistic = share_detected(of_each(sums(), delay_of), scenario.level, random);
-      trial.range = {0, 1, 1};
-      trial.truth = expected(deviation, [&](double x) { return delay_of(x) <= scenario.level ? 1.0 : 0.0; });
-      break;
     case Quantity::rate:
       trial.statistic = rate_of_alarms(scenario.level, sums(), random);
       trial.range = {0, inf, 1 / 0.075};
       trial.truth = scenario.level * std::exp(deviation * deviation / 2);
       break;
   }
-  return trial;
-}
-
-Trial draw_objects(Quantity quantity, const std::vector<ObjectTruth>& truths, const Layout& layout, const Effects& effects,
-                   Random& random) {
-  const bool of_samples = quantity == Quantity::accuracy;
-  Trial trial{cells_of(layout), {}, {}, 0};
-  std::vector<double> values = sums_of_effects(trial.objects, layout, things_of(layout, effects, random), effects, random);
-  for (std::size_t object = 0; object < trial.objects.size(); ++object) {
-    const auto& [level, factor] = truths[object];
-    const double deviation = factor * effects.together();
-    const double centre =
-        of_samples ? centre_of<expected_accuracy>(level, deviation) : centre_of<expected_delay>(level, deviation);
-    for (const evaluation::CrossedCell& cell : trial.objects[object]) {
-      double& value = values[cell.index];
-      value = of_samples ? measured_share(centre + factor * value, samples_of_run, random) : delay_of(centre + factor * value);
-    }
-    trial.truths.push_back(level);
-    trial.truth += level / static_cast<double>(truths.size());
-  }
-  trial.statistic = mean_of(std::move(values));
-  trial.range = of_samples ? evaluation::Range{0, 1, 1.0 / samples_of_run}
-                           : evaluation::Range{0, std::numeric_limits<double>::infinity(), tick_ms};
   return trial;
 }
 

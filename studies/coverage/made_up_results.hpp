@@ -17,7 +17,6 @@ struct Effects {
   double single = 0;  ///< of a training on one run
 
   double together() const;
-  Effects times(double factor) const;
 };
 
 /// Which training is judged on which run.
@@ -37,15 +36,14 @@ struct Trial {
   evaluation::Statistic statistic;
   evaluation::Range range;
   double truth = 0;
-  std::vector<double> truths{};  ///< of each object, where they differ
 };
 
-enum class Quantity { accuracy, missed, difference, best_of_five, mean_delay, quantile_of_delays, detected, rate };
+enum class Quantity { accuracy, missed, difference, best_of_five, mean_delay, quantile_of_delays, rate };
 
 struct Scenario {
   Quantity quantity = Quantity::accuracy;
   /// The expected share; of a difference, that of the first of the two settings; of `quantile_of_delays`, the share that it is
-  /// of; of `detected`, the time [ms] within which touches are detected; of `rate`, alarms per minute; unused for others.
+  /// of; of `rate`, alarms per minute; unused for others.
   double level = 0;
   Layout layout;  ///< one object: the figure of an object, which stays the same; the effects of objects are not drawn
   Effects effects;
@@ -54,14 +52,5 @@ struct Scenario {
 /// The true figure is the expected one over new trainings, runs and, if there are several, objects. With one training the
 /// training stays as it is: neither its effect on all objects nor, of one object, that on the object is drawn.
 Trial draw(const Scenario& scenario, Random& random);
-
-/// What is true of an object: its expected figure, and how many times the usual effects act on it.
-struct ObjectTruth {
-  double level = 0, factor = 1;
-};
-
-/// Objects with figures of their own, for claims about every one of them: accuracies or mean delays.
-Trial draw_objects(Quantity quantity, const std::vector<ObjectTruth>& truths, const Layout& layout, const Effects& effects,
-                   Random& random);
 
 }  // namespace tactile::study

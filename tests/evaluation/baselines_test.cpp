@@ -2,219 +2,162 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <numbers>
 
-#include "support/verdict_row.hpp"
+#include "support/temporary_folder.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/random.hpp"
-#include "tactile/evaluation/baseline_scores.hpp"
+#include "tactile/events/recording_writer.hpp"
 
 namespace tactile::evaluation {
 namespace {
 
-using test::verdict_row;
+TickEvents events(std::uint32_t on, std::uint32_t off = 0) { return {.on = on, .off = off}; }
 
-TEST(Moments, OfTwoCellsAreWorkedByHand) {
-  // 4 wide, 2 high: 255 at column 0 of row 0 and at column 2 of row 1, so x = 1/8 and 5/8, y = 1/4 and 3/4.
-  const std::vector<std::uint8_t> heatmap{255, 0, 0, 0, 0, 0, 255, 0};
-  const Features moments = moments_of(heatmap, {4, 2});
-  const Features expected{0.25, 0.25, std::sqrt(0.25 - 0.0625), 1, 3.0 / 8, 0.5, 1.0 / 16, 1.0 / 16, 1.0 / 16};
-  for (std::size_t i = 0; i < feature_count; ++i) EXPECT_NEAR(moments[i], expected[i], 1e-12) << i;
+TEST(EventRate, CountsTheLastTenMilliseconds) {
+  const std::vector<TickEvents> ticks{events(1), events(0, 2), events(4), events(8), events(16), events(32), events(64)};
+  const std::vector<double> scores = event_rate_scores(ticks, 2ms);
+  EXPECT_DOUBLE_EQ(scores[0], std::log1p(1));
+  EXPECT_DOUBLE_EQ(scores[4], std::log1p(31)) << "five ticks, both polarities";
+  EXPECT_DOUBLE_EQ(scores[6], std::log1p(4 + 8 + 16 + 32 + 64));
+  EXPECT_DOUBLE_EQ(event_rate_scores(ticks, 20ms)[3], std::log1p(8)) << "one tick at least";
 }
 
-TEST(Moments, OfAnEmptyHeatmapAreCentredAndFinite) {
-  const std::vector<std::uint8_t> heatmap(12, 0);
-  const Features expected{0, 0, 0, 0, 0.5, 0.5, 0, 0, 0};
-  EXPECT_EQ(moments_of(heatmap, {4, 3}), expected);
+TEST(Cusum, RisesWhileThereAreMoreEventsAndFallsBack) {
+  const double quiet = 10, ln2 = std::numbers::ln2;
+  const std::vector<TickEvents> ticks{events(10), events(30), events(200), events(0)};
+  const std::vector<double> scores = cusum_scores(ticks, quiet);
+  EXPECT_DOUBLE_EQ(scores[0], 0) << "10 ln 2 is below 10";
+  EXPECT_DOUBLE_EQ(scores[1], std::log1p(30 * ln2 - 10));
+  EXPECT_DOUBLE_EQ(scores[2], std::log1p(230 * ln2 - 20));
+  EXPECT_DOUBLE_EQ(scores[3], std::log1p(230 * ln2 - 30));
 }
 
-TEST(Moments, NeedTheWholeHeatmap) {
-  const std::vector<std::uint8_t> heatmap(11, 0);
-  EXPECT_THROW(moments_of(heatmap, {4, 3}), Error);
-  EXPECT_THROW(moments_of({}, {0, 0}), Error);
+TEST(Cusum, BeginsAnewAfterThreeQuietTicksLess) {
+  std::vector<TickEvents> ticks(200, events(1000));  // a long touch that leaves a great sum
+  ticks.insert(ticks.end(), {events(0), events(0), events(0), events(20)});
+  const std::vector<double> scores = cusum_scores(ticks, 10);
+  EXPECT_GT(scores[201], std::log(100'000)) << "no limit";
+  EXPECT_EQ(scores[202], 0) << "thirty events fewer than in three quiet ticks";
+  EXPECT_DOUBLE_EQ(scores[203], std::log1p(20 * std::numbers::ln2 - 10));
 }
 
-TEST(Majority, IsTheMostFrequentAndTheEarlierOfEquals) {
-  EXPECT_EQ(fit_majority(verdict_row(".ppps")).touch, Touch::press);
-  EXPECT_EQ(fit_majority(verdict_row("sspp..")).touch, Touch::none);
-  EXPECT_THROW(fit_majority({}), Error);
+TEST(LogOdds, OfAScoreHaveTheGreatestLikelihood) {
+  // As many touches as not at x, and three of four at x + 1: log-odds 0 and ln 3.
+  const std::vector<double> scores{2, 2, 3, 3, 3, 3};
+  const LogOddsOfScore rule = fit_log_odds(scores, {false, true, true, true, true, false});
+  EXPECT_NEAR(rule.of(2), 0, 1e-4);
+  EXPECT_NEAR(rule.of(3), std::log(3), 1e-4);
+  // A threshold separates these: the slope stays finite.
+  const LogOddsOfScore step = fit_log_odds(std::vector<double>{0, 1, 4, 5}, {false, false, true, true});
+  EXPECT_TRUE(std::isfinite(step.slope) && step.of(1) < -2 && step.of(4) > 2) << step.of(1) << ' ' << step.of(4);
 }
 
-TEST(EventCount, FindsThresholdsBetweenSeparateCounts) {
-  const std::vector<std::uint64_t> events{1, 30, 2, 11, 10, 40};
-  const EventCountBaseline baseline = fit_event_count(events, verdict_row(".s.pps"));
-  EXPECT_DOUBLE_EQ(baseline.low, 6);
-  EXPECT_DOUBLE_EQ(baseline.high, 20.5);
-  EXPECT_EQ(baseline.verdict(0), Touch::none);
-  EXPECT_EQ(baseline.verdict(5), Touch::none);
-  EXPECT_EQ(baseline.verdict(6), Touch::press);
-  EXPECT_EQ(baseline.verdict(21), Touch::slip);
-}
-
-TEST(EventCount, PredictsAsManyRightAsTheBestPairOfThresholdsTried) {
-  Random random(3);
-  for (int round = 0; round < 20; ++round) {
-    std::vector<std::uint64_t> events(25);
-    std::vector<Touch> truth(25);
-    for (std::size_t i = 0; i < events.size(); ++i) {
-      events[i] = random.below(12);
-      truth[i] = all_touches[random.below(touch_count)];
-    }
-    int best = 0;
-    for (int low = 0; low <= 13; ++low) {
-      for (int high = low; high <= 13; ++high) {
-        for (int touches = 0; touches < 27; ++touches) {
-          int right = 0;
-          for (std::size_t i = 0; i < events.size(); ++i) {
-            const int count = static_cast<int>(events[i]);
-            const int predicted = count < low ? touches / 9 : count < high ? touches / 3 % 3 : touches % 3;
-            right += predicted == static_cast<int>(truth[i]) ? 1 : 0;
-          }
-          best = std::max(best, right);
-        }
-      }
-    }
-    const EventCountBaseline baseline = fit_event_count(events, truth);
-    int right = 0;
-    for (std::size_t i = 0; i < events.size(); ++i) right += baseline.verdict(events[i]) == truth[i] ? 1 : 0;
-    EXPECT_EQ(right, best);
+TEST(TickFeatures, AreLogarithmsCentresAndSpreads) {
+  // Two events at x = 0.25 and 0.75, y = 0.5, in the second tick of two; the first has none.
+  const std::vector<TickEvents> ticks{{}, {.on = 1, .off = 1, .x = 1, .y = 1, .xx = 0.625, .yy = 0.5}};
+  const std::vector<float> features = tick_features(ticks);
+  ASSERT_EQ(features.size(), 2 * features_of_tick);
+  for (std::size_t i = 0; i < features_of_tick; ++i) EXPECT_EQ(features[i], 0);
+  const std::vector<float> expected{std::log(2.0F), std::log(2.0F), 0.5F, 0.5F, 0.25F, 0};
+  for (std::size_t window = 0; window < 3; ++window) {
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(features[features_of_tick + 6 * window + i], expected[i], 1e-6) << window << ' ' << i;
   }
 }
 
-TEST(EventCount, OfOneCountPredictsTheMajority) {
-  const std::vector<std::uint64_t> events{5, 5, 5};
-  const EventCountBaseline baseline = fit_event_count(events, verdict_row("ss."));
-  EXPECT_EQ(baseline.verdict(5), Touch::slip);
-  EXPECT_THROW(fit_event_count(events, verdict_row("ss")), Error);
+TEST(EventsOfTicks, AreThoseBeforeEachTick) {
+  const test::TemporaryFolder folder;
+  const std::vector<events::Event> recorded{{.t = camera_time(1'999), .x = 0, .y = 0, .on = true},
+                                            {.t = camera_time(2'000), .x = 320, .y = 240, .on = true},
+                                            {.t = camera_time(3'999), .x = 160, .y = 120, .on = false},
+                                            {.t = camera_time(9'000), .x = 1, .y = 1, .on = true}};
+  events::RecordingWriter writer(folder / "events.aedat4", {events::event_stream_declaration({640, 480}, "DVXplorer_TEST")});
+  writer.write_events(0, recorded);
+  writer.close();
+  const auto ticks = events_of_ticks(folder / "events.aedat4", {.first = camera_time(4'000), .count = 2, .tick = 2ms});
+  ASSERT_EQ(ticks.size(), 2U);
+  EXPECT_EQ(ticks[0].on, 1U) << "in [2000, 4000)";
+  EXPECT_EQ(ticks[0].off, 1U);
+  EXPECT_FLOAT_EQ(ticks[0].x, 0.5F + 0.25F);
+  EXPECT_FLOAT_EQ(ticks[0].yy, 0.25F + 0.0625F);
+  EXPECT_EQ(ticks[1].on + ticks[1].off, 0U);
 }
 
-/// All moments 0 but the mean.
-Features with_mean(double mean) {
-  Features moments{};
-  moments[1] = mean;
-  return moments;
+TEST(EventsOfTicks, LeaveOutMaskedPixels) {
+  const test::TemporaryFolder folder;
+  const std::vector<events::Event> recorded{{.t = camera_time(2'000), .x = 3, .y = 4, .on = true},
+                                            {.t = camera_time(2'100), .x = 4, .y = 3, .on = true}};
+  events::RecordingWriter writer(folder / "events.aedat4", {events::event_stream_declaration({640, 480}, "DVXplorer_TEST")});
+  writer.write_events(0, recorded);
+  writer.close();
+  const TickRange tick{.first = camera_time(4'000), .count = 1, .tick = 2ms};
+  EXPECT_EQ(events_of_ticks(folder / "events.aedat4", tick)[0].on, 2U);
+  const auto unmasked = events_of_ticks(folder / "events.aedat4", tick, {{3, 4}});
+  EXPECT_EQ(unmasked[0].on, 1U);
+  EXPECT_FLOAT_EQ(unmasked[0].y, 3.0F / 480);
 }
 
-TEST(Logistic, GivesTheSharesOfEachGroup) {
-  // Two groups that differ in one moment: without a ridge to speak of, the likeliest model says each group's own shares.
-  const auto truth = verdict_row(
-      "....pps"
-      "..pppppsss");
-  std::vector<Features> moments;
-  for (std::size_t i = 0; i < truth.size(); ++i) moments.push_back(with_mean(i < 7 ? 0.2 : 0.6));
-  const LogisticBaseline baseline = fit_logistic(moments, truth, {.ridge = 1e-12});
-  const auto low = baseline.probabilities(with_mean(0.2)), high = baseline.probabilities(with_mean(0.6));
-  EXPECT_NEAR(low[0], 4.0 / 7, 1e-6);
-  EXPECT_NEAR(low[1], 2.0 / 7, 1e-6);
-  EXPECT_NEAR(low[2], 1.0 / 7, 1e-6);
-  EXPECT_NEAR(high[0], 0.2, 1e-6);
-  EXPECT_NEAR(high[1], 0.5, 1e-6);
-  EXPECT_NEAR(high[2], 0.3, 1e-6);
-  EXPECT_EQ(baseline.verdict(with_mean(0.2)), Touch::none);
-  EXPECT_EQ(baseline.verdict(with_mean(0.6)), Touch::press);
+TEST(NearestClasses, ChangeBetweenTouches) {
+  Course course;
+  const TickRange ticks{.first = camera_time(0), .count = 7, .tick = 100ms};
+  EXPECT_EQ(nearest_classes(course, ticks), std::vector(7, Touch::slip)) << "without a touch";
+  course.touches = {{Touch::press, camera_time(100'000), camera_time(200'000)},
+                    {Touch::slip, camera_time(430'000), camera_time(450'000)}};
+  const Touch p = Touch::press, s = Touch::slip;
+  EXPECT_EQ(nearest_classes(course, ticks), (std::vector{p, p, p, p, s, s, s})) << "300 ms is nearer to the press";
+  course.touches.pop_back();
+  EXPECT_EQ(nearest_classes(course, ticks), std::vector(7, p));
+  course.lift_without_slip = camera_time(500'000);
+  EXPECT_EQ(nearest_classes(course, ticks), (std::vector{p, p, p, p, s, s, s}));
 }
 
-TEST(Logistic, StandardisesByTheMeanAndTheDeviationOfItsSamples) {
-  const std::vector<Features> moments{with_mean(0.2), with_mean(0.4), with_mean(0.6), with_mean(0.8)};
-  const LogisticBaseline baseline = fit_logistic(moments, verdict_row(".p.s"));
-  EXPECT_NEAR(baseline.mean[1], 0.5, 1e-12);
-  EXPECT_NEAR(baseline.deviation[1], std::sqrt(0.05), 1e-12);
-  EXPECT_DOUBLE_EQ(baseline.mean[0], 0);
-  EXPECT_DOUBLE_EQ(baseline.deviation[0], 1) << "it never varies";
-}
-
-TEST(Logistic, PartsSeparableSamplesWithFiniteWeights) {
-  Random random(11);
-  std::vector<Features> moments;
-  std::vector<Touch> truth;
-  for (int i = 0; i < 90; ++i) {
-    const Touch touch = all_touches[static_cast<std::size_t>(i % 3)];
-    Features sample{};
-    for (double& moment : sample) moment = random.normal();
-    sample[4] = (touch == Touch::press ? 5 : 0) + 0.1 * random.normal();
-    sample[5] = (touch == Touch::slip ? 5 : 0) + 0.1 * random.normal();
-    moments.push_back(sample);
-    truth.push_back(touch);
-  }
-  const LogisticBaseline baseline = fit_logistic(moments, truth);
-  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(baseline.verdict(moments[i]), truth[i]);
-  for (const auto& row : baseline.weights) {
-    for (const double weight : row) EXPECT_TRUE(std::isfinite(weight));
-  }
-}
-
-TEST(Logistic, StandsWhereNoSmallStepLowersTheLoss) {
-  Random random(5);
-  std::vector<Features> moments(60);
-  std::vector<Touch> truth(60);
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    for (double& moment : moments[i]) moment = random.normal() + 100;  // far from 0, as standardising must undo
-    truth[i] = all_touches[random.below(touch_count)];
-  }
-  const double ridge = 0.01;
-  const LogisticBaseline fitted = fit_logistic(moments, truth, {.ridge = ridge});
-  const auto loss = [&](const LogisticBaseline& model) {
-    double sum = 0, squares = 0;
-    for (std::size_t i = 0; i < moments.size(); ++i)
-      sum -= std::log(model.probabilities(moments[i])[static_cast<std::size_t>(truth[i])]);
-    for (const auto& row : model.weights) {
-      for (const double weight : row) squares += weight * weight;
+/// Touches of 50 ticks with ten times the events, presses on the left and slips on the right.
+LearnedRun made_run(std::uint64_t seed) {
+  Random random(seed);
+  LearnedRun run;
+  for (std::size_t k = 0; k < 2000; ++k) {
+    const std::size_t phase = k % 200;
+    const Touch touch = phase < 50 ? Touch::press : phase >= 100 && phase < 150 ? Touch::slip : Touch::none;
+    TickEvents tick;
+    const auto count = random.poisson(touch == Touch::none ? 20 : 200);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto x = static_cast<float>(touch == Touch::press  ? random.uniform(0, 0.5)
+                                        : touch == Touch::slip ? random.uniform(0.5, 1)
+                                                               : random.uniform());
+      ++(random.below(2) == 0 ? tick.on : tick.off);
+      tick.x += x, tick.xx += x * x;
     }
-    return sum / static_cast<double>(moments.size()) + ridge / 2 * squares;
-  };
-  const double least = loss(fitted);
-  for (std::size_t row = 0; row < fitted.weights.size(); ++row) {
-    for (std::size_t i = 0; i <= feature_count; ++i) {
-      for (const double step : {-1e-3, 1e-3}) {
-        LogisticBaseline moved = fitted;
-        moved.weights[row][i] += step;
-        EXPECT_GT(loss(moved), least);
-      }
-    }
+    run.ticks.push_back(tick);
+    run.truth.push_back(touch);
+  }
+  return run;
+}
+
+TEST(Baselines, FindTouchesAndOnlyTheNetworkTheirClass) {
+  const LearnedRun learned = made_run(1), other = made_run(2);
+  const Baselines baselines(std::vector<LearnedRun>{learned}, 2ms);
+  std::vector<Touch> classes;
+  for (const std::optional<Touch>& touch : other.truth) classes.push_back(touch == Touch::slip ? Touch::slip : Touch::press);
+  for (std::size_t baseline = 0; baseline < baseline_names.size(); ++baseline) {
+    const auto predicted = baselines.predict(baseline, other.ticks, classes);
+    ASSERT_EQ(predicted.size(), other.ticks.size());
+    double right = 0;
+    for (std::size_t k = 0; k < predicted.size(); ++k) right += model::verdict_of(predicted[k]) == *other.truth[k] ? 1 : 0;
+    EXPECT_GT(right / static_cast<double>(predicted.size()), 0.85) << baseline_names[baseline];
+    const auto again = Baselines(std::vector<LearnedRun>{learned}, 2ms).predict(baseline, other.ticks, classes);
+    EXPECT_EQ(again, predicted) << "the same each time";
+    std::vector<Touch> other_classes(classes.size(), Touch::slip);
+    EXPECT_EQ(baselines.predict(baseline, other.ticks, other_classes) == predicted, baseline == 2) << baseline_names[baseline];
   }
 }
 
-TEST(Logistic, LearnsFromAClassOfOneSampleOrOfNone) {
-  Random random(7);
-  for (const std::size_t slips : {0U, 1U}) {
-    std::vector<Features> moments(41);
-    std::vector<Touch> truth(41);
-    for (std::size_t i = 0; i < moments.size(); ++i) {
-      truth[i] = i < slips ? Touch::slip : i % 2 == 0 ? Touch::none : Touch::press;
-      for (double& moment : moments[i])
-        moment = random.normal() + (truth[i] == Touch::press ? 6 : truth[i] == Touch::slip ? -6 : 0);
-    }
-    const LogisticBaseline baseline = fit_logistic(moments, truth);
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      const auto shares = baseline.probabilities(moments[i]);
-      double sum = 0;
-      for (const double share : shares) sum += share;
-      EXPECT_NEAR(sum, 1, 1e-12);
-      EXPECT_EQ(baseline.verdict(moments[i]), truth[i]) << i << " with " << slips << " slips";
-    }
-  }
-}
-
-TEST(Logistic, NeedsMomentsForEachSample) {
-  const std::vector<Features> moments(2);
-  EXPECT_THROW(fit_logistic(moments, verdict_row("...")), Error);
-  EXPECT_THROW(fit_logistic({}, {}), Error);
-}
-
-TEST(FittedBaselines, PredictTheMostFrequentTouchOfSamplesThatLookAlike) {
-  const auto samples_that_look_alike = [](std::string_view letters) {
-    const std::vector<std::uint8_t> heatmap{10, 0, 0, 0, 20, 0, 0, 0, 0};
-    BaselineSamples samples;
-    for (const Touch touch : verdict_row(letters)) samples.add(touch, 5, heatmap, {3, 3});
-    return samples;
-  };
-  const FittedBaselines baselines(samples_that_look_alike("psp."));
-  const BaselineConfusions confusions = baselines.confusions_of(samples_that_look_alike(".ps"));
-  results::Confusion all_press;
-  for (const Touch truth : all_touches) all_press.add(truth, Touch::press);
-  for (std::size_t i = 0; i < baseline_names.size(); ++i) EXPECT_TRUE(confusions[i] == all_press) << baseline_names[i];
+TEST(Baselines, NeedTouchesAndTicksWithout) {
+  LearnedRun quiet = made_run(1);
+  for (std::optional<Touch>& touch : quiet.truth) touch = touch == Touch::none ? touch : std::nullopt;
+  EXPECT_THROW(Baselines(std::vector<LearnedRun>{quiet}, 2ms), Error);
+  EXPECT_THROW(Baselines({}, 2ms), Error);
 }
 
 }  // namespace

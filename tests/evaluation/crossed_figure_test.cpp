@@ -354,50 +354,5 @@ TEST(CrossedFigureOverObjects, CoversTheExpectedValueOverNewTrainingsAndObjects)
   EXPECT_LT(covered, experiments * 0.995);
 }
 
-TEST(VarianceShares, AreThoseOfTheAnalysisOfVariance) {  // crossed_figure_reference.py
-  const auto shares = variance_shares(all_cells_of(4, 3, 2), mean_of_objects(accuracies));
-  ASSERT_TRUE(shares);
-  EXPECT_NEAR(shares->training, 0.08077235, 1e-7);
-  EXPECT_NEAR(shares->object, 0.88407399, 1e-7);
-  EXPECT_NEAR(shares->both, 0.01326553, 1e-7);
-  EXPECT_NEAR(shares->run, 0.02188813, 1e-7);
-}
-
-TEST(VarianceShares, DivideATableOfKnownEffects) {
-  // Trainings add -1, 0, 1; objects -2, 0, 2; both -1, 0, 1 as a Latin square; runs of each object -1, 1. The mean squares give
-  // variances of the mean of 1/3 by trainings, 4/3 by objects, 1/6 by both and 1/3 by runs. Trainings have 1/6 of both in
-  // theirs, objects 1/6 of both and 1/3 of runs.
-  std::vector<double> values;
-  for (int object = -1; object <= 1; ++object) {
-    for (int training = -1; training <= 1; ++training) {
-      const int both = (object + training + 5) % 3 - 1;
-      for (const int run : {-1, 1}) values.push_back(training + 2 * object + both + run);
-    }
-  }
-  const auto shares = variance_shares(all_cells_of(3, 3, 2), mean_of_objects(values));
-  ASSERT_TRUE(shares);
-  EXPECT_NEAR(shares->training, 1.0 / 9, 1e-9);
-  EXPECT_NEAR(shares->object, 5.0 / 9, 1e-9);
-  EXPECT_NEAR(shares->both, 1.0 / 9, 1e-9);
-  EXPECT_NEAR(shares->run, 2.0 / 9, 1e-9);
-}
-
-TEST(VarianceShares, NameTheOneCause) {
-  const auto of_trainings = variance_shares(all_cells_of(3, 2, 2), mean_of_objects({1, 1, 2, 2, 1, 1, 2, 2, 1, 1, 2, 2}));
-  ASSERT_TRUE(of_trainings);
-  EXPECT_DOUBLE_EQ(of_trainings->training, 1);
-  const auto of_objects = variance_shares(all_cells_of(3, 2, 2), mean_of_objects({1, 1, 1, 1, 2, 2, 2, 2, 5, 5, 5, 5}));
-  ASSERT_TRUE(of_objects);
-  EXPECT_DOUBLE_EQ(of_objects->object, 1);
-  const auto of_both = variance_shares(all_cells_of(3, 3, 1), mean_of_objects({1, 2, 3, 2, 3, 1, 3, 1, 2}));
-  ASSERT_TRUE(of_both);
-  EXPECT_DOUBLE_EQ(of_both->both, 1);
-  const auto of_runs = variance_shares(all_cells_of(3, 2, 2), mean_of_objects({1, 2, 1, 2, 1, 2, 1, 2, 1, 2, 1, 2}));
-  ASSERT_TRUE(of_runs);
-  EXPECT_DOUBLE_EQ(of_runs->run, 1);
-  EXPECT_FALSE(variance_shares(all_cells_of(3, 2, 2), mean_of_objects(std::vector<double>(12, 1.0))));
-  EXPECT_FALSE(variance_shares(all_cells_of(2, 2, 2), mean_of_objects(accuracies)));
-}
-
 }  // namespace
 }  // namespace tactile::evaluation

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "support/verdict_row.hpp"
@@ -144,96 +143,6 @@ TEST(DetectionDelay, NeedsOneVerdictForEachTick) {
   TickRange ticks = ticks_of(verdicts);
   ticks.count = 4;
   EXPECT_THROW(detections_of(ticks, verdicts, {}), Error);
-}
-
-TEST(DetectionDelay, CountedFromALaterOnsetMayBeNegative) {
-  const auto verdicts = verdict_row("....s");  // predicted at 8 ms
-  const TouchInterval interval = interval_ms(Touch::slip, 5, 100);
-  const results::Detection detection = detections_of(ticks_of(verdicts), verdicts, {&interval, 1}).front();
-  EXPECT_EQ(detection.delay, 4ms);
-  EXPECT_EQ(counted_from(detection, camera_time(7000), ticks_of(verdicts)).delay, 2ms);
-  EXPECT_EQ(counted_from(detection, camera_time(8000), ticks_of(verdicts)).delay, 0ms);
-  EXPECT_EQ(counted_from(detection, camera_time(13'000), ticks_of(verdicts)).delay, -4ms);
-}
-
-results::Detection detected(Touch touch, microseconds delay) {
-  return {{touch, {}, {}}, results::DetectionOutcome::detected, delay, {}, {}, 500ms};
-}
-results::Detection without_delay(Touch touch, results::DetectionOutcome outcome) {
-  return {{touch, {}, {}}, outcome, 0us, {}, {}, 500ms};
-}
-
-TEST(DelayTable, AveragesDetectedIntervalsAndCountsTheOthers) {
-  const std::vector<results::RunDetections> runs{
-      {{"fan"}, {detected(Touch::press, 2ms), detected(Touch::slip, 4ms)}},
-      {{"fan"}, {detected(Touch::press, 4ms), without_delay(Touch::slip, results::DetectionOutcome::missed)}},
-      {{"box"}, {detected(Touch::press, 12ms), without_delay(Touch::press, results::DetectionOutcome::early)}},
-  };
-  const results::DelayTable press = delay_table(runs, Touch::press);
-  EXPECT_DOUBLE_EQ(press.all.mean_ms.value, 6.0);
-  EXPECT_DOUBLE_EQ(press.all.median_ms.value, 4.0);
-  EXPECT_NEAR(press.all.sem_ms, std::sqrt(28.0 / 3), 1e-12);  // deviations -4, -2, 6: variance 56/2, over 3 values
-  EXPECT_EQ(press.all.intervals, 4U);
-  EXPECT_EQ(press.all.misses, 0U);
-  EXPECT_EQ(press.all.early, 1U);
-  EXPECT_EQ(press.all.mean_ms.n, 2U);
-  EXPECT_DOUBLE_EQ(press.objects.at("fan").mean_ms.value, 3.0);
-  EXPECT_EQ(press.objects.at("fan").mean_ms.n, 2U);
-  EXPECT_DOUBLE_EQ(press.objects.at("box").median_ms.value, 12.0);
-  EXPECT_TRUE(std::isnan(press.objects.at("box").sem_ms));
-
-  const results::DelayTable slip = delay_table(runs, Touch::slip);
-  EXPECT_DOUBLE_EQ(slip.all.mean_ms.value, 4.0);
-  EXPECT_EQ(slip.all.intervals, 2U);
-  EXPECT_EQ(slip.all.misses, 1U);
-  EXPECT_EQ(slip.objects.count("box"), 0U);
-}
-
-TEST(DelayTable, HasAnIntervalAboveZeroUnlessADelayIsZero) {
-  const std::vector<results::RunDetections> from_the_onset{
-      {{"fan"}, {detected(Touch::slip, 2ms)}}, {{"box"}, {detected(Touch::slip, 4ms)}}, {{"hub"}, {detected(Touch::slip, 6ms)}}};
-  const results::Figure above = delay_summary(from_the_onset, Touch::slip).mean_ms;
-  ASSERT_TRUE(above.has_interval());
-  EXPECT_GT(*above.low, 0);
-
-  const std::vector<results::RunDetections> from_a_later_onset{
-      {{"fan"}, {detected(Touch::slip, 0ms)}}, {{"box"}, {detected(Touch::slip, 2ms)}}, {{"hub"}, {detected(Touch::slip, 4ms)}}};
-  const results::Figure any = delay_summary(from_a_later_onset, Touch::slip).mean_ms;
-  ASSERT_TRUE(any.has_interval());
-  // The standard error is 2 / sqrt(3) ms, and t of two degrees of freedom 6.2.
-  EXPECT_NEAR(*any.low, 2 - 6.2053468166 * 2 / std::sqrt(3), 1e-6) << "such delays may be negative";
-  EXPECT_NEAR(*any.high, 2 + 6.2053468166 * 2 / std::sqrt(3), 1e-6);
-}
-
-TEST(DelayTable, HasNoIntervalBeyondTheLimit) {
-  // One of ten presses of an object is late in one object, and six are missed in two others.
-  std::vector<results::RunDetections> runs;
-  for (const auto& [object, late, misses] :
-       {std::tuple("fan", 1, 0), std::tuple("box", 0, 6), std::tuple("hub", 0, 6), std::tuple("jar", 0, 0)}) {
-    runs.push_back({{object}, {}});
-    for (int i = 0; i < 10; ++i) {
-      runs.back().detections.push_back(i < misses ? without_delay(Touch::press, results::DetectionOutcome::missed)
-                                                  : detected(Touch::press, i < misses + late ? 480ms : 4ms));
-    }
-  }
-  const results::DelaySummary all = delay_summary(runs, Touch::press);
-  EXPECT_DOUBLE_EQ(all.quantile_of_all_ms.ms.value, 500);
-  EXPECT_TRUE(all.quantile_of_all_ms.is_lower_bound);
-  for (const results::Figure* figure :
-       {&all.mean_ms, &all.median_ms, &all.median_of_all_ms.ms, &all.quantile_of_all_ms.ms, &all.missed}) {
-    ASSERT_TRUE(figure->has_interval());
-    EXPECT_GE(*figure->low, 0);
-    EXPECT_LE(*figure->high, figure == &all.missed ? 1 : 500);
-  }
-}
-
-TEST(DelayTable, WithoutADetectionHasNoMeanInJson) {
-  const std::vector<results::RunDetections> runs{{{"fan"}, {without_delay(Touch::slip, results::DetectionOutcome::missed)}}};
-  const nlohmann::json json = delay_table(runs, Touch::slip);
-  EXPECT_TRUE(json.at("mean").at("value").is_null());
-  EXPECT_TRUE(json.at("sem").is_null());
-  EXPECT_EQ(json.at("misses"), 1);
-  EXPECT_EQ(json.at("objects").at("fan").at("intervals"), 1);
 }
 
 }  // namespace

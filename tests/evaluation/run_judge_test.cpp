@@ -282,13 +282,34 @@ TEST(JudgedAlongCurve, HasFewerAlarmsAtHigherThresholds) {
   }
 }
 
+TEST(RunJudge, CountsTheRightTicksEarlyAndLateInATouch) {
+  // A press from 1 to 700 ms: ticks 1 to 350. Right until 400 ms, tick 200.
+  std::vector<Touch> verdicts(400, Touch::none);
+  for (std::size_t i = 1; i <= 200; ++i) verdicts[i] = Touch::press;
+  const results::Cell cell = judged(verdicts, course_with({interval_ms(Touch::press, 1, 700)}));
+  EXPECT_EQ(cell.first, (results::TickCount{250, 200})) << "ticks 1 to 250";
+  EXPECT_EQ(cell.before_last, (results::TickCount{250, 200})) << "ticks 1 to 250, up to 500 ms";
+  EXPECT_EQ(cell.last, (results::TickCount{100, 0}));
+  const results::Cell brief = judged(verdicts, course_with({interval_ms(Touch::press, 1, 200)}));
+  EXPECT_EQ(brief.first, (results::TickCount{100, 100}));
+  EXPECT_EQ(brief.last.ticks + brief.before_last.ticks, 0U) << "it has nothing before its last 200 ms";
+}
+
+TEST(RunJudge, CountsASlipThatStandsWhenTheLiftBegins) {
+  Course course = course_with({});
+  course.lift_without_slip = camera_time(10'000);
+  EXPECT_EQ(judged("..sssss...", course).false_slips, 1U) << "it lasts into the lift";
+  EXPECT_EQ(judged("..ssss....", course).false_slips, 0U) << "its last tick is the lift's own time";
+  EXPECT_EQ(judged("..ppppp.s.", course).false_slips, 1U);
+}
+
 TEST(JudgedAlongCurve, HasConfirmedSlipsAlone) {
   // A press that nobody finds, and the peak of 9.2 at 500 ms in a slip since 491 ms.
   const auto probabilities = three_peaks(Touch::slip);
   const std::vector<Touch> verdicts(300, Touch::none);
   const RunJudge judge(ticks_of(verdicts), course_with({interval_ms(Touch::press, 3, 20), interval_ms(Touch::slip, 491, 590)}));
   std::size_t confirmed = 0;
-  for (const results::Cell& cell : judged_along_curve(judge, 2ms, verdicts, probabilities)) {
+  for (const results::Cell& cell : judged_along_curve(judge, 2ms, verdicts, probabilities, model::TwoThresholds{})) {
     if (!cell.confirmed) continue;
     ++confirmed;
     const double from = cell.threshold.value_or(3.5);

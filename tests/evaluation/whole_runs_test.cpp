@@ -68,7 +68,7 @@ TEST(OperatingPoint, TakesWhatIsNotDetectedAsLaterThanAll) {
   EXPECT_FALSE(point.median_ms.is_lower_bound);
   EXPECT_EQ(point.p90_ms.ms.value, 500) << "no longer than it could be";
   EXPECT_TRUE(point.p90_ms.is_lower_bound);
-  EXPECT_LE(*point.p90_ms.ms.high, 500);
+  EXPECT_FALSE(point.p90_ms.ms.high) << "that of a limit says nothing of the delay";
 }
 
 TEST(OperatingPoint, HasNoBoundsFromTwoObjects) {
@@ -91,7 +91,7 @@ TEST(OperatingPoint, BoundsNoAlarmByTheirTime) {
 
 TEST(OperatingPoint, OfOneObjectHasIntervalsOverItsRuns) {
   std::vector<Cell> cells;
-  for (int run = 2; run < 8; ++run) cells.push_back(cell_of("fan", "0" + std::to_string(run), run % 3, 4));
+  for (std::uint64_t run = 2; run < 8; ++run) cells.push_back(cell_of("fan", "0" + std::to_string(run), run % 3, 4));
   const results::Figure figure = operating_point(cells).alarms_per_min;
   EXPECT_EQ(figure.n, 6U);
   EXPECT_TRUE(figure.has_interval());

@@ -19,6 +19,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/experiments/slurm_commands.hpp"
 #include "tactile/experiments/step_runner.hpp"
+#include "tactile/results/cell.hpp"
 
 namespace tactile::experiments {
 namespace {
@@ -393,7 +394,7 @@ TEST_F(SlurmJobs, OfANodeThatFailsResumeOnAnotherAndGiveTheSameModel) {
        .log = folder_ / "logs/training.log",
        .key = "training"},
       {.name = "judgement",
-       .arguments = {"judge", file("data/dataset.h5"), "--model", model_file("killed").string(), "--out", file("judged.json"),
+       .arguments = {"judge", file("data/dataset.h5"), "--model", model_file("killed").string(), "--out", file("judged.csv"),
                      "--threads", "1", "--runs", "water-bottle/02", "plastic-container/02"},
        .log = folder_ / "logs/judgement.log",
        .key = "judgement",
@@ -412,7 +413,7 @@ TEST_F(SlurmJobs, OfANodeThatFailsResumeOnAnotherAndGiveTheSameModel) {
   const std::string whole = test::text_in_file(model_file("whole/weights.safetensors"));
   EXPECT_FALSE(whole.empty());
   EXPECT_TRUE(whole == test::text_in_file(model_file("killed/weights.safetensors")));
-  EXPECT_EQ(read_json(folder_ / "judged.json").at("runs").size(), 2U);
+  EXPECT_EQ(results::read_cells(folder_ / "judged.csv").size(), 2U);
 }
 
 TEST_F(SlurmJobs, ThatASignalEndsRunAgain) {
@@ -504,8 +505,7 @@ TEST_F(SlurmJobs, AfterOneThatFailsNeverBegin) {
 TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
   const std::string study =
       "reproduce --preset tiny --objects plastic-container,water-bottle --th 20,40 --held-out plastic-container --epochs 1 "
-      "--threads "
-      "2 --no-report";
+      "--steps 10 --threads 2 --no-report";
   for (const std::string where : {"local", "slurm:short"}) {
     fs::create_directory(folder_ / where);
     const auto result = test::run_tactile(fmt::format("{} --executor {}", study, where), folder_ / where);
@@ -526,7 +526,8 @@ TEST_F(SlurmJobs, OfAStudyGiveTheSameStudyAsOneMachine) {
 
 TEST_F(SlurmJobs, AreLeftOrCancelledByTheAnswerAfterCtrlC) {
   const std::string study =
-      "reproduce --preset tiny --objects plastic-container --th 40 --epochs 100000 --splits 0 --no-report --executor slurm";
+      "reproduce --preset tiny --objects plastic-container --th 40 --epochs 100000 --steps 1000000 --trainings 1 --no-report "
+      "--executor slurm";
   // In a terminal, a person interrupts the command when it waits for a training that runs, and then answers.
   const auto answered = [&](const std::string& answer) {
     const std::string shown = file("terminal-" + answer);
@@ -561,7 +562,7 @@ TEST_F(SlurmJobs, OfATradeTrainTheSameModelsAsOneMachine) {
   run_command("windows");
   const std::string trade =
       "trade --th 20,40 --tick-us 2000 --factor 0.2 --resize area --denoise mean --augment none --engine fast --precision fp32 "
-      "--pass sparse --confirm 1/1 --kind lenet --epochs 1 --trainings 1 --timed-ticks 600 --no-growth --no-figures --threads 2 ";
+      "--kind lenet --epochs 1 --trainings 1 --timed-ticks 600 --no-figures --threads 2 ";
   for (const std::string where : {"local", "slurm:short"})
     run_command(fmt::format("{}--out {} --executor {}", trade, where, where));
   const auto weights = [this](const std::string& where) {

@@ -11,7 +11,7 @@ TACTILE = os.environ.get("TACTILE", str(pathlib.Path(__file__).resolve().parents
 # One setting alone.
 TRADE = (
     "--tick-us 2000 --factor 0.2 --resize area --denoise mean --augment none --engine fast --precision fp32 "
-    "--pass sparse --confirm 1/1 --kind lenet --epochs 1 --trainings 1 --timed-ticks 600 --no-growth "
+    "--kind lenet --epochs 1 --trainings 1 --timed-ticks 600 "
     "--no-figures"
 ).split()
 

@@ -33,32 +33,50 @@ def test_results_are_those_of_eval(lab):
     assert result.whole_runs.decided.alarms_per_min.value == whole["decided"]["alarms_per_min"]["value"]
     assert [point.threshold for point in result.whole_runs.curve] == [point["threshold"] for point in whole["curve"]]
     assert list(result.whole_runs.calm) == [20, 6, 2, 0.6] and result.whole_runs.runs == whole["runs"]
-    assert set(result.accuracy_by_object) == {"fan", "usb-hub"} and "majority" in result.baselines
+    assert result.whole_runs.units == whole["units"] and result.whole_runs.confirmed is None, "a LeNet confirms no slip"
+    assert result.whole_runs.left_out == [(run["run"], run["why"]) for run in whole["left_out"]]
+    assert set(result.accuracy_by_object) == {"fan", "usb-hub"} and result.baselines["event_rate"].alarms_per_min.value >= 0
     assert sum(map(sum, result.confusion)) == sum(map(sum, content["confusion"]))
     assert result.everything == content
 
 
 def test_results_are_those_of_a_study(lab):
-    lab.run("reproduce", "--th", "20,40", "--epochs", "1", "--trainings", "1", "--held-out", "fan", "--splits", "0", "--no-report")
+    short = ("--epochs", "1", "--steps", "2", "--trainings", "1")
+    lab.run("reproduce", "--th", "20,40", *short, "--held-out", "fan", "--no-report")
     study = tactile.read_study(lab.folder / "study")
     content = json.loads((lab.folder / "study/study.json").read_text())
-    assert study.th_ms == content["choice"]["th_ms"] and list(study.accuracy) == [20, 40]
-    assert study.accuracy[40].value == content["histories"][1]["accuracy"]["reported"]["mean"]["value"]
-    assert study.unseen_difference.value == content["unseen"]["reported"]["mean"]["difference"]["value"]
-    assert len(study.claims) == 14 and {claim.verdict for claim in study.claims} <= {"holds", "does not", "cannot tell"}
-    assert study.everything == content
+    results = {entry["setting"]: entry for entry in content["results"]}
+    assert list(study.settings) == ["th020", "th040", "stream", "th040-unseen", "stream-unseen"]
+    for name, setting in study.settings.items():
+        assert setting.text == results[name]["text"] and setting.is_unseen == name.endswith("-unseen")
+        assert setting.accuracy.value == results[name]["accuracy"]["mean"]["value"]
+        assert set(setting.accuracy_by_object) == ({"fan"} if setting.is_unseen else {"fan", "usb-hub"})
+    assert study.settings["th020"].th_ms == 20 and study.settings["stream"].th_ms is None
+    assert study.settings["th020"].whole_runs is None, "only samples are judged"
+    stream = results["stream"]["whole_runs"]
+    assert study.settings["stream"].whole_runs.runs == stream["runs"] != []
+    assert study.settings["stream"].whole_runs.decided.missed.value == stream["decided"]["missed"]["value"]
+    assert study.settings["stream"].whole_runs.confirmed.threshold is None
+    assert study.unseen_difference["th040"].value == content["unseen"][0]["accuracy"]["mean"]["difference"]["value"]
+    (world,) = study.worlds
+    assert (world.name, world.held_out) == ("", ["fan"]) and world.samples == content["worlds"][0]["samples"]
+    assert len(study.claims) == 14 and {claim.outcome for claim in study.claims} <= {"holds", "does not", "cannot tell"}
+    claims = {claim.id: claim for claim in study.claims}
+    assert claims["accuracy-at-40"].replicates == 1 and claims["accuracy-at-40"].limit == 95
+    assert claims["history-2-worst"].replicates == 0 and claims["history-2-worst"].measured.value is None
+    assert study.found == content["found"] and study.cells == "cells.csv" and study.everything == content
 
 
 def test_results_are_those_of_a_trade(lab):
     trade = tactile.read_trade(lab.folder / "trade/trade.json")
     usual = json.loads((lab.folder / "trade/trade.json").read_text())["points"][0]
     assert trade.points[0].id == usual["id"] and trade.points[0].setting["th_ms"] == 40
-    assert trade.points[0].p99_tick_us.value == usual["reported"]["us"]["p99"]["value"]
-    assert trade.points[0].missed.n == usual["reported"]["delay_us"]["missed"]["n"]
-    assert trade.points[0].false_alarms_per_min.value == usual["reported"]["episodes_per_min"]["value"]
-    assert trade.points[0].is_on_accuracy_front == usual["front"]["accuracy"]
+    assert trade.points[0].p99_tick_us.value == usual["reported"]["us_p99"]["value"]
+    assert trade.points[0].whole_runs.missed.n == usual["reported"]["whole_runs"]["missed"]["n"]
+    assert trade.points[0].whole_runs.alarms_per_min.value == usual["reported"]["whole_runs"]["alarms_per_min"]["value"]
+    assert trade.points[0].is_on_accuracy_front == usual["on_accuracy_front"]
     assert "No constraint given" in trade.recommendation
-    with pytest.raises(tactile.Error, match="is of format 'tactile-trade-1'; expected 'tactile-study-1'"):
+    with pytest.raises(tactile.Error, match="is of format 'tactile-trade-2'; expected 'tactile-study-2'"):
         tactile.read_study(lab.folder / "trade/trade.json")
     with pytest.raises(tactile.Error, match="is no JSON text") as error:
         tactile.read_stress(lab.folder / "data/dataset.h5")

@@ -19,11 +19,11 @@ results::TradedSetting setting(const std::string& kind, const std::string& text,
   results::TradedSetting made;
   made.values.kind = kind;
   made.text = text;
-  made.reported.figures.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
-  made.choice.figures.accuracy.value = accuracy;
-  made.reported.figures.us_p99.value = made.choice.figures.us_p99.value = us;
-  made.reported.figures.delay_median_us = {.value = 6000, .low = 4000, .high = 8000, .n = 9};
-  made.reported.figures.episodes_per_min.value = 9;
+  made.reported.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
+  made.choice.accuracy.value = accuracy;
+  made.reported.us_p99.value = made.choice.us_p99.value = us;
+  made.reported.whole_runs.median_ms.ms = {.value = 6, .low = 4, .high = 8, .n = 9};
+  made.reported.whole_runs.alarms_per_min.value = 9;
   return made;
 }
 
@@ -31,7 +31,7 @@ results::Trade two_kinds() {
   results::Trade trade;
   trade.points = {setting("lenet", "as usual", 180, 0.94), setting("lenet", "factor 0.1", 45, 0.90),
                   setting("lenet", "factor 0.1, slower", 49, 0.90), setting("stream", "stream", 9, 0.93),
-                  setting("stream", "stream, confirm 2/3", 30, 0.92)};
+                  setting("stream", "stream, flip", 30, 0.92)};
   return trade;
 }
 
@@ -49,12 +49,11 @@ TEST(BestWithinBudgets, AreTheMostAccurateThatKeepTheLimitOnTheChoiceRuns) {
   EXPECT_EQ(texts(), (Texts{{"lenet", "", "", "factor 0.1", "factor 0.1", "as usual"},
                             {"stream", "", "stream", "stream", "stream", "stream"}}));
   // What the runs to report on show chooses nothing.
-  trade.points[0].reported.figures.accuracy.value = 0.1;
-  trade.points[0].reported.figures.us_p99.value = 1;
+  trade.points[0].reported.accuracy.value = 0.1;
+  trade.points[0].reported.us_p99.value = 1;
   EXPECT_EQ(texts()[0], (std::vector<std::string>{"lenet", "", "", "factor 0.1", "factor 0.1", "as usual"}));
-  trade.points[3].choice.figures.accuracy.value = NAN;
-  EXPECT_EQ(texts()[1],
-            (std::vector<std::string>{"stream", "", "", "stream, confirm 2/3", "stream, confirm 2/3", "stream, confirm 2/3"}));
+  trade.points[3].choice.accuracy.value = NAN;
+  EXPECT_EQ(texts()[1], (std::vector<std::string>{"stream", "", "", "stream, flip", "stream, flip", "stream, flip"}));
 }
 
 TEST(TradeBudgetPlot, ShowsAccuracyDelayAndFalseAlarmsOfEachKindAndNamesTheSettings) {

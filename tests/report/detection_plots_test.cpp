@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "report/plot_rows.hpp"
 #include "support/drawn_plot.hpp"
@@ -40,6 +41,7 @@ TEST(OperatingCurvePlot, HoldsDelayAndMissesAgainstFalseAlarms) {
 TEST(OperatingCurvePlot, MarksTheVerdictsAsDecidedAndWritesSomeThresholds) {
   const results::OperatingPoint own = operating_point({}, 100, 4, 5, 0.1);
   std::vector<results::OperatingPoint> points;
+  points.reserve(41);
   for (int i = 0; i < 41; ++i) points.push_back(operating_point(-4 + 0.5 * i, 200 / (1.0 + i), 2 + i, 4 + 2 * i, 0));
   const pictures::Plot plot = operating_curve_plot("Curve", points, own);
   EXPECT_TRUE(has_row(plot, {2, 4, 5, 10}));
@@ -50,46 +52,42 @@ TEST(OperatingCurvePlot, MarksTheVerdictsAsDecidedAndWritesSomeThresholds) {
   EXPECT_FALSE(contains(drawn(operating_curve_plot("Without", points)), "as they were decided"));
 }
 
-TEST(DetectionCurvePlot, HoldsTheSharesWithTheirIntervals) {
-  const std::vector<results::DetectedWithin> press{{0, {0.1, 0, 0.2, 10}}, {18, {0.9, 0.8, 0.95, 10}}};
-  const std::vector<results::DetectedWithin> slip{{0, {.value = 0.25}}, {198, {.value = 0.5}}};
-  const pictures::Plot plot = detection_curve_plot("Detected", press, slip);
-  EXPECT_TRUE(has_row(plot, {0, 10, 0, 20}));
-  EXPECT_TRUE(has_row(plot, {1, 90, 80, 95})) << "18 ms: log10(1 + 18 / 2)";
-  EXPECT_TRUE(has_row(plot, {2, 50, 50, 50})) << "198 ms, without an interval";
+SettingCurve setting(const std::string& name, bool is_stream, bool is_unseen, std::vector<results::OperatingPoint> points) {
+  return {.name = name, .is_stream = is_stream, .is_unseen = is_unseen, .points = std::move(points)};
+}
+
+TEST(SettingsCurvePlot, HoldsHalfOfTheTouchesAndNineTenthsOfEachSetting) {
+  const pictures::Plot plot = settings_curve_plot(
+      "Settings", {setting("stream", true, false, {operating_point(0, 100, 2, 6, 0), operating_point(4, 1, 8, 300, 0.25)}),
+                   setting("LeNet, t_h 40 ms", false, false, {operating_point(0, 10, 12, 40, 0)})});
+  EXPECT_TRUE(has_row(plot, {2, 2, 6}));
+  EXPECT_TRUE(has_row(plot, {0, 8, 100})) << "beyond 100 ms";
+  EXPECT_TRUE(has_row(plot, {1, 12, 40}));
+  EXPECT_EQ(plot.tables.size(), 2U) << "one of each setting";
+  EXPECT_TRUE(contains(plot.script, "using 1:2") && contains(plot.script, "using 1:3"));
   const std::string svg = drawn(plot);
-  for (const char* words : {"time since the onset [ms]", "detected [%]", "at 0: predicted ahead of it",
-                            ">95 % interval, where there is one<", ">100<"})
+  for (const char* words : {">stream<", ">LeNet, t_h 40 ms<", "half of the touches", "90 % of the touches", "delay [ms]",
+                            "false alarms per minute", ">none<"})
     EXPECT_TRUE(contains(svg, words)) << words;
-  drawn(detection_curve_plot("Only press", press, {}));
-  const pictures::Plot without = detection_curve_plot("No intervals", {}, slip);
-  EXPECT_FALSE(contains(drawn(without), "95 %")) << "none is spoken of where there is none";
-  EXPECT_FALSE(contains(without.script, "using 1:3")) << "nor drawn";
 }
 
-TEST(OverTimePlot, HoldsBothEndsOfBothClasses) {
-  const results::AccuracyOverTime press{.since_onset = {{.to = 50ms, .accuracy = {0.9, 0.8, 0.95, 10}}},
-                                        .before_end = {{.to = 50ms, .accuracy = {0.6, 0.5, 0.7, 10}}}};
-  const pictures::Plot plot = over_time_plot("Over time", press, {});
-  EXPECT_TRUE(has_row(plot, {25, 90, 80, 95}));
-  EXPECT_TRUE(has_row(plot, {25, 60, 50, 70}));
-  const std::string svg = drawn(plot);
-  for (const char* words : {"since the onset", "before the end", ">95 % interval<"}) EXPECT_TRUE(contains(svg, words)) << words;
-  const results::AccuracyOverTime of_one_run{.since_onset = {{.to = 50ms, .accuracy = {.value = 0.9}}}};
-  EXPECT_TRUE(contains(drawn(over_time_plot("Of one run", press, of_one_run)), "95 % interval, where there is one"));
-  EXPECT_FALSE(contains(drawn(over_time_plot("Of one run", of_one_run, {})), "95 %"));
+TEST(SettingsCurvePlot, TellsStreamsAndUnseenObjectsApart) {
+  const std::vector<results::OperatingPoint> points{operating_point(0, 10, 2, 6, 0)};
+  const auto script_of = [&](bool is_stream, bool is_unseen) {
+    return settings_curve_plot("Settings", {setting("one", is_stream, is_unseen, points)}).script;
+  };
+  EXPECT_TRUE(contains(script_of(true, false), std::string(pictures::figure_colours::slip)));
+  EXPECT_FALSE(contains(script_of(true, false), std::string(pictures::figure_colours::press)));
+  EXPECT_TRUE(contains(script_of(false, false), std::string(pictures::figure_colours::press)));
+  EXPECT_FALSE(contains(script_of(true, false), "dt 2")) << "seen: a line";
+  EXPECT_TRUE(contains(script_of(true, true), "dt 2")) << "unseen: dashes";
 }
 
-TEST(OverTimePlot, LeavesOutBinsOfFewerThanThreeObjects) {
-  const results::OverTimeBin many{.to = 50ms, .accuracy = {.value = 0.9, .n = 3}},
-      few{.from = 50ms, .to = 100ms, .accuracy = {.value = 0.5, .n = 2}};
-  const pictures::Plot plot = over_time_plot("Over time", {.since_onset = {many, few}}, {.before_end = {few}});
-  EXPECT_TRUE(has_row(plot, {25, 90, 90, 90}));
-  const auto& tables = plot.tables;
-  const auto has_few = std::count_if(tables.begin(), tables.end(), [](const pictures::PlotTable& table) {
-    return std::find(table.values.begin(), table.values.end(), 75.0) != table.values.end();
-  });
-  EXPECT_EQ(has_few, 1) << "drawn only where no bin of the class has more";
+TEST(SettingsCurvePlot, BearsWhatIsMissing) {
+  drawn(settings_curve_plot("No points", {setting("stream", true, false, {})}));
+  const pictures::Plot plot = settings_curve_plot("Calm", {setting("stream", true, true, {operating_point(9, 0, 5, 7, 0)})});
+  EXPECT_TRUE(has_row(plot, {-0.12, 5, 7})) << "left of the axis, whose decade begins at 1 a minute";
+  drawn(plot);
 }
 
 }  // namespace

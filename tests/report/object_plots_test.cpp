@@ -82,16 +82,6 @@ TEST(UnseenPlot, HoldsBothAccuraciesOfEachObject) {
   drawn(unseen_plot("Nothing", {}));
 }
 
-TEST(VariancePlot, NamesEveryShareHoweverSmall) {
-  const pictures::Plot plot = variance_plot("Variance", {.training = 0, .object = 0.58, .both = 0.4, .run = 0.02});
-  EXPECT_TRUE(has_row(plot, {29, 0.5, 0, 58, 0, 1}));
-  EXPECT_TRUE(has_row(plot, {78, 0.5, 58, 98, 0, 1}));
-  EXPECT_TRUE(has_row(plot, {99, 0.5, 98, 100, 0, 1}));
-  const std::string svg = drawn(plot);
-  for (const char* words : {"trainings 0 %", "objects 58 %", "trainings on single objects 40 %", "runs 2 %"})
-    EXPECT_TRUE(contains(svg, words)) << words;
-}
-
 TEST(Captions, MentionIntervalsAndWhiskersOnlyWhereThereAreSome) {
   const HistoryCurve bare{.name = "fan", .points = {{.history_ms = 2, .accuracy = {.value = 0.9, .n = 1}}}};
   const std::string without = drawn(accuracy_by_history_plot("By history", {bare}));

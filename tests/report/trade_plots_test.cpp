@@ -63,10 +63,11 @@ results::TradedSetting setting(const std::string& text, double us, double accura
   results::TradedSetting made;
   made.text = text;
   made.design = text == "as usual" ? "usual" : "one";
-  made.reported.figures.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
-  made.reported.figures.us_p99.value = us;
-  made.reported.figures.episodes_per_min.value = alarms;
-  made.reported.figures.delay_median_us = {.value = delay_us, .low = delay_us - 1000, .high = delay_us + 2000, .n = 9};
+  made.reported.accuracy = {.value = accuracy, .low = accuracy - 0.01, .high = accuracy + 0.01, .n = 9};
+  made.reported.us_p99.value = us;
+  made.reported.whole_runs.alarms_per_min.value = alarms;
+  made.reported.whole_runs.median_ms.ms = {
+      .value = delay_us / 1000, .low = delay_us / 1000 - 1, .high = delay_us / 1000 + 2, .n = 9};
   made.on_accuracy_front = made.on_delay_front = true;
   return made;
 }
@@ -151,9 +152,9 @@ TEST(TradePlots, NameTheFrontWholeInLinesThatFit) {
   std::string name;
   for (const std::string& knob : knobs) name += (name.empty() ? "" : ", ") + knob;
   results::TradedSetting long_one = setting(name, 20, 0.7, 900, 5000);
-  long_one.reported.figures.missed.value = 0.125;
+  long_one.reported.whole_runs.missed.value = 0.125;
   results::TradedSetting other = beaten(setting("stream", 10, 0.8, 5, 9000));  // has less room
-  other.reported.figures.missed.value = 0.25;
+  other.reported.whole_runs.missed.value = 0.25;
   const results::Trade trade =
       trade_of({setting("as usual", 200, 0.9, 3, 9000), long_one, beaten(setting("dense", 300, 0.8, 4, 9000)), other});
   for (const pictures::Plot& plot : {trade_accuracy_plot(trade), trade_delay_plot(trade)}) {
@@ -223,7 +224,7 @@ TEST(TradePlots, ShowTheFrontByFilledMarksAndJoinItByNoLine) {
       for (const Row& row : rows(2)) EXPECT_EQ(row[2] < row[1] && row[1] < row[3], has_intervals);
     }
     for (results::TradedSetting& one : trade.points) {
-      for (results::Figure* measured : {&one.reported.figures.accuracy, &one.reported.figures.delay_median_us})
+      for (results::Figure* measured : {&one.reported.accuracy, &one.reported.whole_runs.median_ms.ms})
         measured->low = measured->high = std::nullopt;
     }
   }
@@ -293,7 +294,7 @@ TEST(TradePlots, OfTooManyNumberThoseThatTurnOneKnobFirst) {
 TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
   const results::TradedSetting usual = setting("as usual", 186, 0.9, 9, 14'000);
   results::TradedSetting silent = setting("denoise none", 120, 0.6, 2, NAN), unknown = setting("int8", NAN, NAN, NAN, 5000);
-  silent.reported.figures.delay_median_us = {};
+  silent.reported.whole_runs.median_ms.ms = {};
   using Settings = std::vector<results::TradedSetting>;
   for (const auto& make : {trade_accuracy_plot, trade_delay_plot}) {
     const std::string nothing = drawn(make(trade_of({})));
@@ -313,82 +314,6 @@ TEST(TradePlots, BearFewSettingsAndWhatIsMissing) {
   }
   EXPECT_FALSE(contains(trade_accuracy_plot(trade_of({usual, silent})).script, "Not shown"));
   EXPECT_TRUE(contains(trade_delay_plot(trade_of({usual, silent})).script, "Not shown, without a value: 1."));
-}
-
-results::GrowthPoint growth(double events_per_s, microseconds history, int width, int height) {
-  return {.events_per_s = events_per_s,
-          .history = history,
-          .sensor = {width, height},
-          .sparse = {.rendering_us = 10, .p50_us = 100},
-          .dense = {.rendering_us = 0.1, .p50_us = 1000}};
-}
-
-results::Trade grown() {
-  results::Trade trade;
-  results::CostGrowth& of = trade.growth.emplace();
-  for (const double rate : {0.0, 1e4, 1e5, 3e5, 1e6, 3e6, 1e7, 2e7}) of.by_rate.push_back(growth(rate, 40ms, 640, 480));
-  for (const microseconds history : {2ms, 10ms, 20ms, 40ms, 100ms, 200ms})
-    of.by_history.push_back(growth(3e5, history, 640, 480));
-  for (const int width : {160, 320, 640, 1280}) of.by_resolution.push_back(growth(3e5, 40ms, width, 3 * width / 4));
-  return trade;
-}
-
-TEST(TradeGrowthPlot, HasItsTicsAtWhatWasMeasuredAndEndsThere) {
-  const pictures::Plot plot = trade_growth_plot(grown());
-  const std::vector<XAxis> axes = x_axes(plot);
-  ASSERT_EQ(axes.size(), 3U);
-  const std::vector<std::vector<std::string>> labels{{"0", "10k", "100k", "300k", "1M", "3M", "10M", "20M"},
-                                                     {"2", "10", "20", "40", "100", "200"},
-                                                     {"160x120", "320x240", "640x480", "1280x960"}};
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    std::vector<std::string> named;
-    double most = -std::numeric_limits<double>::infinity(), least = -most;
-    for (const XAxis::Tic& tic : axes[i].tics) {
-      named.push_back(tic.label);
-      least = std::min(least, tic.place), most = std::max(most, tic.place);
-    }
-    EXPECT_EQ(named, labels[i]);
-    expect_readable(axes[i], labels[i].size());
-    const double length = axes[i].end - axes[i].begin;
-    EXPECT_LT(least - axes[i].begin, 0.08 * length);
-    EXPECT_LT(axes[i].end - most, 0.08 * length);
-  }
-  EXPECT_TRUE(has_row(plot, {6, 2, 1, 3, -1}));
-  EXPECT_TRUE(has_row(plot, {std::log10(200), 2, 1, 3, -1}));
-  EXPECT_TRUE(has_row(plot, {std::log10(640 * 480), 2, 1, 3, -1}));
-  const std::string svg = drawn(plot);
-  for (const char* words : {"events per second", "t_h 40 ms, 640x480", "300k events/s, 640x480", "t_h 40 ms, 300k events/s"})
-    EXPECT_TRUE(contains(svg, words)) << words;
-}
-
-TEST(TradeGrowthPlot, LeadsNoLineFromNoEventsToSome) {
-  const pictures::Plot plot = trade_growth_plot(grown());
-  const std::vector<Row> rows = rows_of(plot.tables.at(0));
-  ASSERT_EQ(rows.size(), 9U) << "eight rates and a gap";
-  EXPECT_LT(rows[0][0], 4) << "left of 10'000";
-  EXPECT_TRUE(std::isnan(rows[1][0]) && std::isnan(rows[1][1]));
-  EXPECT_DOUBLE_EQ(rows[2][0], 4);
-}
-
-TEST(TradeGrowthPlot, BearsFewPointsAndWhatIsMissing) {
-  EXPECT_TRUE(contains(drawn(trade_growth_plot({})), "not measured"));
-  results::Trade trade = grown();
-  EXPECT_FALSE(contains(trade_growth_plot(trade).script, "not measured"));
-  trade.growth->by_rate.resize(1);
-  trade.growth->by_history.resize(1);
-  trade.growth->by_history[0].sparse.p50_us = NAN;
-  trade.growth->by_history[0].dense.p50_us = 0;
-  trade.growth->by_resolution.resize(2);
-  trade.growth->by_resolution[1].sensor.width = 0;
-  const pictures::Plot plot = trade_growth_plot(trade);
-  drawn(plot);
-  const std::vector<XAxis> axes = x_axes(plot);
-  ASSERT_EQ(axes.size(), 3U);
-  for (const XAxis& axis : axes) expect_readable(axis, 1);
-  EXPECT_TRUE(axes[0].has("0"));
-  EXPECT_TRUE(axes[1].has("2"));
-  EXPECT_TRUE(axes[2].has("160x120"));
-  EXPECT_EQ(axes[2].tics.size(), 1U) << "what has no size has no place";
 }
 
 }  // namespace

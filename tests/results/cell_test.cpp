@@ -25,6 +25,9 @@ std::vector<Cell> two_cells() {
   first.in_alarm_s = 0.125;
   first.alarms = {{"firm lift", 2}, {"quiet", 1}};
   first.wrong_class = 3;
+  first.first = {250, 240};
+  first.before_last = {50, 50};
+  first.last = {100, 30};
   first.samples.at(Touch::slip, Touch::press) = 7;
   Cell second{{"mug", "03"}};
   second.confirmed = true;
@@ -43,11 +46,12 @@ TEST(Cells, AreReadAsTheyWereWritten) {
 TEST(Cells, AreATableForOthers) {
   EXPECT_EQ(cells_csv(two_cells()),
             "world,object,run,training,setting,answer,threshold,tick_ms,judged_by,outside_s,in_alarm_s,wrong_class,false_slips,"
-            "alarms,alarms_after an end,alarms_firm lift,alarms_quiet,press_ms,slip_ms,gross_slip_ms,none_as_none,none_as_press,"
-            "none_as_slip,press_as_none,press_as_press,press_as_slip,slip_as_none,slip_as_press,slip_as_slip\n"
+            "alarms,alarms_after an end,alarms_firm lift,alarms_quiet,press_ms,slip_ms,gross_slip_ms,first_ticks,first_right,"
+            "before_last_ticks,before_last_right,last_ticks,last_right,none_as_none,none_as_press,none_as_slip,press_as_none,"
+            "press_as_press,press_as_slip,slip_as_none,slip_as_press,slip_as_slip\n"
             "7001,fan,02,1,\"stream, 2 ms\",touch,1.5,2,truth,1.25,0.125,3,,3,0,2,1,4.25 >500,3.5 early>310,-17.5 "
-            ">290,0,0,0,0,0,0,0,7,0\n"
-            ",mug,03,0,,confirmed slip,,2,labels,0,0,0,0,4,4,0,0,,,,0,0,0,0,0,0,0,0,0\n");
+            ">290,250,240,50,50,100,30,0,0,0,0,0,0,0,7,0\n"
+            ",mug,03,0,,confirmed slip,,2,labels,0,0,0,0,4,4,0,0,,,,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n");
 }
 
 TEST(Cells, OfAnotherFormAreRefused) {

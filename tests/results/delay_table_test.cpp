@@ -34,10 +34,5 @@ TEST(DelayTable, IsRefusedByFileAndMember) {
   EXPECT_EQ(test::error_of([&] { table_in(json); }), "eval.json: 'misses' is number; expected a whole number from 0");
 }
 
-TEST(DelaySummary, SharesWhatIsMissedOrEarly) {
-  EXPECT_EQ((DelaySummary{.intervals = 8, .misses = 1, .early = 1}.missed_share()), 0.25);
-  EXPECT_TRUE(std::isnan(DelaySummary{}.missed_share()));
-}
-
 }  // namespace
 }  // namespace tactile::results

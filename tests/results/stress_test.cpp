@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tactile/core/error.hpp"
+#include "tactile/results/experiment_file.hpp"
 
 namespace tactile::results {
 namespace {
@@ -31,7 +32,7 @@ TEST(Stress, IsReadAsWritten) {
 
 TEST(Stress, OfAnotherFormatIsRefused) {
   const nlohmann::json json{{"format", "tactile-trade-1"}};
-  EXPECT_THROW(JsonView(json, "stress.json").get<Stress>(), Error);
+  EXPECT_THROW(experiment_in<Stress>(JsonView(json, "stress.json")), Error);
 }
 
 TEST(Stress, SaysInWordsHowFarItHolds) {

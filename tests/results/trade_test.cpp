@@ -2,21 +2,35 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "support/error_of.hpp"
+#include "tactile/results/experiment_file.hpp"
 
 namespace tactile::results {
 namespace {
 
-Trade trade_in(const nlohmann::json& json) { return JsonView(json, "trade.json").get<Trade>(); }
+Trade trade_in(const nlohmann::json& json) { return experiment_in<Trade>(JsonView(json, "trade.json")); }
 
-GrowthPoint growth_at(double events_per_s) {
-  return {.events_per_s = events_per_s,
-          .history = 40ms,
-          .sensor = {640, 480},
-          .heatmap = {128, 96},
-          .lit_share = 0.25,
-          .sparse = {.rendering_us = 1, .network_us = 2, .p50_us = 3, .p99_us = 4},
-          .dense = {.rendering_us = 5, .network_us = 6, .p50_us = 7, .p99_us = 8}};
+TradedSetting usual_setting() {
+  TradedSetting setting{.id = "th40", .text = "as usual", .design = "usual", .models = {"a", "b"}, .trainings = 2};
+  setting.values = {.kind = "stream",
+                    .th_ms = 20,
+                    .tick_ms = 2,
+                    .factor = 0.1,
+                    .resize = "area",
+                    .denoise = "mean",
+                    .engine = "fast",
+                    .precision = "int8",
+                    .augment = "flip"};
+  setting.reported.accuracy = {.value = 0.9, .low = 0.8, .high = 0.95, .n = 9, .trainings = 2};
+  setting.reported.whole_runs.p90_ms = {{.value = 30}, true};
+  setting.reported.us_p99.value = 103;
+  setting.reported.ticks = 114;
+  setting.reported.interrupted = 0.25;
+  setting.on_delay_front = true;
+  setting.front_probability = {.accuracy = 0.25, .delay = 0.75};
+  return setting;
 }
 
 /// With a value in every member.
@@ -33,27 +47,19 @@ Trade whole_trade() {
               .runs = {{.train = {"fan/01"}, .choice = {"fan/02"}, .reported = {"fan/03"}},
                        {.train = {"fan/02"}, .choice = {"fan/03"}, .reported = {"fan/01"}}},
               .usual = "th40",
-              .usual_is = "on the front",
               .interrupted = 0.125,
               .busy = 2,
+              .points = {usual_setting()},
               .left_out = {{30ms, 20ms, "no whole number"}},
               .not_measured = {{"int8", "the budget was used up"}},
               .unfinished = "The budget ended the work.",
-              .growth = CostGrowth{{growth_at(0), growth_at(1e6)}, {growth_at(1)}, {growth_at(2)}},
               .steps = {{.name = "times", .command = "tactile trade", .seconds = 1.5, .finished_at = "2026-01-02T03:04:05Z"}}};
-  trade.points.push_back({.id = "th40", .text = "as usual", .design = "usual", .models = {"a", "b"}, .trainings = 2});
-  trade.points.back().values.th_ms = trade.points.back().values.tick_ms = trade.points.back().values.factor = 1;
-  MeasuredAgain again{.model = "a", .trainings = 2, .runs = {"fan/03"}};
-  again.result.figures.accuracy = {.value = 0.9, .low = 0.8, .high = 0.95, .n = 9, .trainings = 2};
-  again.result.episodes = 4;
-  again.result.figures.interrupted = 0.25;
   trade.recommendation = {.wish = {{"at_most_us", 200}},
                           .id = "th40",
                           .setting = trade.points.back().values,
                           .model = "a",
                           .met = true,
                           .chosen_in_interval = false,
-                          .again = again,
                           .trial = {{"ticks", 5}},
                           .sentence = "Use it."};
   return trade;
@@ -67,45 +73,35 @@ TEST(Trade, ComesBackAsItWasWritten) {
   EXPECT_EQ(nlohmann::json(read), json);
   EXPECT_EQ(read.cpu(), "a processor");
   EXPECT_EQ(read.left_out.at(0).tick, 20ms);
-  ASSERT_TRUE(read.recommendation.again);
-  EXPECT_EQ(read.recommendation.again->result.figures.accuracy.high, 0.95);
-  EXPECT_EQ(read.recommendation.again->result.figures.interrupted, 0.25);
   EXPECT_EQ(read.interrupted, 0.125);
-  // The runs of the first training are there twice: earlier versions had one training.
-  EXPECT_EQ(json.at("runs").at("choice"), json.at("runs").at("trainings").at(0).at("choice"));
+  const TradedSetting& setting = read.points.at(0);
+  EXPECT_EQ(setting.values.kind, "stream");
+  EXPECT_EQ(setting.reported.accuracy.high, 0.95);
+  EXPECT_TRUE(setting.reported.whole_runs.p90_ms.is_lower_bound);
+  EXPECT_EQ(setting.reported.ticks, 114U);
+  EXPECT_TRUE(setting.reported.is_disturbed());
+  EXPECT_TRUE(std::isnan(setting.choice.us_p999.value)) << "nothing was timed";
+  EXPECT_EQ(setting.front_probability.delay, 0.75);
 }
 
-TEST(Trade, WithoutConstraintsAndGrowthHasNullsInTheirPlaces) {
+TEST(Trade, WithoutConstraintsHasNoSetting) {
   Trade trade = whole_trade();
-  trade.growth.reset();
-  trade.unfinished.clear();
   trade.recommendation = {.sentence = "No constraint given."};
+  trade.points.front().front_probability = {};
   const nlohmann::json json = trade;
-  for (const char* key : {"growth", "unfinished"}) EXPECT_TRUE(json.at(key).is_null()) << key;
-  const nlohmann::json& recommendation = json.at("recommendation");
-  for (const char* key : {"id", "setting", "chosen_in_interval", "again", "trial"})
-    EXPECT_TRUE(recommendation.at(key).is_null()) << key;
-  EXPECT_FALSE(recommendation.contains("model"));
+  for (const char* key : {"setting", "chosen_in_interval", "trial"})
+    EXPECT_TRUE(json.at("recommendation").at(key).is_null()) << key;
+  EXPECT_EQ(json.at("recommendation").at("id"), "");
   EXPECT_EQ(nlohmann::json(trade_in(json)), json);
 }
 
-TEST(Trade, OfAnEarlierVersionIsReadAsFarAsItGoes) {
-  const Trade trade = trade_in({{"format", trade_format}, {"points", {{{"text", "as usual"}}}}});
-  ASSERT_EQ(trade.points.size(), 1U);
-  EXPECT_EQ(trade.points[0].values.kind, "lenet");
-  EXPECT_FALSE(trade.growth);
-  EXPECT_TRUE(trade.cpu().empty());
-}
-
 TEST(Trade, OfAnotherFormatOrTypeIsRefusedByFileAndMember) {
-  EXPECT_EQ(test::error_of([] {
-              trade_in({{"format", "tactile-trade-2"}});
-            }),
-            "trade.json: 'format' is another one; expected tactile-trade-1, as 'tactile trade' writes it");
-  EXPECT_EQ(test::error_of([] {
-              trade_in({{"format", trade_format}, {"recommendation", {{"again", {{"runs", 3}}}}}});
-            }),
-            "trade.json: 'recommendation': 'again': 'runs' is number; expected a list");
+  const auto error = [](nlohmann::json json) { return test::error_of([&] { trade_in(json); }); };
+  EXPECT_EQ(error({{"format", "tactile-trade-1"}}),
+            "trade.json: 'format' is 'tactile-trade-1'; expected tactile-trade-2, as 'tactile trade' writes it into another "
+            "folder");
+  EXPECT_EQ(error({{"format", Trade().format}, {"points", {{{"reported", {{"us_p99", true}}}}}}}),
+            "trade.json: 'points': 'reported': 'us_p99' is boolean; expected an object");
 }
 
 }  // namespace

@@ -333,7 +333,7 @@ TEST_F(Reviewing, ModelsAndStudiesThatCannotBeReadAreListedWithTheirError) {
   EXPECT_FALSE(models.at(0).at("error").is_null());
   ASSERT_EQ(studies.size(), 1U);
   EXPECT_EQ(studies.at(0).at("name"), "study-a");
-  EXPECT_NE(studies.at(0).at("error").get<std::string>().find("expected tactile-study-1"), std::string::npos);
+  EXPECT_NE(studies.at(0).at("error").get<std::string>().find("expected tactile-study-2"), std::string::npos);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "support/temporary_folder.hpp"
 #include "tactile/core/json.hpp"
@@ -27,25 +28,39 @@ class StudyList : public testing::Test {
   test::TemporaryFolder folder;
 };
 
-TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
-  results::Claim claim;
-  claim.id = "history-2-worst";
-  claim.claim = "2 ms is the worst history";
-  claim.unit = "points";
-  claim.limit = 0;
-  claim.measured = {.value = -3.5, .low = -5, .high = -2, .n = 5};
-  claim.outcome = results::Outcome::holds;
-  claim.in_words = "true for 5 of 5 objects";
+results::Claim claim_of_the_paper() {
+  return {.id = "history-2-worst",
+          .figure = "8",
+          .paper = "2 ms is the worst history",
+          .measure = "the number of objects with another",
+          .unit = "objects",
+          .is_below = true,
+          .limit = 1,
+          .written = 7,
+          .replicates = 8,
+          .measured = {.value = 0.5, .low = 0.25, .high = 0.75, .n = 8},
+          .outcome = results::Outcome::holds};
+}
+
+TEST_F(StudyList, AStudyHasItsClaimsAndTheFiguresOfEachSetting) {
   const json figure = {{"value", 0.875}, {"low", 0.75}, {"high", nullptr}, {"n", 5}, {"trainings", 1}};
+  const json accuracy = {{"mean", figure}, {"objects", json::object()}};
+  const json decided = {{"alarms_per_min", {{"value", 2.5}, {"low", 2.0}, {"high", 3.0}, {"n", 8}}},
+                        {"median_ms", {{"value", 4.0}, {"low", nullptr}, {"high", nullptr}, {"n", 8}}}};
   write("study", "study",
-        {{"format", "tactile-study-1"},
+        {{"format", "tactile-study-2"},
          {"title", "A study of <b>"},
          {"simulated", true},
          {"steps",
           {{{"name", "train"}, {"finished_at", "2026-01-02T03:04:05Z"}},
            {{"name", "data"}, {"finished_at", "2026-01-01T00:00:00Z"}}}},
-         {"claims", {claim}},
-         {"histories", {{{"th_ms", 40}, {"accuracy", {{"reported", {{"mean", figure}, {"objects", json::object()}}}}}}}}});
+         {"claims", {claim_of_the_paper()}},
+         {"results",
+          {{{"setting", "th040"}, {"text", "LeNet, t_h 40 ms"}, {"th_ms", 40}, {"accuracy", accuracy}},
+           {{"setting", "stream"},
+            {"text", "stream"},
+            {"accuracy", accuracy},
+            {"whole_runs", {{"runs", {"fan/02"}}, {"decided", decided}}}}}}});
   const json list = studies_json(folder.path(), folder / "models");
   ASSERT_EQ(list.size(), 1U);
   const json& study = list.at(0);
@@ -54,11 +69,29 @@ TEST_F(StudyList, AStudyHasItsClaimsAndTheAccuracyOfEachHistory) {
   EXPECT_EQ(study.at("kind"), "study");
   EXPECT_EQ(study.at("title"), "A study of <b>");
   EXPECT_EQ(study.at("when"), "2026-01-02T03:04:05Z");
-  EXPECT_EQ(study.at("claims").at(0).at("claim"), "2 ms is the worst history");
-  EXPECT_EQ(study.at("claims").at(0).at("outcome"), "holds");
-  EXPECT_EQ(study.at("claims").at(0).at("measured").at("low"), -5);
-  const json& accuracy = study.at("figures").at(0);
-  EXPECT_EQ(accuracy, (json{{"label", "Accuracy, t_h 40 ms"}, {"value", 87.5}, {"low", 75.0}, {"high", nullptr}, {"unit", "%"}}));
+  const json& claim = study.at("claims").at(0);
+  EXPECT_EQ(claim.at("id"), "history-2-worst");
+  EXPECT_EQ(claim.at("claim"), "2 ms is the worst history");
+  EXPECT_EQ(claim.at("outcome"), "holds");
+  EXPECT_EQ(claim.at("in_words"), results::words_of(claim_of_the_paper()));
+  EXPECT_EQ(claim.at("unit"), "objects");
+  EXPECT_EQ(claim.at("measured").at("low"), 0.25);
+  const auto entry = [](const char* label, double value, json low, json high, const char* unit) {
+    return json{{"label", label}, {"value", value}, {"low", std::move(low)}, {"high", std::move(high)}, {"unit", unit}};
+  };
+  EXPECT_EQ(study.at("figures"), json::array({entry("LeNet, t_h 40 ms: accuracy", 87.5, 75.0, nullptr, "%"),
+                                              entry("stream: accuracy", 87.5, 75.0, nullptr, "%"),
+                                              entry("stream: false alarms", 2.5, 2.0, 3.0, "1/min"),
+                                              entry("stream: median delay", 4.0, nullptr, nullptr, "ms")}));
+}
+
+TEST_F(StudyList, AStudyOfAnotherFormatHasAnErrorAndItsName) {
+  write("old", "study", {{"format", "tactile-study-1"}, {"title", "Of yesterday"}});
+  const json list = studies_json(folder.path(), folder / "models");
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list.at(0).at("name"), "old");
+  EXPECT_NE(list.at(0).at("error").get<std::string>().find("expected tactile-study-2"), std::string::npos);
+  EXPECT_TRUE(list.at(0).at("figures").empty());
 }
 
 TEST_F(StudyList, ATradeHasItsSettings) {
@@ -66,9 +99,9 @@ TEST_F(StudyList, ATradeHasItsSettings) {
     return json{{"value", value}, {"low", value - 1}, {"high", value + 1}, {"n", 5}, {"trainings", 1}};
   };
   write("fast", "trade",
-        {{"format", "tactile-trade-1"},
+        {{"format", "tactile-trade-2"},
          {"title", "Speed"},
-         {"points", {{{"text", "as usual"}, {"reported", {{"accuracy", {{"value", 0.5}}}, {"us", {{"p99", figure(120)}}}}}}}},
+         {"points", {{{"text", "as usual"}, {"reported", {{"accuracy", {{"value", 0.5}}}, {"us_p99", figure(120)}}}}}},
          {"recommendation", {{"sentence", "Take t_h 20 ms."}}}});
   const json trade = studies_json(folder.path(), folder / "models").at(0);
   EXPECT_EQ(trade.at("error"), nullptr) << trade;
@@ -97,7 +130,7 @@ TEST_F(StudyList, AStressHasTheSeveritiesThatModelsHoldUpTo) {
 }
 
 TEST_F(StudyList, AFolderThatIsAStudyItselfIsListed) {
-  write(".", "trade", {{"format", "tactile-trade-1"}, {"title", "Speed"}, {"points", json::array()}});
+  write(".", "trade", {{"format", "tactile-trade-2"}, {"title", "Speed"}, {"points", json::array()}});
   EXPECT_EQ(studies_json(folder.path(), folder / "models").at(0).at("name"), folder.path().filename().string());
   EXPECT_TRUE(studies_json(folder / "none", folder / "models").empty());
 }

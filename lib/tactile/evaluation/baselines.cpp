@@ -1,230 +1,215 @@
 #include "tactile/evaluation/baselines.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <numbers>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/robust_statistics.hpp"
+#include "tactile/events/recording_reader.hpp"
 
 namespace tactile::evaluation {
 namespace {
 
-constexpr Eigen::Index inputs = feature_count + 1;
-constexpr Eigen::Index others = touch_count - 1;
-constexpr Eigen::Index unknowns = inputs * others;
+/// Scores that one threshold separates have no greatest likelihood; with this they have.
+constexpr double ridge = 1e-6;
 
-using Vector = Eigen::Vector<double, unknowns>;
-using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
-using Inputs = Eigen::Vector<double, inputs>;  // standardised features, and 1
-using Weights = Eigen::Matrix<double, others, inputs, Eigen::RowMajor>;
-using Probabilities = Eigen::Vector<double, touch_count>;
+double probability_of(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
 
-void check_one_each(std::size_t values, std::size_t samples, const char* baseline) {
-  if (samples > 0 && values == samples) return;
-  throw Error(std::string(baseline) + ": " + std::to_string(values) + " values for " + std::to_string(samples) +
-              " training samples; expected at least one sample, and a value for each");
-}
-
-void check_whole(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
-  if (size.width > 0 && size.height > 0 &&
-      heatmap.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)) {
-    return;
-  }
-  throw Error("heatmap: " + std::to_string(heatmap.size()) + " cells; expected " + std::to_string(size.width) + " x " +
-              std::to_string(size.height));
-}
-
-Eigen::Map<const Weights> weights_of(const LogisticBaseline& model) { return Eigen::Map<const Weights>(model.weights[0].data()); }
-
-Probabilities softmax(const Inputs& x, const Weights& weights) {
-  Probabilities p;
-  p << 0, weights * x;
-  p = (p.array() - p.maxCoeff()).exp();
-  return p / p.sum();
-}
-
-Inputs standardised(const Features& features, const LogisticBaseline& model) {
-  using Row = Eigen::Map<const Eigen::Array<double, feature_count, 1>>;
-  Inputs x;
-  x << (Row(features.data()) - Row(model.mean.data())) / Row(model.deviation.data()), 1;
-  return x;
-}
-
-double loss_of(std::span<const Inputs> samples, std::span<const Touch> truth, const Weights& weights, double ridge) {
-  double loss = 0;
-  for (std::size_t n = 0; n < samples.size(); ++n)
-    loss -= std::log(std::max(softmax(samples[n], weights)[static_cast<Eigen::Index>(truth[n])], 1e-300));
-  return loss / static_cast<double>(samples.size()) + ridge / 2 * weights.squaredNorm();
-}
-
-/// Of the loss by the weights, row by row.
-struct Derivatives {
-  Vector gradient = Vector::Zero();
-  Matrix hessian = Matrix::Zero();
+/// The loss of a rule, and its Newton step.
+struct Step {
+  double loss = 0, slope = 0, offset = 0;
 };
 
-Derivatives derivatives_of(std::span<const Inputs> samples, std::span<const Touch> truth, const Weights& weights, double ridge) {
-  Derivatives derivatives;
-  const double share = 1.0 / static_cast<double>(samples.size());
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    const Inputs& x = samples[n];
-    const Probabilities p = softmax(x, weights);
-    for (Eigen::Index c = 0; c < others; ++c) {
-      const double error = p[c + 1] - (static_cast<Eigen::Index>(truth[n]) == c + 1 ? 1.0 : 0.0);
-      derivatives.gradient.segment<inputs>(c * inputs) += share * error * x;
-      for (Eigen::Index d = 0; d < others; ++d) {
-        const double spread = share * p[c + 1] * ((c == d ? 1.0 : 0.0) - p[d + 1]);
-        derivatives.hessian.block<inputs, inputs>(c * inputs, d * inputs) += spread * x * x.transpose();
-      }
-    }
+Step step_at(const LogOddsOfScore& rule, std::span<const double> scores, const std::vector<bool>& is_touch) {
+  double loss = 0, by_slope = 0, by_offset = 0, ss = 0, so = 0, oo = 0;
+  const double share = 1 / static_cast<double>(scores.size());
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const double log_odds = rule.of(scores[i]), p = probability_of(log_odds);
+    loss += std::log1p(std::exp(-std::abs(log_odds))) + std::max(0.0, is_touch[i] ? -log_odds : log_odds);
+    const double wrong = p - (is_touch[i] ? 1 : 0), weight = p * (1 - p);
+    by_slope += wrong * scores[i], by_offset += wrong;
+    ss += weight * scores[i] * scores[i], so += weight * scores[i], oo += weight;
   }
-  derivatives.gradient += ridge * Vector::Map(weights.data());
-  derivatives.hessian.diagonal().array() += ridge;
-  return derivatives;
+  by_slope = by_slope * share + ridge * rule.slope, by_offset = by_offset * share + ridge * rule.offset;
+  ss = ss * share + ridge, so *= share, oo = oo * share + ridge;
+  const double determinant = ss * oo - so * so;
+  return {loss * share + ridge / 2 * (rule.slope * rule.slope + rule.offset * rule.offset),
+          (oo * by_slope - so * by_offset) / determinant, (ss * by_offset - so * by_slope) / determinant};
 }
 
-void standardise_by(std::span<const Features> features, LogisticBaseline& model) {
-  const auto n = static_cast<double>(features.size());
-  for (std::size_t i = 0; i < feature_count; ++i) {
-    double sum = 0, squares = 0;
-    for (const Features& sample : features) sum += sample[i];
-    model.mean[i] = sum / n;
-    for (const Features& sample : features) squares += (sample[i] - model.mean[i]) * (sample[i] - model.mean[i]);
-    const double deviation = std::sqrt(squares / n);
-    model.deviation[i] = deviation > 1e-12 * (1 + std::abs(model.mean[i])) ? deviation : 1.0;
+/// Sums of the ticks before each, so that a window's sum is a difference.
+class Windows {
+ public:
+  explicit Windows(std::span<const TickEvents> ticks) : sums_(ticks.size() + 1) {
+    for (std::size_t k = 0; k < ticks.size(); ++k) {
+      const TickEvents& tick = ticks[k];
+      const std::array<double, 6> of{
+          static_cast<double>(tick.on), static_cast<double>(tick.off), tick.x, tick.y, tick.xx, tick.yy};
+      for (std::size_t i = 0; i < of.size(); ++i) sums_[k + 1][i] = sums_[k][i] + of[i];
+    }
   }
-}
+
+  /// on, off, x, y, xx, yy of the last `length` ticks up to `tick`
+  std::array<double, 6> of(std::size_t tick, std::size_t length) const {
+    const std::array<double, 6>& before = sums_[tick + 1 - std::min(length, tick + 1)];
+    std::array<double, 6> sums = sums_[tick + 1];
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] -= before[i];
+    return sums;
+  }
+
+ private:
+  std::vector<std::array<double, 6>> sums_;
+};
 
 }  // namespace
 
-Features moments_of(std::span<const std::uint8_t> heatmap, events::SensorSize size) {
-  check_whole(heatmap, size);
-  double active = 0, sum = 0, squares = 0, largest = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_yy = 0, sum_xy = 0;
-  for (int row = 0; row < size.height; ++row) {
-    const double y = (row + 0.5) / size.height;
-    for (int column = 0; column < size.width; ++column) {
-      const std::uint8_t cell =
-          heatmap[static_cast<std::size_t>(row) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(column)];
-      if (cell == 0) continue;
-      const double value = cell / 255.0, x = (column + 0.5) / size.width;
-      active += 1;
-      sum += value;
-      squares += value * value;
-      largest = std::max(largest, value);
-      sum_x += value * x;
-      sum_y += value * y;
-      sum_xx += value * x * x;
-      sum_yy += value * y * y;
-      sum_xy += value * x * y;
+std::vector<TickEvents> events_of_ticks(const std::filesystem::path& recording, const TickRange& ticks,
+                                        const events::MaskPixels& mask) {
+  events::RecordingReader reader(recording);
+  const events::Stream& stream = events::event_stream(reader);
+  if (!stream.size) throw Error(recording.string() + ": its event stream declares no size; expected that of its sensor");
+  const float width = static_cast<float>(stream.size->width), height = static_cast<float>(stream.size->height);
+  std::vector<TickEvents> all(static_cast<std::size_t>(std::max<std::int64_t>(ticks.count, 0)));
+  if (all.empty()) return all;
+  const CameraTime begin = before(ticks.first, ticks.tick);
+  const events::PixelMask masked(*stream.size, mask, recording.string());
+  events::for_all_events(reader, stream.id, [&](std::span<const events::Event> events) {
+    for (const events::Event& event : events) {
+      if (event.t < begin || masked.covers(event)) continue;
+      const auto k = static_cast<std::size_t>(between(begin, event.t) / ticks.tick);
+      if (k >= all.size()) continue;
+      TickEvents& of = all[k];
+      ++(event.on ? of.on : of.off);
+      const float x = static_cast<float>(event.x) / width, y = static_cast<float>(event.y) / height;
+      of.x += x, of.y += y, of.xx += x * x, of.yy += y * y;
+    }
+  });
+  return all;
+}
+
+LogOddsOfScore fit_log_odds(std::span<const double> scores, const std::vector<bool>& is_touch) {
+  constexpr int most_steps = 100;
+  constexpr double small = 1e-9;
+  LogOddsOfScore rule;
+  if (scores.empty()) return rule;
+  for (int i = 0; i < most_steps; ++i) {
+    const Step step = step_at(rule, scores, is_touch);
+    double share = 1;
+    const auto moved = [&] { return LogOddsOfScore{rule.slope - share * step.slope, rule.offset - share * step.offset}; };
+    while (share > small && !(step_at(moved(), scores, is_touch).loss <= step.loss)) share /= 2;
+    if (share <= small) break;
+    rule = moved();
+    if (std::abs(step.slope) + std::abs(step.offset) < small) break;
+  }
+  return rule;
+}
+
+std::vector<double> event_rate_scores(std::span<const TickEvents> ticks, microseconds tick) {
+  constexpr microseconds window{10'000};
+  const Windows windows(ticks);
+  const auto length = static_cast<std::size_t>(std::max<std::int64_t>(1, (window + tick / 2) / tick));
+  std::vector<double> scores;
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
+    const std::array<double, 6> sums = windows.of(k, length);
+    scores.push_back(std::log1p(sums[0] + sums[1]));
+  }
+  return scores;
+}
+
+std::vector<double> cusum_scores(std::span<const TickEvents> ticks, double quiet) {
+  std::vector<double> scores;
+  double risen = 0, fallen = 0;
+  for (const TickEvents& tick : ticks) {
+    const double change = (static_cast<double>(tick.on) + static_cast<double>(tick.off)) * std::numbers::ln2 - quiet;
+    risen = std::max(0.0, risen + change);
+    fallen = std::max(0.0, fallen - change);
+    if (fallen >= 3 * quiet) risen = fallen = 0;
+    scores.push_back(std::log1p(risen));
+  }
+  return scores;
+}
+
+std::vector<Touch> nearest_classes(const Course& course, const TickRange& ticks) {
+  std::vector<TouchInterval> touches = course.touches;
+  if (course.lift_without_slip) touches.push_back({Touch::slip, *course.lift_without_slip, *course.lift_without_slip});
+  std::vector<Touch> classes;
+  for (std::int64_t k = 0; k < ticks.count; ++k) {
+    const CameraTime t = ticks.at(k);
+    const auto distance = [t](const TouchInterval& touch) {
+      return std::max({between(t, touch.start), between(touch.end, t), microseconds{0}});
+    };
+    const auto nearest = std::min_element(touches.begin(), touches.end(), [&](const TouchInterval& a, const TouchInterval& b) {
+      return distance(a) < distance(b);
+    });
+    classes.push_back(nearest == touches.end() ? Touch::slip : nearest->touch);
+  }
+  return classes;
+}
+
+std::vector<float> tick_features(std::span<const TickEvents> ticks) {
+  const Windows windows(ticks);
+  std::vector<float> features;
+  features.reserve(ticks.size() * features_of_tick);
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
+    for (const std::size_t length : {1U, 5U, 20U}) {
+      const auto [on, off, x, y, xx, yy] = windows.of(k, length);
+      const double count = std::max(1.0, on + off), mean_x = x / count, mean_y = y / count;
+      const auto spread = [](double square, double mean) { return std::sqrt(std::max(0.0, square - mean * mean)); };
+      for (const double feature :
+           {std::log1p(on), std::log1p(off), mean_x, mean_y, spread(xx / count, mean_x), spread(yy / count, mean_y)})
+        features.push_back(static_cast<float>(feature));
     }
   }
-  const auto cells = static_cast<double>(heatmap.size());
-  const double mean = sum / cells;
-  Features moments{active / cells, mean, std::sqrt(std::max(squares / cells - mean * mean, 0.0)), largest, 0.5, 0.5, 0, 0, 0};
-  if (sum > 0) {
-    const double x = sum_x / sum, y = sum_y / sum;
-    moments[4] = x;
-    moments[5] = y;
-    moments[6] = std::max(sum_xx / sum - x * x, 0.0);
-    moments[7] = std::max(sum_yy / sum - y * y, 0.0);
-    moments[8] = sum_xy / sum - x * y;
-  }
-  return moments;
+  return features;
 }
 
-MajorityBaseline fit_majority(std::span<const Touch> truth) {
-  check_one_each(truth.size(), truth.size(), "majority");
-  std::array<std::size_t, touch_count> counts{};
-  for (const Touch touch : truth) ++counts[static_cast<std::size_t>(touch)];
-  return {all_touches[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin())]};
-}
-
-Touch EventCountBaseline::verdict(std::uint64_t events) const {
-  const auto count = static_cast<double>(events);
-  return count < low ? touches[0] : count < high ? touches[1] : touches[2];
-}
-
-EventCountBaseline fit_event_count(std::span<const std::uint64_t> events, std::span<const Touch> truth) {
-  check_one_each(events.size(), truth.size(), "event_count");
-  // Cut c separates the samples with a count below values[c]; before[c][k] of them are of touch k.
-  std::vector<std::uint64_t> values(events.begin(), events.end());
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  std::vector<std::array<std::int64_t, touch_count>> before(values.size() + 1);
-  for (std::size_t n = 0; n < events.size(); ++n) {
-    const auto place = static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), events[n]) - values.begin());
-    ++before[place + 1][static_cast<std::size_t>(truth[n])];
+Baselines::Baselines(std::span<const LearnedRun> runs, microseconds tick) : tick_(tick) {
+  std::vector<double> quiet;
+  std::vector<float> features;
+  std::vector<Touch> truth;
+  for (const LearnedRun& run : runs) {
+    const std::vector<float> of_run = tick_features(run.ticks);
+    for (std::size_t k = 0; k < run.ticks.size(); ++k) {
+      if (!run.truth[k]) continue;
+      truth.push_back(*run.truth[k]);
+      const auto of_tick = of_run.begin() + static_cast<std::ptrdiff_t>(k * features_of_tick);
+      features.insert(features.end(), of_tick, of_tick + features_of_tick);
+      if (truth.back() == Touch::none) quiet.push_back(run.ticks[k].on + run.ticks[k].off);
+    }
   }
-  for (std::size_t c = 1; c < before.size(); ++c) {
-    for (std::size_t k = 0; k < touch_count; ++k) before[c][k] += before[c - 1][k];
-  }
-  const auto threshold_at = [&](std::size_t cut) {
-    if (cut == 0) return static_cast<double>(values.front());
-    if (cut == values.size()) return static_cast<double>(values.back()) + 1;
-    return (static_cast<double>(values[cut - 1]) + static_cast<double>(values[cut])) / 2;
-  };
-
-  EventCountBaseline best;
-  std::int64_t best_right = -1;
-  for (std::size_t a = 0; a < touch_count; ++a) {
-    for (std::size_t b = 0; b < touch_count; ++b) {
-      for (std::size_t c = 0; c < touch_count; ++c) {
-        // right(i, j): a is predicted below i, b from i to j, c beyond; the best i <= j is updated as j grows.
-        std::size_t low = 0;
-        for (std::size_t high = 0; high < before.size(); ++high) {
-          if (before[high][a] - before[high][b] > before[low][a] - before[low][b]) low = high;
-          const std::int64_t right = before[low][a] + before[high][b] - before[low][b] + before.back()[c] - before[high][c];
-          if (right <= best_right) continue;
-          best_right = right;
-          best = {threshold_at(low), threshold_at(high), {all_touches[a], all_touches[b], all_touches[c]}};
-        }
+  if (quiet.empty() || truth.size() == quiet.size())
+    throw Error("baselines: no tick of a touch, or none without; expected both in the runs to learn from");
+  quiet_ = std::max(1.0, quantile(quiet, 0.5));
+  for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
+    std::vector<double> sure;
+    std::vector<bool> is_touch;
+    for (const LearnedRun& run : runs) {
+      const std::vector<double> of_run = scores(rule, run.ticks);
+      for (std::size_t k = 0; k < of_run.size(); ++k) {
+        if (run.truth[k]) sure.push_back(of_run[k]), is_touch.push_back(*run.truth[k] != Touch::none);
       }
     }
+    rules_[rule] = fit_log_odds(sure, is_touch);
   }
-  return best;
+  network_ = FeatureNetwork(features, features_of_tick, truth);
 }
 
-std::array<double, touch_count> LogisticBaseline::probabilities(const Features& features) const {
-  const Probabilities p = softmax(standardised(features, *this), weights_of(*this));
-  return {p[0], p[1], p[2]};
+std::vector<double> Baselines::scores(std::size_t rule, std::span<const TickEvents> ticks) const {
+  return rule == 0 ? event_rate_scores(ticks, tick_) : cusum_scores(ticks, quiet_);
 }
 
-Touch LogisticBaseline::verdict(const Features& features) const {
-  const auto p = probabilities(features);
-  return all_touches[static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin())];
-}
-
-LogisticBaseline fit_logistic(std::span<const Features> features, std::span<const Touch> truth, const LogisticOptions& options) {
-  check_one_each(features.size(), truth.size(), "logistic regression");
-  LogisticBaseline model;
-  standardise_by(features, model);
-  std::vector<Inputs> samples;
-  samples.reserve(features.size());
-  for (const Features& sample : features) samples.push_back(standardised(sample, model));
-
-  Weights weights = Weights::Zero();
-  double loss = loss_of(samples, truth, weights, options.ridge);
-  for (std::size_t iteration = 0; iteration < options.iterations; ++iteration) {
-    const Derivatives derivatives = derivatives_of(samples, truth, weights, options.ridge);
-    if (derivatives.gradient.lpNorm<Eigen::Infinity>() < options.tolerance) break;
-    const Vector direction = derivatives.hessian.llt().solve(derivatives.gradient);
-    // Half the step until the loss falls.
-    const Weights from = weights;
-    const auto loss_after = [&](double length) {
-      weights = from - length * Eigen::Map<const Weights>(direction.data());
-      return loss_of(samples, truth, weights, options.ridge);
-    };
-    double step = 1, stepped = loss_after(step);
-    while (!(stepped < loss) && step / 2 > 1e-10) stepped = loss_after(step /= 2);
-    if (!(stepped < loss)) {
-      weights = from;
-      break;
-    }
-    loss = stepped;
+std::vector<model::Probabilities> Baselines::predict(std::size_t baseline, std::span<const TickEvents> ticks,
+                                                     std::span<const Touch> classes) const {
+  if (baseline >= rules_.size()) return network_.predict(tick_features(ticks));
+  std::vector<model::Probabilities> probabilities;
+  const std::vector<double> of_rule = scores(baseline, ticks);
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
+    const double log_odds = rules_[baseline].of(of_rule[k]);
+    probabilities.push_back({static_cast<float>(probability_of(-log_odds)), 0, 0});
+    probabilities.back()[static_cast<std::size_t>(classes[k])] = static_cast<float>(probability_of(log_odds));
   }
-  Eigen::Map<Weights>(model.weights[0].data()) = weights;
-  return model;
+  return probabilities;
 }
 
 }  // namespace tactile::evaluation

@@ -6,7 +6,6 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <set>
 #include <tuple>
 
 #include "tactile/core/random.hpp"
@@ -296,16 +295,6 @@ std::size_t result_count(const CrossedResults& objects) {
   return count;
 }
 
-std::size_t run_count(const CrossedResults& objects) {
-  std::size_t count = 0;
-  for (const CrossedObject& cells : objects) {
-    std::set<std::size_t> runs;
-    for (const CrossedCell& cell : cells) runs.insert(cell.run);
-    count += runs.size();
-  }
-  return count;
-}
-
 std::vector<std::size_t> indexes_of(const CrossedObject& cells) {
   std::vector<std::size_t> indexes;
   for (const CrossedCell& cell : cells) indexes.push_back(cell.index);
@@ -316,28 +305,6 @@ RunsByObject all_of(const CrossedResults& objects) {
   RunsByObject all;
   for (const CrossedObject& cells : objects) all.push_back(indexes_of(cells));
   return all;
-}
-
-std::optional<results::VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
-                                                       const results::BootstrapOptions& options) {
-  Crossing crossing(objects, statistic);
-  if (crossing.count(by_object) < fewest_units) return std::nullopt;
-  const auto value = crossing.value(crossing.all());
-  if (!value) return std::nullopt;
-  const auto of_trainings = variance_over(crossing, by_training, options);
-  const auto of_objects = variance_over(crossing, by_object, options);
-  const auto of_runs = variance_over(crossing, by_run, options);
-  if (!of_trainings || !of_objects || !of_runs) return std::nullopt;
-  // Each of them also has the variances of all that varies with it: objects have those of their runs and single results.
-  const bool subtracts = crossing.count(by_training) > 1 && !of_trainings->rough && !of_objects->rough;
-  const double of_pairs = subtracts ? variance_of_both(crossing, by_object) : 0;
-  const double of_results = subtracts ? variance_of_both(crossing, by_run) : 0;
-  const double both = std::max(0.0, of_pairs - of_results);
-  const results::VarianceShares shares{std::max(0.0, of_trainings->value - of_pairs),
-                                       std::max(0.0, of_objects->value - of_runs->value - both), both, of_runs->value};
-  const double sum = shares.training + shares.object + shares.both + shares.run;
-  if (!(std::sqrt(sum) > 1e-12 * std::abs(*value))) return std::nullopt;
-  return results::VarianceShares{shares.training / sum, shares.object / sum, shares.both / sum, shares.run / sum};
 }
 
 double student_quantile(std::size_t freedom, double confidence) {

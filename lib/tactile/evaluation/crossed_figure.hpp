@@ -10,7 +10,6 @@
 
 #include "tactile/evaluation/statistic.hpp"
 #include "tactile/results/figure.hpp"
-#include "tactile/results/variance_shares.hpp"
 
 namespace tactile::evaluation {
 
@@ -50,7 +49,6 @@ RunsByObject all_of(const CrossedResults& objects);
 unsigned most_results_of_a_run(const CrossedResults& objects);
 
 std::size_t result_count(const CrossedResults& objects);
-std::size_t run_count(const CrossedResults& objects);
 
 /// The values that a figure may have; its interval stays within them.
 struct Range {
@@ -108,11 +106,6 @@ results::Figure figure_of_these_objects(const CrossedResults& objects, const Sta
 /// effect of its runs is in that of the objects. Objects without cells are passed over.
 results::Figure figure_over_objects(const CrossedResults& objects, const Statistic& statistic,
                                     const results::BootstrapOptions& options = {}, const Range& range = {});
-
-/// Where the figure's variance comes from. Nothing where fewer than three objects have cells, and where all of them give the
-/// same.
-std::optional<results::VarianceShares> variance_shares(const CrossedResults& objects, const Statistic& statistic,
-                                                       const results::BootstrapOptions& options = {});
 
 /// The value that Student's t exceeds in absolute value with the probability 1 - confidence.
 /// @param freedom  its degrees of freedom, >= 1

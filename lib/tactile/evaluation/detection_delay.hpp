@@ -5,8 +5,6 @@
 
 #include "tactile/core/ticks.hpp"
 #include "tactile/core/touch.hpp"
-#include "tactile/evaluation/crossed_figure.hpp"
-#include "tactile/results/delay_table.hpp"
 #include "tactile/results/detection.hpp"
 
 namespace tactile::evaluation {
@@ -30,28 +28,5 @@ struct DelayOptions {
 /// @throws Error  if there is not one verdict for each tick
 std::vector<results::Detection> detections_of(const TickRange& ticks, std::span<const Touch> verdicts,
                                               std::span<const TouchInterval> intervals, const DelayOptions& options = {});
-
-/// The delay of the same detection from another onset, which may be after the detection: (k - k0 + 1) * tick with k0
-/// the first tick after `onset`, zero or negative where the touch was predicted before it. Missed and early ones stay so; their
-/// limit is counted from `onset`, too.
-results::Detection counted_from(const results::Detection& detection, CameraTime onset, const TickRange& ticks);
-
-/// The delays [ms] that one class can have: from 0, unless they are counted from a later onset, to the longest time after an
-/// onset in which an interval could be detected; in steps of the shortest one of all runs, which is a tick or more.
-Range range_of_delays(std::span<const results::RunDetections> runs, Touch touch);
-
-/// The curve of detections over all runs, as `delay_table(...).curve`.
-std::vector<results::DetectedWithin> detected_within(std::span<const results::RunDetections> runs, Touch touch,
-                                                     const results::BootstrapOptions& options = {});
-
-/// Over all runs only, as `delay_table(...).all`.
-results::DelaySummary delay_summary(std::span<const results::RunDetections> runs, Touch touch,
-                                    const results::BootstrapOptions& options = {});
-results::DelayTable delay_table(std::span<const results::RunDetections> runs, Touch touch,
-                                const results::BootstrapOptions& options = {});
-
-/// The mean over these very objects of each one's mean delay, with missed and early intervals left out as in the table.
-results::Figure mean_delay_of_these_objects(std::span<const results::RunDetections> runs, Touch touch,
-                                            const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::evaluation

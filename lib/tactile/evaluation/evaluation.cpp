@@ -12,8 +12,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/ticks.hpp"
 #include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/class_scores.hpp"
-#include "tactile/evaluation/label_uncertainty.hpp"
+#include "tactile/evaluation/delay_table.hpp"
 #include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/evaluation/whole_runs.hpp"
@@ -22,68 +21,8 @@
 namespace tactile::evaluation {
 namespace {
 
-/// The results of trainings on their runs, as tables over runs take them.
-struct ScoredRuns {
-  std::vector<RunResult*> runs;
-  std::vector<results::JudgedRun> names;  ///< of each
-  const results::BootstrapOptions& bootstrap;
-
-  /// One value of each run. @param value  a member of RunResult, or a function of one
-  template <class Entry, class Value>
-  std::vector<Entry> each(Value value) const {
-    std::vector<Entry> entries;
-    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::invoke(value, *runs[i])});
-    return entries;
-  }
-
-  /// One value of each run, moved out of it: for what is large and needed once.
-  template <class Entry, class Value>
-  std::vector<Entry> taken(Value RunResult::*value) const {
-    std::vector<Entry> entries;
-    for (std::size_t i = 0; i < runs.size(); ++i) entries.push_back({names[i], std::move(runs[i]->*value)});
-    return entries;
-  }
-
-  /// @param detections  those of a RunResult, or a function that gives them
-  template <class Detections>
-  results::DetectorScore detector(Detections detections) const {
-    const auto of_runs = each<results::RunDetections>(detections);
-    return {delay_table(of_runs, Touch::press, bootstrap), delay_table(of_runs, Touch::slip, bootstrap)};
-  }
-};
-
-results::Confusion sum_of(std::span<const results::RunConfusion> runs) {
-  results::Confusion sum;
-  for (const results::RunConfusion& run : runs) sum += run.confusion;
-  return sum;
-}
-
-/// Nothing where no run has a truth.
-std::optional<results::TruthScore> truth_score(const ScoredRuns& scored, const results::OverTimeOptions& options) {
-  ScoredRuns with_truth{{}, {}, scored.bootstrap};
-  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    if (!scored.runs[i]->has_truth) continue;
-    with_truth.runs.push_back(scored.runs[i]);
-    with_truth.names.push_back(scored.names[i]);
-  }
-  if (with_truth.runs.empty()) return std::nullopt;
-  const auto confusions = with_truth.each<results::RunConfusion>(&RunResult::true_confusion);
-  const results::DetectorScore detector = with_truth.detector(&RunResult::true_detections);
-  return results::TruthScore{
-      accuracy_of(confusions, scored.bootstrap),
-      sum_of(confusions),
-      detector.press,
-      detector.slip,
-      delay_table(with_truth.each<results::RunDetections>(&RunResult::gross), Touch::slip, scored.bootstrap),
-      accuracy_over_time(with_truth.taken<RunOverTime>(&RunResult::true_over_time), options, scored.bootstrap)};
-}
-
-std::vector<microseconds> guards_beside(microseconds own) {
-  std::vector<microseconds> guards{own};
-  for (const microseconds other : {microseconds{100'000}, microseconds{0}}) {
-    if (other != own) guards.push_back(other);
-  }
-  return guards;
+results::DetectorScore detector_score(std::span<const results::Cell> cells, const results::BootstrapOptions& bootstrap) {
+  return {delay_table(cells, Touch::press, bootstrap), delay_table(cells, Touch::slip, bootstrap)};
 }
 
 results::EvaluatedModel description_of(const windows::Dataset& dataset, const ModelOnRuns& training) {
@@ -102,71 +41,77 @@ results::Evaluation description_of(const windows::Dataset& dataset, std::span<co
   const model::Classifier& first = *trainings.front().classifier;
   results::Evaluation evaluation;
   for (const ModelOnRuns& training : trainings) evaluation.models.push_back(description_of(dataset, training));
-  evaluation.dataset = dataset.file().string();
-  evaluation.manifest_hash = dataset.manifest_hash();
+  evaluation.dataset = {dataset.file().string(), dataset.manifest_hash()};
   evaluation.simulated = dataset.simulated();
   evaluation.sampling_guard = dataset.sampling().guard;
   evaluation.tick = first.rendering().tick;
   evaluation.confirm = text_of(options.confirmation);
   if (options.thresholds) evaluation.thresholds = text_of(*options.thresholds);
   evaluation.bootstrap = options.bootstrap;
-  evaluation.engine = name_of(first.engine());
+  evaluation.engine.name = name_of(first.engine());
   return evaluation;
 }
 
-/// Figures of the balanced samples.
-void add_sample_scores(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const microseconds> guards) {
-  const results::BootstrapOptions& bootstrap = scored.bootstrap;
-  evaluation.runs = scored.each<results::RunConfusion>(&RunResult::confusion);
-  evaluation.accuracy = accuracy_of(evaluation.runs, bootstrap);
-  evaluation.confusion = sum_of(evaluation.runs);
-  evaluation.classes = class_scores_of(evaluation.runs, bootstrap);
-  evaluation.calibration = calibration_of(scored.each<RunReliability>(&RunResult::reliability), bootstrap);
-  evaluation.whole_run_calibration = calibration_of(scored.each<RunReliability>(&RunResult::every_tick), bootstrap);
-  for (std::size_t i = 0; i < guards.size(); ++i) {
-    const auto of_guard = scored.each<results::RunConfusion>([i](const RunResult& run) { return run.by_guard[i]; });
-    evaluation.guards.push_back({guards[i], accuracy_of(of_guard, bootstrap),
-                                 accuracy_difference(evaluation.runs, of_guard, bootstrap), sum_of(of_guard)});
-  }
+/// What all trainings gave.
+struct Scores {
+  std::vector<results::Cell> cells;                               // of whole runs
+  std::vector<results::Cell> by_labels, by_truth;                 // of runs with samples, as they were decided
+  std::array<std::vector<results::Cell>, trivial_count> trivial;  // by labels
+  bool has_baselines = true;                                      // of each training
+  std::vector<RunReliability> samples, every_tick;
+  std::uint64_t ticks = 0, close_ticks = 0;
+};
+
+void add(Scores& scores, RunResult& run, std::size_t training) {
+  run.by_labels.training = training;
+  const results::JudgedRun name = run.by_labels;
+  const auto take = [&](std::vector<results::Cell>& list, results::Cell& cell) {
+    cell.training = training;
+    list.push_back(std::move(cell));
+  };
+  for (results::Cell& cell : run.cells) take(scores.cells, cell);
+  if (run.by_truth) take(scores.by_truth, *run.by_truth);
+  for (std::size_t i = 0; i < trivial_count; ++i) take(scores.trivial[i], run.trivial[i]);
+  scores.samples.push_back({name, run.reliability});
+  scores.every_tick.push_back({name, run.every_tick});
+  scores.ticks += run.ticks;
+  scores.close_ticks += run.close_ticks;
+  take(scores.by_labels, run.by_labels);
 }
 
-/// How much of the figures depends on where labels are.
-void add_label_scores(results::Evaluation& evaluation, const ScoredRuns& scored) {
-  std::vector<RunByDrawnLabels> by_draws;
-  for (std::size_t i = 0; i < scored.runs.size(); ++i) {
-    RunResult& run = *scored.runs[i];
-    by_draws.push_back({scored.names[i], {run.confusion, run.detections}, std::move(run.by_drawn_labels)});
-  }
-  evaluation.label_uncertainty = label_uncertainty(by_draws, scored.bootstrap);
-}
-
-std::vector<results::BaselineScore> baselines_of(const ScoredRuns& scored) {
-  std::vector<std::optional<BaselineConfusions>> confusions;
-  for (const RunResult* run : scored.runs) confusions.push_back(run->baselines);
-  return baseline_scores(confusions, scored.names, scored.bootstrap);
+std::map<std::string, std::vector<results::Cell>> cells_by_setting(std::span<const results::Cell> cells) {
+  std::map<std::string, std::vector<results::Cell>> by_setting;
+  for (const results::Cell& cell : cells) by_setting[cell.setting].push_back(cell);
+  return by_setting;
 }
 
 /// All figures. They do not depend on each other, and threads share them: drawing runs again takes most of their time.
-void add_figures(results::Evaluation& evaluation, const ScoredRuns& scored, std::span<const results::Cell> cells,
-                 std::span<const microseconds> guards, const EvaluationOptions& options) {
-  for (const RunResult* run : scored.runs) evaluation.ticks += run->ticks, evaluation.close_ticks += run->close_ticks;
-  evaluation.detections = scored.each<results::RunDetections>(&RunResult::detections);
+void add_figures(results::Evaluation& evaluation, const Scores& scores, const EvaluationOptions& options) {
+  const results::BootstrapOptions& bootstrap = options.bootstrap;
   const unsigned threads = threads_or_all(options.threads);
-  std::vector<std::function<void()>> figures{[&] { evaluation.whole_runs = whole_runs(cells, threads, scored.bootstrap); },
-                                             [&] { add_label_scores(evaluation, scored); },
-                                             [&] { add_sample_scores(evaluation, scored, guards); },
-                                             [&] { evaluation.truth = truth_score(scored, options.over_time); },
-                                             [&] { evaluation.network = scored.detector(&RunResult::detections); },
-                                             [&] { evaluation.baselines = baselines_of(scored); },
-                                             [&] {
-                                               evaluation.over_time =
-                                                   accuracy_over_time(scored.taken<RunOverTime>(&RunResult::over_time),
-                                                                      options.over_time, scored.bootstrap);
-                                             }};
-  for (std::size_t i = 0; i < trivial_count; ++i) {
-    figures.emplace_back([&scored, i, &into = evaluation.trivial[trivial_names[i]]] {
-      into = scored.detector([i](const RunResult& run) { return run.trivial[i]; });
+  const std::map<std::string, std::vector<results::Cell>> by_setting = cells_by_setting(scores.cells);
+  std::vector<std::function<void()>> figures{
+      [&] { evaluation.whole_runs = whole_runs(by_setting.at(evaluation.models.front().name), threads, bootstrap); },
+      [&] { evaluation.accuracy = accuracy_of(scores.by_labels, bootstrap); },
+      [&] { evaluation.confusion = confusion_of(scores.by_labels); },
+      [&] { evaluation.network = detector_score(scores.by_labels, bootstrap); },
+      [&] { evaluation.calibration = calibration_of(scores.samples, bootstrap); },
+      [&] { evaluation.whole_run_calibration = calibration_of(scores.every_tick, bootstrap); }};
+  if (!scores.by_truth.empty()) {
+    figures.emplace_back([&] {
+      const auto [press, slip] = detector_score(scores.by_truth, bootstrap);
+      evaluation.truth = {accuracy_of(scores.by_truth, bootstrap), confusion_of(scores.by_truth), {press, slip}};
     });
+  }
+  for (std::size_t i = 0; i < trivial_count; ++i) {
+    figures.emplace_back(
+        [&, i, &into = evaluation.trivial[trivial_names[i]]] { into = detector_score(scores.trivial[i], bootstrap); });
+  }
+  if (scores.has_baselines) {
+    for (const char* name : baseline_names) {
+      figures.emplace_back(
+          [&, name, &into = evaluation.baselines[name]] { into = baseline_of(by_setting.at(name), threads, bootstrap); });
+    }
   }
   parallel_for(figures.size(), threads, [&](std::size_t i) { figures[i](); });
 }
@@ -201,48 +146,60 @@ ProgressCallback part_of(const ProgressCallback& progress, double from, double t
   };
 }
 
-/// One training on all of its runs.
-struct JudgedTraining {
-  std::vector<RunResult> runs;  ///< those with samples; their cells are in `cells`
-  std::vector<results::Cell> cells;
-  std::vector<results::LeftOutRun> left_out;
-};
+/// Runs with samples that no training may be judged on for another reason than that it learned from them.
+void add_calibration_runs(std::vector<results::LeftOutRun>& left_out, const windows::Dataset& dataset,
+                          const ModelOnRuns& training) {
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    if (std::find(training.runs.begin(), training.runs.end(), run) == training.runs.end() &&
+        model::fitted_on(training.classifier->temperature(), dataset.runs()[run]))
+      left_out.push_back({name_of(dataset.runs()[run]), "the model's temperature was fitted on it"});
+  }
+}
 
-/// @param ticks  of the runs with samples
-JudgedTraining judge_training(const windows::Dataset& dataset, const ModelOnRuns& training, const EvaluationOptions& options,
-                              const std::vector<microseconds>& guards, std::uint64_t ticks, const ProgressCallback& progress) {
-  constexpr double share_of_baselines = 0.05;
-  const unsigned threads = threads_or_all(options.threads);
-  const model::Classifier& classifier = *training.classifier;
-  std::optional<FittedBaselines> baselines;
-  const BaselineSamples samples = training_samples(dataset, classifier, threads, part_of(progress, 0, share_of_baselines));
-  if (!samples.truth.empty()) baselines.emplace(samples);
-  const RunScoring scoring{dataset, classifier, options, guards, decision_of(options), baselines};
-  const OtherRuns others = other_runs(
-      dataset, training.runs, [&](const RunFolder& run) { return model::learned_from(classifier.model(), run.events()); });
-  JudgedTraining judged{std::vector<RunResult>(training.runs.size()), {}, others.left_out};
+/// Calls `work` for each run with samples, and judges the others beside.
+JudgedTraining judge_runs(const RunScoring& scoring, const ModelOnRuns& training, std::uint64_t ticks,
+                          const ProgressCallback& progress,
+                          const std::function<void(std::size_t, const std::function<void(std::size_t)>&)>& work) {
+  const unsigned threads = threads_or_all(scoring.options.threads);
+  const OtherRuns others = other_runs(scoring.dataset, training.runs, training.classifier->model());
+  JudgedTraining judged{.cells = {}, .left_out = others.left_out};
+  add_calibration_runs(judged.left_out, scoring.dataset, training);
   std::vector<std::vector<results::Cell>> cells(others.runs.size());
   std::vector<std::string> why_not(others.runs.size());
-  for_full_runs(
-      dataset, training.runs, ticks, threads, part_of(progress, share_of_baselines, 1),
-      [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
-        judged.runs[i] = score_run(scoring, training.runs[i], threads, advance);
-      },
-      others.runs.size(),
-      [&](std::size_t i) {
-        try {
-          cells[i] = judge_other_run(scoring, others.runs[i], threads);
-        } catch (const Error& error) {  // the runs with samples are judged all the same
-          why_not[i] = error.what();
-        }
-      });
+  for_full_runs(scoring.dataset, training.runs, ticks, threads, progress, work, others.runs.size(), [&](std::size_t i) {
+    try {
+      cells[i] = judge_whole_run(scoring, others.runs[i], {}, threads);
+    } catch (const Error& error) {  // the runs with samples are judged all the same
+      why_not[i] = error.what();
+    }
+  });
   for (std::size_t i = 0; i < why_not.size(); ++i) {
     if (!why_not[i].empty()) judged.left_out.push_back({others.runs[i].name(), why_not[i]});
+    judged.cells.insert(judged.cells.end(), cells[i].begin(), cells[i].end());
   }
-  for (RunResult& run : judged.runs) cells.push_back(std::move(run.cells));
-  for (std::vector<results::Cell>& of_run : cells)
-    judged.cells.insert(judged.cells.end(), std::make_move_iterator(of_run.begin()), std::make_move_iterator(of_run.end()));
   return judged;
+}
+
+/// Adds one training on all of its runs. @param ticks  of the runs with samples
+void score_training(Scores& scores, std::vector<results::LeftOutRun>& left_out, const RunScoring& scoring,
+                    const ModelOnRuns& training, std::size_t number, std::uint64_t ticks, const ProgressCallback& progress) {
+  const unsigned threads = threads_or_all(scoring.options.threads);
+  const FittedBaselines fitted = fit_baselines(scoring.dataset, scoring.classifier, threads);
+  scores.has_baselines = scores.has_baselines && fitted.baselines;
+  if (!fitted.why_not.empty()) left_out.push_back({"", fitted.why_not});
+  const RunScoring with_baselines{scoring.dataset, scoring.classifier, scoring.options,
+                                  fitted.baselines ? &*fitted.baselines : nullptr};
+  std::vector<RunResult> runs(training.runs.size());
+  JudgedTraining others =
+      judge_runs(with_baselines, training, ticks, progress, [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
+        runs[i] = score_run(with_baselines, training.runs[i], threads, advance);
+      });
+  for (results::Cell& cell : others.cells) {
+    cell.training = number;
+    scores.cells.push_back(std::move(cell));
+  }
+  left_out.insert(left_out.end(), others.left_out.begin(), others.left_out.end());
+  for (RunResult& run : runs) add(scores, run, number);
 }
 
 }  // namespace
@@ -260,34 +217,44 @@ Evaluated evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns>
                    const ProgressCallback& progress) {
   check_alike(trainings);
   for (const ModelOnRuns& training : trainings) check_fits(dataset, *training.classifier, options);
-  Evaluated evaluated{.evaluation = description_of(dataset, trainings, options), .cells = {}};
-  results::Evaluation& evaluation = evaluated.evaluation;
-  const std::vector<microseconds> sampling_guards = guards_beside(evaluation.sampling_guard);
-  std::vector<RunResult> runs;
-  ScoredRuns scored{{}, {}, options.bootstrap};
-  std::vector<results::LeftOutRun> left_out;
   // A run folder that has changed is reported before other work begins.
   std::vector<std::uint64_t> ticks;
   for (const ModelOnRuns& training : trainings)
     ticks.push_back(ticks_of_unchanged(dataset, *training.classifier, training.runs, threads_or_all(options.threads)));
+  Scores scores;
+  std::vector<results::LeftOutRun> left_out;
+  results::Evaluation evaluation = description_of(dataset, trainings, options);
   for (std::size_t k = 0; k < trainings.size(); ++k) {
     const double each = 1 / static_cast<double>(trainings.size()), before = each * static_cast<double>(k);
-    JudgedTraining judged =
-        judge_training(dataset, trainings[k], options, sampling_guards, ticks[k], part_of(progress, before, before + each));
-    for (const std::uint32_t run : trainings[k].runs)
-      scored.names.push_back({dataset.runs()[run].object, dataset.runs()[run].run, k});
-    std::move(judged.runs.begin(), judged.runs.end(), std::back_inserter(runs));
-    left_out.insert(left_out.end(), judged.left_out.begin(), judged.left_out.end());
-    for (results::Cell& cell : judged.cells) {
-      cell.training = k;
-      cell.setting = evaluation.models.front().name;
-      evaluated.cells.push_back(std::move(cell));
-    }
+    score_training(scores, left_out, {dataset, *trainings[k].classifier, options}, trainings[k], k, ticks[k],
+                   part_of(progress, before, before + each));
   }
-  for (RunResult& run : runs) scored.runs.push_back(&run);
-  add_figures(evaluation, scored, evaluated.cells, sampling_guards, options);
+  for (results::Cell& cell : scores.cells) {
+    if (cell.setting.empty()) cell.setting = evaluation.models.front().name;
+  }
+  evaluation.engine.ticks = scores.ticks;
+  evaluation.engine.close_ticks = scores.close_ticks;
+  add_figures(evaluation, scores, options);
   evaluation.whole_runs.left_out = each_once(std::move(left_out));
-  return evaluated;
+  return {std::move(evaluation), std::move(scores.cells)};
+}
+
+JudgedTraining judge_whole_runs(const windows::Dataset& dataset, const ModelOnRuns& training, bool with_baselines,
+                                const EvaluationOptions& options, const ProgressCallback& progress) {
+  check_fits(dataset, *training.classifier, options);
+  const unsigned threads = threads_or_all(options.threads);
+  FittedBaselines fitted;
+  if (with_baselines) fitted = fit_baselines(dataset, *training.classifier, threads);
+  const RunScoring scoring{dataset, *training.classifier, options, fitted.baselines ? &*fitted.baselines : nullptr};
+  std::vector<std::vector<results::Cell>> cells(training.runs.size());
+  JudgedTraining judged =
+      judge_runs(scoring, training, ticks_of_unchanged(dataset, *training.classifier, training.runs, threads), progress,
+                 [&](std::size_t i, const std::function<void(std::size_t)>& advance) {
+                   cells[i] = judge_whole_run(scoring, folder_of(dataset, training.runs[i]), training.runs[i], threads, advance);
+                 });
+  for (const std::vector<results::Cell>& of_run : cells) judged.cells.insert(judged.cells.end(), of_run.begin(), of_run.end());
+  if (!fitted.why_not.empty()) judged.left_out.push_back({"", fitted.why_not});
+  return judged;
 }
 
 Evaluated evaluate(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> test_runs,

@@ -7,7 +7,6 @@
 
 #include "tactile/core/confirmation.hpp"
 #include "tactile/core/progress.hpp"
-#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/detection_delay.hpp"
 #include "tactile/model/inference/classifier.hpp"
 #include "tactile/model/inference/two_thresholds.hpp"
@@ -22,7 +21,6 @@ struct EvaluationOptions {
   Confirmation confirmation{};
   std::optional<model::TwoThresholds> thresholds = std::nullopt;  ///< which then replace the confirmation
   DelayOptions delay{};
-  results::OverTimeOptions over_time{};
   results::BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it
 
@@ -64,12 +62,22 @@ Evaluated evaluate(const windows::Dataset& dataset, std::span<const ModelOnRuns>
 Evaluated evaluate(const windows::Dataset& dataset, const model::Classifier& classifier, std::span<const std::uint32_t> test_runs,
                    const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
-/// The network's predictions on the balanced samples of these runs, one entry for each run: from the dataset's heatmaps, or from
-/// every tick of the run folders where verdicts are confirmed or by thresholds.
+/// What one training says on its runs.
+struct JudgedTraining {
+  std::vector<results::Cell> cells;
+  std::vector<results::LeftOutRun> left_out;
+};
+
+/// Judges a training on whole runs, as `Evaluation::whole_runs`: the cells of each run as they were decided and along the curve
+/// of thresholds, and with `baselines` those of the baselines. Only these have a setting, their name. @throws Error as `evaluate`
+JudgedTraining judge_whole_runs(const windows::Dataset& dataset, const ModelOnRuns& training, bool baselines,
+                                const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
+
+/// Judges a training on the balanced samples of its runs: a cell for each run that has nothing else. They are read from the
+/// dataset's heatmaps, or from every tick of the run folders where verdicts are confirmed or by thresholds.
 /// @throws Error as `evaluate`
-std::vector<results::RunConfusion> sample_confusions(const windows::Dataset& dataset, const model::Classifier& classifier,
-                                                     std::span<const std::uint32_t> runs, const EvaluationOptions& options = {},
-                                                     const ProgressCallback& progress = {});
+std::vector<results::Cell> judge_samples(const windows::Dataset& dataset, const ModelOnRuns& training,
+                                         const EvaluationOptions& options = {}, const ProgressCallback& progress = {});
 
 /// One training with some objects and one without them, and runs of these objects that neither model was trained on.
 struct UnseenPair {

@@ -39,8 +39,7 @@ void classify_heatmaps(events::RecordingReader& reader, const events::Stream& st
     waiting.clear();
     if (options.advance) options.advance(logits.size());
   };
-  const auto use = [&](CameraTime t, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
-    if (options.see) options.see(t, heatmap, events);
+  const auto use = [&](CameraTime, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
     run.events.push_back(events);
     waiting.insert(waiting.end(), heatmap.begin(), heatmap.end());
     if (waiting.size() >= batch * heatmap.size()) classify_waiting();

@@ -16,7 +16,6 @@ namespace tactile::evaluation {
 struct FullRunOptions {
   unsigned threads = 1;                                 ///< to classify on, > 0; the verdicts do not depend on it
   std::function<void(std::size_t ticks)> advance = {};  ///< called after each batch with its number of ticks; may be empty
-  heatmaps::TickCallback see = {};                      ///< called with each rendered tick of a model that reads heatmaps
   std::optional<microseconds> tick = std::nullopt;      ///< instead of the model's own
   heatmaps::ChangeEvents change = {};                   ///< changes the events first; the ticks stay those of the recording
 };

@@ -1,5 +1,7 @@
 #include "tactile/evaluation/other_runs.hpp"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <set>
 #include <string>
@@ -9,6 +11,7 @@
 #include "tactile/core/json.hpp"
 #include "tactile/core/runs_below.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/events/simulated_recording.hpp"
 #include "tactile/model/training/train_model.hpp"
 
@@ -18,13 +21,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Why nothing can be judged by the run; empty if something can.
-std::string why_not_judged(const RunFolder& run, bool simulated, bool include_flagged) {
+std::string why_not_judged(const RunFolder& run, const windows::Dataset& dataset, bool include_flagged) {
   try {
+    const bool simulated = dataset.simulated();
     if (events::is_simulated(run) != simulated) return simulated ? "it is real, the others are simulated" : "it is simulated";
     const RunTruth truth = read_run_truth(run, include_flagged);
     if (!truth.is_known()) return "it has no labels; 'tactile label' makes them";
     if (!truth.has_truth && truth.run_is_flagged && !include_flagged)
       return "its labels are in doubt as a whole; 'tactile label --confirm' accepts them";
+    const events::RecordingReader reader(run.events());
+    const events::SensorSize size = dataset.sensor();
+    if (events::event_stream(reader).size != size)
+      return fmt::format("its sensor is not of {} x {} pixels, as that of the others", size.width, size.height);
   } catch (const Error& error) {
     return sentence_of(error);
   }
@@ -37,37 +45,43 @@ bool includes_flagged(const windows::Dataset& dataset) {
   return member<bool>(dataset.settings(), "include_flagged", dataset.file().string());
 }
 
-OtherRuns other_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> judged,
+OtherRuns other_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> judged, const windows::SplitOptions& split,
                      const std::function<bool(const RunFolder&)>& is_known) {
   const bool include_flagged = includes_flagged(dataset);
-  std::set<std::string> objects;
+  std::set<std::string> objects(split.held_out.begin(), split.held_out.end());
   std::set<fs::path> folders, known;
   for (const std::uint32_t run : judged) {
     objects.insert(dataset.runs()[run].object);
-    const fs::path folder = fs::weakly_canonical(dataset.run_folder(run));
-    folders.insert(folder.parent_path().parent_path());
-    known.insert(folder);
+    known.insert(fs::weakly_canonical(dataset.run_folder(run)));
   }
   for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
-    if (!model::samples_of_runs(dataset, {&run, 1}).empty()) known.insert(fs::weakly_canonical(dataset.run_folder(run)));
+    const fs::path folder = fs::weakly_canonical(dataset.run_folder(run));
+    folders.insert(folder.parent_path().parent_path());
+    if (!model::samples_of_runs(dataset, {&run, 1}).empty()) known.insert(folder);
   }
   OtherRuns others;
   for (const fs::path& folder : folders) {
     const RunsBelow below = look_for_runs(folder);
     for (const std::vector<std::string>* sentences : {&below.misnamed, &below.unreadable}) {
-      for (const std::string& sentence : *sentences) others.left_out.push_back({folder.filename().string(), sentence});
+      for (const std::string& sentence : *sentences) others.left_out.push_back({"", sentence});
     }
     for (const RunFolder& run : below.runs) {
-      if (!objects.contains(run.object) || known.contains(fs::weakly_canonical(run.folder))) continue;
-      if (is_known && is_known(run)) continue;
-      if (const std::string why = why_not_judged(run, dataset.simulated(), include_flagged); !why.empty()) {
+      const bool is_tested = split.kind == windows::SplitKind::single_run || objects.contains(run.object);
+      if (!is_tested || known.contains(fs::weakly_canonical(run.folder))) continue;
+      if (const std::string why = why_not_judged(run, dataset, include_flagged); !why.empty()) {
         others.left_out.push_back({run.name(), why});
-      } else {
+      } else if (!is_known || !is_known(run)) {
         others.runs.push_back(run);
       }
     }
   }
   return others;
+}
+
+OtherRuns other_runs(const windows::Dataset& dataset, std::span<const std::uint32_t> judged,
+                     const model::ModelDescription& model) {
+  return other_runs(dataset, judged, model.settings.split,
+                    [&](const RunFolder& run) { return model::learned_from(model, run.events()); });
 }
 
 }  // namespace tactile::evaluation

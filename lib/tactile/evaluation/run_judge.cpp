@@ -12,6 +12,8 @@ constexpr microseconds again_after{500'000};  // an episode counts again for eac
 constexpr microseconds echo{100'000};         // what ended within it may still be the cause of an alarm
 constexpr microseconds lift_time{500'000};    // from the start of a lift; gross slip comes some 20 ms after the first shear
 
+constexpr microseconds first_part{500'000}, last_part{200'000};  // of a touch, as in figure 10 of the paper
+
 /// How often an episode counts that was outside of touches for a time.
 std::uint64_t counts_of(bool begins_here, microseconds outside) {
   if (!begins_here) return static_cast<std::uint64_t>(outside / again_after);
@@ -47,16 +49,19 @@ std::vector<Episode> episodes_in(std::span<const Touch> verdicts) {
   return episodes;
 }
 
-Course course_of(const RunTruth& truth) {
+Course course_by_labels(const RunTruth& truth) {
   Course course;
-  course.by_truth = truth.has_truth;
-  if (!truth.has_truth) {
-    for (const windows::SampledInterval& label : truth.labels)
-      (label.used ? course.touches : course.in_doubt).push_back(label.interval);
-    course.gross.resize(course.touches.size());
-    for (const TouchInterval& release : truth.releases) course.motions.push_back({release, "release"});
-    return course;
-  }
+  for (const windows::SampledInterval& label : truth.labels)
+    (label.used ? course.touches : course.in_doubt).push_back(label.interval);
+  course.gross.resize(course.touches.size());
+  for (const TouchInterval& release : truth.releases) course.motions.push_back({release, "release"});
+  return course;
+}
+
+Course course_of(const RunTruth& truth) {
+  if (!truth.has_truth) return course_by_labels(truth);
+  Course course;
+  course.by_truth = true;
   course.touches = truth.true_ones;
   course.gross = truth.gross;
   for (std::size_t i = 0; i < truth.unlabelled.size(); ++i)
@@ -121,6 +126,21 @@ void RunJudge::add_alarms(results::Cell& cell, const Episode& episode, std::span
     cell.alarms[cause_at(ticks_.at(first_outside.value_or(episode.first)))] += alarms;
 }
 
+void RunJudge::add_right_ticks(results::Cell& cell, std::span<const Touch> verdicts) const {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (places_[i] != Place::in_touch) continue;
+    const CameraTime t = ticks_.at(static_cast<std::int64_t>(i));
+    const TouchInterval& touch =
+        *std::find_if(course_.touches.begin(), course_.touches.end(), [t](const TouchInterval& one) { return one.contains(t); });
+    const auto add = [&](results::TickCount& counts) {
+      ++counts.ticks;
+      counts.right += verdicts[i] == touch.touch ? 1 : 0;
+    };
+    if (between(touch.start, t) <= first_part) add(cell.first);
+    if (between(touch.start, touch.end) > last_part) add(between(t, touch.end) < last_part ? cell.last : cell.before_last);
+  }
+}
+
 results::Cell RunJudge::judged(std::span<const Touch> verdicts) const {
   const std::vector<results::Detection> detections = detections_of(ticks_, verdicts, course_.touches, options_);
   results::Cell cell;
@@ -139,6 +159,7 @@ results::Cell RunJudge::judged(std::span<const Touch> verdicts) const {
   }
   cell.outside_s = in_s(ticks_.tick * outside);
   cell.in_alarm_s = in_s(ticks_.tick * in_alarm);
+  add_right_ticks(cell, verdicts);
   if (course_.lift_without_slip) cell.false_slips = 0;
   for (const Episode& episode : episodes_in(verdicts)) {
     const CameraTime first = ticks_.at(episode.first);
@@ -150,7 +171,7 @@ results::Cell RunJudge::judged(std::span<const Touch> verdicts) const {
         !is_of_its_touch && std::any_of(course_.touches.begin(), course_.touches.end(), [&](const TouchInterval& touch) {
           return touch.touch != episode.touch && touch.contains(first);
         });
-    if (cell.false_slips && episode.touch == Touch::slip && first > *course_.lift_without_slip &&
+    if (cell.false_slips && episode.touch == Touch::slip && ticks_.at(episode.last) > *course_.lift_without_slip &&
         first <= after(*course_.lift_without_slip, lift_time))
       ++*cell.false_slips;
   }
@@ -168,7 +189,7 @@ std::span<const double> curve_thresholds() {
 
 std::vector<results::Cell> judged_along_curve(const RunJudge& judge, microseconds tick, std::span<const Touch> verdicts,
                                               std::span<const model::Probabilities> probabilities,
-                                              const model::TwoThresholds& thresholds) {
+                                              const std::optional<model::TwoThresholds>& thresholds) {
   std::vector<results::Cell> cells{judge.judged(verdicts)};
   std::vector<Touch> others(verdicts.size());
   for (const double threshold : curve_thresholds()) {
@@ -178,8 +199,9 @@ std::vector<results::Cell> judged_along_curve(const RunJudge& judge, microsecond
     cells.push_back(judge.judged(others));
     cells.back().threshold = threshold;
   }
+  if (!thresholds) return cells;
   const auto add_confirmed = [&](double confirmed, std::optional<double> threshold) {
-    model::TwoThresholds settings = thresholds;
+    model::TwoThresholds settings = *thresholds;
     settings.confirmed = confirmed;
     model::ThresholdDecision decision(settings, tick);
     std::transform(probabilities.begin(), probabilities.end(), others.begin(), [&](const model::Probabilities& of_tick) {
@@ -191,9 +213,9 @@ std::vector<results::Cell> judged_along_curve(const RunJudge& judge, microsecond
     cell.confirmed = true;
     cell.threshold = threshold;
   };
-  add_confirmed(thresholds.confirmed, {});
+  add_confirmed(thresholds->confirmed, {});
   for (const double threshold : curve_thresholds()) {
-    if (threshold >= thresholds.on) add_confirmed(threshold, threshold);
+    if (threshold >= thresholds->on) add_confirmed(threshold, threshold);
   }
   return cells;
 }

@@ -42,6 +42,9 @@ struct Course {
 /// By the truth of a simulated run, which knows all motion; else by the labels, which know touches and releases.
 Course course_of(const RunTruth& truth);
 
+/// By the labels, also where there is a truth.
+Course course_by_labels(const RunTruth& truth);
+
 /// Judges detectors on a run, whole.
 ///
 /// **Delay, miss, early**: as `detections_of`, of all touches that are not in doubt.
@@ -59,7 +62,9 @@ Course course_of(const RunTruth& truth);
 /// **Wrong class**: an episode whose first tick is in a touch of the other class. One that detects the touch behind it by a head
 /// start, or made it early, is none.
 ///
-/// **False slips**: episodes of slip that begin in the first 500 ms of a lift without slip.
+/// **False slips**: episodes of slip with a tick in the first 500 ms of a lift without slip.
+///
+/// **Right ticks**: the class of the touch, in its first 500 ms; of touches longer than 200 ms, in their last 200 ms and before.
 class RunJudge {
  public:
   /// @param ticks  the run's full ticks
@@ -74,6 +79,7 @@ class RunJudge {
 
   bool is_outside(std::int64_t tick) const { return places_[static_cast<std::size_t>(tick)] == Place::outside; }
   std::string cause_at(CameraTime t) const;
+  void add_right_ticks(results::Cell& cell, std::span<const Touch> verdicts) const;
   void add_alarms(results::Cell& cell, const Episode& episode, std::span<const results::Detection> detections) const;
 
   TickRange ticks_;
@@ -86,13 +92,13 @@ class RunJudge {
 /// in steps of a half. The other threshold keeps its distance.
 std::span<const double> curve_thresholds();
 
-/// The run judged by its verdicts, and at each of `curve_thresholds()`; its confirmed slips by `thresholds`, and confirmed from
-/// each of the curve's thresholds that are no lower than `thresholds.on`.
+/// The run judged by its verdicts, and at each of `curve_thresholds()`. With `thresholds`, also its confirmed slips: by them, and
+/// confirmed from each of the curve's thresholds that are no lower than their `on`.
 /// @param verdicts       as they were decided
 /// @param probabilities  of each tick
 /// @return               the cell of the verdicts first
 std::vector<results::Cell> judged_along_curve(const RunJudge& judge, microseconds tick, std::span<const Touch> verdicts,
                                               std::span<const model::Probabilities> probabilities,
-                                              const model::TwoThresholds& thresholds = {});
+                                              const std::optional<model::TwoThresholds>& thresholds = {});
 
 }  // namespace tactile::evaluation

@@ -47,6 +47,7 @@ RunPrediction predict_run(const RunFolder& run, const model::Classifier& classif
   prediction.detections = detections_of(ticks, prediction.verdicts, truth.used(), options.delay);
   if (truth.has_truth) prediction.true_detections = detections_of(ticks, prediction.verdicts, truth.true_ones, options.delay);
   prediction.judged = RunJudge(ticks, course_of(truth), options.delay).judged(prediction.verdicts);
+  prediction.judged.world = truth.world;
   prediction.judged.object = run.object;
   prediction.judged.run = run.run;
   return prediction;

@@ -14,6 +14,8 @@
 #include "tactile/evaluation/full_run.hpp"
 #include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_truth.hpp"
+#include "tactile/events/recording_reader.hpp"
+#include "tactile/heatmaps/run_heatmaps.hpp"
 #include "tactile/model/definition/model_network.hpp"
 #include "tactile/model/training/train_model.hpp"
 
@@ -28,102 +30,117 @@ std::vector<Touch> trivial_verdicts(std::size_t detector, std::size_t count, std
   return verdicts;
 }
 
-/// The samples that the dataset would have of this run by another guard; by its own, those that it has.
-std::vector<windows::Sample> samples_by_guard(const windows::Dataset& dataset, std::uint32_t run, const RunTruth& truth,
-                                              const TickRange& ticks, microseconds history, microseconds guard) {
-  if (guard == dataset.sampling().guard) return samples_in(dataset, run);
-  windows::SamplingOptions options = dataset.sampling();
-  options.guard = guard;
-  return samples_by(options, run, folder_of(dataset, run), truth.labels, truth, ticks, history);
-}
-
 /// A run with what the model predicts, and what is true.
 struct ClassifiedRun {
-  std::uint32_t index = 0;  ///< in the dataset
-  std::string name;
-  std::vector<windows::Sample> samples;  ///< balanced, ascending in time
+  RunFolder folder;
+  std::vector<windows::Sample> samples{};  ///< balanced, ascending in time; none of a run that the dataset has none of
   results::FullRun full{};
   std::vector<Touch> verdicts{};  ///< as decided
   RunTruth truth{};
 
-  std::size_t tick_of(const windows::Sample& sample) const { return place_of(sample, full.ticks, name); }
+  std::size_t tick_of(const windows::Sample& sample) const { return place_of(sample, full.ticks, folder.name()); }
 };
 
-void score_samples(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
-  for (const windows::Sample& sample : run.samples) {
-    const std::size_t k = run.tick_of(sample);
-    result.confusion.add(sample.touch, run.verdicts[k]);
-    if (run.truth.has_truth) result.true_confusion.add(touch_at(sample.t, run.truth.true_ones), run.verdicts[k]);
-  }
-  const microseconds history = scoring.classifier.rendering().history;
-  for (const microseconds guard : scoring.sampling_guards) {
-    results::Confusion confusion;
-    for (const windows::Sample& sample : samples_by_guard(scoring.dataset, run.index, run.truth, run.full.ticks, history, guard))
-      confusion.add(sample.touch, run.verdicts[run.tick_of(sample)]);
-    result.by_guard.push_back(confusion);
-  }
+/// A cell with the run's name and the confusion of verdicts. @param intervals  give samples the class of their tick; null: their
+/// own
+void complete(results::Cell& cell, const ClassifiedRun& run, std::span<const Touch> verdicts,
+              const std::vector<TouchInterval>* intervals = nullptr) {
+  cell.world = run.truth.world;
+  cell.object = run.folder.object;
+  cell.run = run.folder.run;
+  for (const windows::Sample& sample : run.samples)
+    cell.samples.add(intervals == nullptr ? sample.touch : touch_at(sample.t, *intervals), verdicts[run.tick_of(sample)]);
 }
 
-void score_ticks(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
-  const EvaluationOptions& options = scoring.options;
-  const std::vector<TouchInterval> labelled = run.truth.used();
-  result.detections = detections_of(run.full.ticks, run.verdicts, labelled, options.delay);
-  for (std::size_t i = 0; i < trivial_count; ++i)
-    result.trivial[i] = detections_of(run.full.ticks, trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.name),
-                                      labelled, options.delay);
-  std::vector<TouchInterval> elsewhere = run.truth.all_labelled();
-  elsewhere.insert(elsewhere.end(), run.truth.releases.begin(), run.truth.releases.end());
-  elsewhere.insert(elsewhere.end(), run.truth.unlabelled.begin(), run.truth.unlabelled.end());
-  result.over_time = over_time_of(run.full.ticks, run.verdicts, labelled, options.over_time, elsewhere);
-}
-
-/// Named by the run; world and training stay empty.
-std::vector<results::Cell> cells_of(const ClassifiedRun& run, const RunFolder& folder, const RunScoring& scoring) {
-  const RunJudge judge(run.full.ticks, course_of(run.truth), scoring.options.delay);
-  std::vector<results::Cell> cells = judged_along_curve(judge, run.full.ticks.tick, run.verdicts, run.full.probabilities,
-                                                        scoring.options.thresholds.value_or(model::TwoThresholds{}));
+/// Cells along the curve, with the run's name; the first, which is as decided, has the samples.
+void add_cells(std::vector<results::Cell>& all, const ClassifiedRun& run, std::vector<results::Cell> cells,
+               std::span<const Touch> verdicts, const std::string& setting) {
+  complete(cells.front(), run, verdicts);
   for (results::Cell& cell : cells) {
-    cell.world = run.truth.world;
-    cell.object = folder.object;
-    cell.run = folder.run;
+    cell.world = cells.front().world, cell.object = cells.front().object, cell.run = cells.front().run;
+    cell.setting = setting;
+    all.push_back(cell);
   }
-  for (const windows::Sample& sample : run.samples) cells.front().samples.add(sample.touch, run.verdicts[run.tick_of(sample)]);
+}
+
+std::vector<results::Cell> cells_of(const ClassifiedRun& run, const RunScoring& scoring) {
+  const EvaluationOptions& options = scoring.options;
+  const TickRange& ticks = run.full.ticks;
+  const Course course = course_of(run.truth);
+  const RunJudge judge(ticks, course, options.delay);
+  std::vector<results::Cell> cells;
+  add_cells(cells, run, judged_along_curve(judge, ticks.tick, run.verdicts, run.full.probabilities, options.thresholds),
+            run.verdicts, "");
+  if (scoring.baselines == nullptr) return cells;
+  const std::vector<TickEvents> events = events_of_ticks(run.folder.events(), ticks, scoring.classifier.rendering().mask);
+  const std::vector<Touch> classes = nearest_classes(course, ticks);
+  for (std::size_t baseline = 0; baseline < baseline_names.size(); ++baseline) {
+    const std::vector<model::Probabilities> predicted = scoring.baselines->predict(baseline, events, classes);
+    const std::vector<Touch> verdicts =
+        model::decided({.thresholds = model::TwoThresholds{}}, ticks.tick, std::vector<Touch>(predicted.size()), predicted);
+    add_cells(cells, run, judged_along_curve(judge, ticks.tick, verdicts, predicted), verdicts, baseline_names[baseline]);
+  }
   return cells;
 }
 
-/// Every tick of a sure class: that of its label, or none. Ticks of unclear motion and of labels in doubt have none.
-Reliability reliability_of_ticks(const ClassifiedRun& run) {
-  Reliability reliability;
-  const std::vector<TouchInterval> used = run.truth.used();
-  for (std::size_t k = 0; k < run.full.verdicts.size(); ++k) {
-    const CameraTime t = run.full.ticks.at(static_cast<std::int64_t>(k));
+/// By the labels that are in use.
+void score_by_labels(RunResult& result, const ClassifiedRun& run, const EvaluationOptions& options) {
+  const RunJudge judge(run.full.ticks, course_by_labels(run.truth), options.delay);
+  result.by_labels = judge.judged(run.verdicts);
+  complete(result.by_labels, run, run.verdicts);
+  for (std::size_t i = 0; i < trivial_count; ++i) {
+    result.trivial[i] = judge.judged(trivial_verdicts(i, run.verdicts.size(), options.bootstrap.seed, run.folder.name()));
+    result.trivial[i].world = run.truth.world;
+    result.trivial[i].object = run.folder.object;
+    result.trivial[i].run = run.folder.run;
+  }
+}
+
+/// The class of each tick by the labels: none in unclear motion and where labels are in doubt.
+std::vector<std::optional<Touch>> sure_classes(const RunTruth& truth, const TickRange& ticks) {
+  const std::vector<TouchInterval> used = truth.used();
+  std::vector<std::optional<Touch>> classes;
+  for (std::int64_t k = 0; k < ticks.count; ++k) {
+    const CameraTime t = ticks.at(k);
     const Touch touch = touch_at(t, used);
     const auto holds = [t](const TouchInterval& interval) { return interval.contains(t); };
     const auto in_doubt = [t](const windows::SampledInterval& label) { return !label.used && label.interval.contains(t); };
-    if (touch == Touch::none && (std::any_of(run.truth.unclear.begin(), run.truth.unclear.end(), holds) ||
-                                 std::any_of(run.truth.labels.begin(), run.truth.labels.end(), in_doubt)))
-      continue;
+    const bool is_unclear = touch == Touch::none && (std::any_of(truth.unclear.begin(), truth.unclear.end(), holds) ||
+                                                     std::any_of(truth.labels.begin(), truth.labels.end(), in_doubt));
+    classes.push_back(is_unclear ? std::nullopt : std::optional(touch));
+  }
+  return classes;
+}
+
+LearnedRun learned_run(const windows::Dataset& dataset, std::uint32_t run, const heatmaps::HeatmapOptions& rendering) {
+  windows::check_unchanged(dataset, run);
+  const RunFolder folder = folder_of(dataset, run);
+  const events::RecordingReader reader(folder.events());
+  const TickRange ticks = heatmaps::listed_ticks(reader, events::event_stream(reader).id, rendering);
+  return {events_of_ticks(folder.events(), ticks, rendering.mask),
+          sure_classes(read_run_truth(folder, includes_flagged(dataset)), ticks)};
+}
+
+Reliability reliability_of_ticks(const ClassifiedRun& run) {
+  Reliability reliability;
+  const std::vector<std::optional<Touch>> classes = sure_classes(run.truth, run.full.ticks);
+  for (std::size_t k = 0; k < classes.size(); ++k) {
     const Touch predicted = run.full.verdicts[k];
-    reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]), predicted == touch);
+    if (classes[k])
+      reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
+                      predicted == *classes[k]);
   }
   return reliability;
 }
 
-void score_by_doubt(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
-  std::vector<std::size_t> places;
-  for (const windows::Sample& sample : run.samples) places.push_back(run.tick_of(sample));
-  result.by_drawn_labels = scores_by_drawn_labels(run.full.ticks, run.verdicts, places, run.truth, scoring.options.delay,
-                                                  seed_for(scoring.options.bootstrap.seed, {"labels", run.name}));
-}
-
-void score_against_truth(RunResult& result, const ClassifiedRun& run, const RunScoring& scoring) {
-  const RunTruth& truth = run.truth;
-  result.true_detections = detections_of(run.full.ticks, run.verdicts, truth.true_ones, scoring.options.delay);
-  for (std::size_t i = 0; i < truth.true_ones.size(); ++i) {
-    if (truth.gross[i]) result.gross.push_back(counted_from(result.true_detections[i], *truth.gross[i], run.full.ticks));
-  }
-  result.true_over_time =
-      over_time_of(run.full.ticks, run.verdicts, truth.true_ones, scoring.options.over_time, truth.unlabelled);
+ClassifiedRun classified(const RunScoring& scoring, const RunFolder& folder, std::optional<std::uint32_t> index,
+                         const FullRunOptions& options) {
+  ClassifiedRun run{.folder = folder};
+  if (index) run.samples = samples_in(scoring.dataset, *index);
+  run.full = classify_full_run(folder.events(), scoring.classifier, options);
+  run.truth = read_run_truth(folder, includes_flagged(scoring.dataset));
+  run.verdicts = decided(decision_of(scoring.options), run.full);
+  return run;
 }
 
 }  // namespace
@@ -183,50 +200,55 @@ std::size_t place_of(const windows::Sample& sample, const TickRange& ticks, cons
   return static_cast<std::size_t>(since / ticks.tick);
 }
 
+FittedBaselines fit_baselines(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads) {
+  std::vector<std::uint32_t> learned;
+  for (std::uint32_t run = 0; run < dataset.runs().size(); ++run) {
+    if (model::learned_from(classifier.model(), dataset.runs()[run])) learned.push_back(run);
+  }
+  std::vector<LearnedRun> runs(learned.size());
+  try {
+    parallel_for(learned.size(), threads,
+                 [&](std::size_t i) { runs[i] = learned_run(dataset, learned[i], classifier.rendering()); });
+  } catch (const Error& error) {  // the model is judged all the same
+    return {.baselines = {}, .why_not = fmt::format("Published detectors are not judged: {}", error.what())};
+  }
+  const auto has = [&](bool touch) {
+    return std::any_of(runs.begin(), runs.end(), [&](const LearnedRun& run) {
+      return std::any_of(run.truth.begin(), run.truth.end(),
+                         [&](const std::optional<Touch>& one) { return one && (*one != Touch::none) == touch; });
+    });
+  };
+  if (!has(true) || !has(false)) return {};
+  return {.baselines = Baselines(runs, classifier.rendering().tick), .why_not = {}};
+}
+
 RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
                     const std::function<void(std::size_t)>& advance) {
-  const windows::Dataset& dataset = scoring.dataset;
-  const RunFolder folder = folder_of(dataset, run_index);
-  ClassifiedRun run{.index = run_index, .name = name_of(dataset.runs()[run_index]), .samples = samples_in(dataset, run_index)};
+  const ClassifiedRun run =
+      classified(scoring, folder_of(scoring.dataset, run_index), run_index, {.threads = threads, .advance = advance});
   RunResult result;
-  BaselineSamples samples;
-  std::size_t next = 0;
-  const auto see = [&](CameraTime tick, std::span<const std::uint8_t> heatmap, std::uint64_t events) {
-    if (next == run.samples.size() || tick != run.samples[next].t) return;
-    samples.add(run.samples[next].touch, events, heatmap, scoring.classifier.input_size());
-    ++next;
-  };
-  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads, .advance = advance, .see = see});
-  if (scoring.baselines) {
-    if (!reads_heatmaps(scoring.classifier.kind())) samples = samples_of(dataset, scoring.classifier, run_index, threads);
-    result.baselines = scoring.baselines->confusions_of(samples);
-  }
   for (const windows::Sample& sample : run.samples) {
     const std::size_t k = run.tick_of(sample);
     const Touch predicted = run.full.verdicts[k];
     result.reliability.add(static_cast<double>(run.full.probabilities[k][static_cast<std::size_t>(predicted)]),
                            predicted == sample.touch);
   }
-  run.truth = read_run_truth(folder, includes_flagged(dataset));
   result.every_tick = reliability_of_ticks(run);
-  run.verdicts = decided(scoring.decision, run.full);
   result.ticks = run.verdicts.size();
   result.close_ticks = run.full.close;
-  result.has_truth = run.truth.has_truth;
-  result.cells = cells_of(run, folder, scoring);
-  score_samples(result, run, scoring);
-  score_ticks(result, run, scoring);
-  score_by_doubt(result, run, scoring);
-  if (run.truth.has_truth) score_against_truth(result, run, scoring);
+  result.cells = cells_of(run, scoring);
+  score_by_labels(result, run, scoring.options);
+  if (run.truth.has_truth) {
+    result.by_truth = result.cells.front();
+    result.by_truth->samples = {};
+    complete(*result.by_truth, run, run.verdicts, &run.truth.true_ones);
+  }
   return result;
 }
 
-std::vector<results::Cell> judge_other_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads) {
-  ClassifiedRun run{.index = 0, .name = folder.name(), .samples = {}};
-  run.full = classify_full_run(folder.events(), scoring.classifier, {.threads = threads});
-  run.verdicts = decided(scoring.decision, run.full);
-  run.truth = read_run_truth(folder, includes_flagged(scoring.dataset));
-  return cells_of(run, folder, scoring);
+std::vector<results::Cell> judge_whole_run(const RunScoring& scoring, const RunFolder& folder, std::optional<std::uint32_t> index,
+                                           unsigned threads, const std::function<void(std::size_t)>& advance) {
+  return cells_of(classified(scoring, folder, index, {.threads = threads, .advance = advance}), scoring);
 }
 
 std::uint64_t ticks_of_unchanged(const windows::Dataset& dataset, const model::Classifier& classifier,

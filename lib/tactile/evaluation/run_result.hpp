@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "tactile/core/run_folder.hpp"
-#include "tactile/evaluation/accuracy_over_time.hpp"
-#include "tactile/evaluation/baseline_scores.hpp"
+#include "tactile/evaluation/baselines.hpp"
 #include "tactile/evaluation/calibration.hpp"
 #include "tactile/evaluation/evaluation.hpp"
-#include "tactile/evaluation/label_uncertainty.hpp"
 #include "tactile/evaluation/run_judge.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/model/inference/decision.hpp"
@@ -24,25 +22,15 @@ namespace tactile::evaluation {
 inline constexpr std::size_t trivial_count = 3;
 inline constexpr std::array<const char*, trivial_count> trivial_names{"always_press", "always_slip", "random"};
 
-/// The counts of one run that has samples.
+/// What one run that has samples gives.
 struct RunResult {
-  std::vector<results::Cell> cells;  ///< as `judged_along_curve`
+  std::vector<results::Cell> cells;       ///< as `judged_along_curve`, by the truth if there is one; then those of baselines
+  results::Cell by_labels;                ///< the verdicts as they were decided, by the labels in use
+  std::optional<results::Cell> by_truth;  ///< the same by the truth; each sample with the class that its tick truly has
+  std::array<results::Cell, trivial_count> trivial;  ///< by the labels
+  Reliability reliability;                           ///< of the balanced samples
+  Reliability every_tick;                            ///< of every tick that has a sure class
   std::size_t ticks = 0, close_ticks = 0;
-  results::Confusion confusion;
-  Reliability reliability;  ///< of the balanced samples
-  Reliability every_tick;   ///< of every tick that has a sure class
-  DrawnLabelsScores by_drawn_labels;
-  std::vector<results::Confusion> by_guard;  ///< one for each of `RunScoring::sampling_guards`
-  std::optional<BaselineConfusions> baselines;
-  std::vector<results::Detection> detections;  ///< of the labels in use
-  std::array<std::vector<results::Detection>, trivial_count> trivial;
-  OverTimeOfRun over_time;
-
-  bool has_truth = false;  ///< of a simulated run; the next four are empty without
-  results::Confusion true_confusion;
-  std::vector<results::Detection> true_detections;
-  std::vector<results::Detection> gross;  ///< delays from gross slip
-  OverTimeOfRun true_over_time;
 };
 
 /// How every run is scored.
@@ -50,18 +38,25 @@ struct RunScoring {
   const windows::Dataset& dataset;
   const model::Classifier& classifier;
   const EvaluationOptions& options;
-  std::vector<microseconds> sampling_guards;  ///< the dataset's own first
-  model::Decision decision;
-  const std::optional<FittedBaselines>& baselines;  ///< nothing where the dataset has no sample that the model learned from
+  const Baselines* baselines = nullptr;  ///< that are judged too; null: none
 };
 
-/// Renders and classifies every tick of a run, and scores it.
-/// @throws Error  as `evaluate`
+struct FittedBaselines {
+  std::optional<Baselines> baselines{};  ///< nothing: the model learned from no run of the dataset with a touch, or `why_not`
+  std::string why_not{};                 ///< a sentence without its full stop: a run has changed, or cannot be read
+};
+
+/// Baselines that learn from the runs that the model learned from.
+FittedBaselines fit_baselines(const windows::Dataset& dataset, const model::Classifier& classifier, unsigned threads);
+
+/// Renders and classifies every tick of a run, and scores it. The cells have no training; only those of baselines have a setting,
+/// their name. @throws Error  as `evaluate`
 RunResult score_run(const RunScoring& scoring, std::uint32_t run_index, unsigned threads,
                     const std::function<void(std::size_t)>& advance);
 
-/// A run that has no samples, along the curve of thresholds. @throws Error  if it cannot be read
-std::vector<results::Cell> judge_other_run(const RunScoring& scoring, const RunFolder& folder, unsigned threads);
+/// The same cells of any run. @param index  in the dataset; nothing: it has no samples. @throws Error  if it cannot be read
+std::vector<results::Cell> judge_whole_run(const RunScoring& scoring, const RunFolder& folder, std::optional<std::uint32_t> index,
+                                           unsigned threads, const std::function<void(std::size_t)>& advance = {});
 
 /// @throws Error  if the model is of another dataset and may not, or of heatmaps of another size
 void check_fits(const windows::Dataset& dataset, const model::Classifier& classifier, const EvaluationOptions& options);

@@ -8,36 +8,13 @@
 #include <set>
 #include <string>
 
-#include "tactile/core/duration_units.hpp"
 #include "tactile/core/infinite.hpp"
 #include "tactile/core/parallel.hpp"
-#include "tactile/evaluation/crossed_figure.hpp"
-#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/evaluation/delay_table.hpp"
+#include "tactile/evaluation/run_figures.hpp"
 
 namespace tactile::evaluation {
 namespace {
-
-constexpr std::size_t fewest_worlds = 3;
-
-bool are_worlds(std::span<const results::Cell> cells) {
-  std::set<std::string_view> worlds;
-  for (const results::Cell& cell : cells) worlds.insert(cell.world);
-  return worlds.size() >= fewest_worlds;
-}
-
-/// The cells by what intervals are over. A world has trainings of its own: their effect is in that of the worlds.
-std::vector<results::JudgedRun> units_of(std::span<const results::Cell> cells) {
-  const bool by_world = are_worlds(cells);
-  std::vector<results::JudgedRun> units;
-  for (const results::Cell& cell : cells) {
-    if (by_world) {
-      units.push_back({cell.world, cell.object + "/" + cell.run + "#" + std::to_string(cell.training)});
-    } else {
-      units.push_back({cell.world + "/" + cell.object, cell.run, cell.training});
-    }
-  }
-  return units;
-}
 
 /// Sums over cells.
 struct Sums {
@@ -64,119 +41,46 @@ struct Sums {
 
 std::optional<double> ratio(double count, double of) { return of > 0 ? std::optional(count / of) : std::nullopt; }
 
-/// Which delays: of all touches, of one class, or of slips from gross slip.
-enum class Delay : std::uint8_t { all, press, slip, from_gross };
-
 /// Makes the figures of some cells.
 class Figures {
  public:
-  /// @param options  nothing: no intervals
-  Figures(std::span<const results::Cell> cells, const results::BootstrapOptions* options) : cells_(cells), options_(options) {
-    const auto units = units_of(cells);
-    const auto objects = results_by_object(std::span<const results::JudgedRun>(units), [](const auto&) { return true; });
-    // Of one object, intervals are over its runs.
-    is_one_object_ = objects.size() == 1;
-    units_ = without_names(objects);
-    for (const results::Cell& cell : cells) {
-      for (const results::TouchOutcome& touch : cell.touches) {
-        if (touch.outcome != results::DetectionOutcome::detected) longest_ms_ = std::max(longest_ms_, touch.ms);
-      }
-      sums_.add(cell);
-    }
+  /// @param options  null: no intervals
+  Figures(std::span<const results::Cell> cells, const results::BootstrapOptions* options)
+      : cells_(cells), options_(options), figures_(cells, options, [](const results::Cell&) { return true; }) {
+    for (const results::Cell& cell : cells) sums_.add(cell);
   }
 
   const Sums& sums() const { return sums_; }
 
   results::Figure of_sums(const std::function<std::optional<double>(const Sums&)>& value, const Range& range) const {
-    return figure([&](const RunsByObject& drawn) { return value(sums_of(drawn)); }, range);
+    return figures_.of_all(
+        [&](const RunsByObject& drawn) {
+          Sums sums;
+          for (const std::vector<std::size_t>& unit : drawn) {
+            for (const std::size_t i : unit) sums.add(cells_[i]);
+          }
+          return value(sums);
+        },
+        range);
   }
 
-  results::CensoredQuantile quantile(double q, Delay of) const {
-    double shortest = infinite, longest = 0;  // of detected ones
-    const auto see = [&](double ms) {
-      if (ms == infinite) return;
-      shortest = std::min(shortest, ms);
-      longest = std::max(longest, ms);
-    };
-    for (const results::Cell& cell : cells_) for_each_delay(cell, of, see);
-    longest = std::max(longest, longest_ms_);
-    const auto at = [&](const RunsByObject& drawn) -> std::optional<double> {
-      const auto ms = quantile_of(drawn, q, of);
-      return ms ? std::optional(std::min(*ms, longest)) : std::nullopt;
-    };
-    const Range range = of == Delay::from_gross ? Range{.highest = std::max(longest, in_ms(DelayOptions{}.window))}
-                                                : Range{.lowest = cells_.front().tick_ms,
-                                                        .highest = std::max(longest, in_ms(DelayOptions{}.window)),
-                                                        .step = shortest == infinite ? 0 : shortest};
-    results::CensoredQuantile found{.ms = figure(at, range)};
-    const auto of_all = quantile_of(all_of(units_), q, of);
-    found.is_lower_bound = of_all && *of_all == infinite;
-    if (found.is_lower_bound) found.ms.low = found.ms.high = std::nullopt;  // that of a limit says nothing of the delay
-    return found;
-  }
+  results::CensoredQuantile quantile(double q, Delay of) const { return delay_quantile(cells_, figures_, q, of); }
 
   /// What one more event changes of one result of `of` in the sum.
-  double step(double of) const { return of > 0 ? static_cast<double>(result_count(units_)) / of : 0; }
+  double step(double of) const { return of > 0 ? static_cast<double>(result_count(figures_.units())) / of : 0; }
 
   /// The exact interval of a count ends the interval of its rate, at least.
   void widen_by_count(results::Figure& per_min) const {
-    if (!per_min.high || sums_.outside_s <= 0) return;
-    const double each = most_results_of_a_run(units_);
+    if (options_ == nullptr || !per_min.high || sums_.outside_s <= 0) return;
+    const double each = most_results_of_a_run(figures_.units());
     const auto count = static_cast<std::uint64_t>(std::ceil(sums_.alarms / each));
     per_min.high = std::max(*per_min.high, poisson_upper_bound(count, options_->confidence) / (sums_.outside_s / 60 / each));
   }
 
  private:
-  template <class Use>
-  void for_each(const RunsByObject& drawn, Use use) const {
-    for (const auto& object : drawn) {
-      for (const std::size_t i : object) use(cells_[i]);
-    }
-  }
-
-  Sums sums_of(const RunsByObject& drawn) const {
-    Sums sums;
-    for_each(drawn, [&](const results::Cell& cell) { sums.add(cell); });
-    return sums;
-  }
-
-  static std::optional<double> nearest_rank(std::vector<double>& values, double q) {
-    if (values.empty()) return std::nullopt;
-    const auto n = static_cast<double>(values.size());
-    const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(q * n - 1e-9))) - 1;
-    std::nth_element(values.begin(), values.begin() + rank, values.end());
-    return values[static_cast<std::size_t>(rank)];
-  }
-
-  std::optional<double> quantile_of(const RunsByObject& drawn, double q, Delay of) const {
-    std::vector<double> delays;
-    for_each(drawn, [&](const results::Cell& cell) { for_each_delay(cell, of, [&](double ms) { delays.push_back(ms); }); });
-    return nearest_rank(delays, q);
-  }
-
-  /// Touches that are not detected are later than all others: infinite.
-  template <class Use>
-  static void for_each_delay(const results::Cell& cell, Delay of, Use use) {
-    for (const results::TouchOutcome& touch : cell.touches) {
-      if ((of == Delay::press && touch.touch != Touch::press) || (of == Delay::slip && touch.touch != Touch::slip)) continue;
-      if (of == Delay::from_gross && !touch.gross_ms) continue;
-      use(touch.outcome != results::DetectionOutcome::detected ? infinite
-          : of == Delay::from_gross                            ? *cell.gross_delay_ms(touch)
-                                                               : cell.delay_ms(touch));
-    }
-  }
-
-  results::Figure figure(const Statistic& statistic, const Range& range) const {
-    if (options_ == nullptr) return {.value = statistic(all_of(units_)).value_or(std::numeric_limits<double>::quiet_NaN())};
-    return is_one_object_ ? figure_of_object(units_.front(), statistic, *options_, range)
-                          : figure_over_objects(units_, statistic, *options_, range);
-  }
-
   std::span<const results::Cell> cells_;
   const results::BootstrapOptions* options_;
-  CrossedResults units_;
-  bool is_one_object_ = false;
-  double longest_ms_ = 0;  // in which a touch that is not detected could be
+  RunFigures figures_;
   Sums sums_;
 };
 
@@ -207,7 +111,7 @@ results::OperatingPoint point_of(std::span<const results::Cell> cells, const res
   point.alarms_per_min =
       figures.of_sums([](const Sums& of) { return ratio(60 * of.alarms, of.outside_s); },
                       {.lowest = 0, .highest = 60'000 / cells.front().tick_ms, .step = figures.step(sums.outside_s / 60)});
-  if (options != nullptr) figures.widen_by_count(point.alarms_per_min);
+  figures.widen_by_count(point.alarms_per_min);
   point.median_ms = figures.quantile(0.5, Delay::all);
   point.p90_ms = figures.quantile(0.9, Delay::all);
   point.press_median_ms = figures.quantile(0.5, Delay::press);
@@ -221,18 +125,55 @@ results::OperatingPoint point_of(std::span<const results::Cell> cells, const res
   };
   point.within_50_ms = share(&Sums::within_50_ms, &Sums::touches, 1);
   point.missed = share(&Sums::missed, &Sums::touches, 1);
-  point.wrong_class = share(&Sums::wrong, &Sums::touches, infinite);
+  if (!cells.front().confirmed) point.wrong_class = share(&Sums::wrong, &Sums::touches, infinite);
   point.false_slips = share(&Sums::lifts_with_slip, &Sums::lifts, 1);
   return point;
 }
 
-/// Cells of one answer with the same threshold; those of the verdicts as they were decided come first.
-std::map<double, std::vector<results::Cell>> by_threshold(std::span<const results::Cell> cells, bool confirmed) {
-  std::map<double, std::vector<results::Cell>> groups;
+/// Cells of one answer with the same threshold; those of the verdicts as they were decided come first, under `as_decided`.
+using Groups = std::map<double, std::vector<results::Cell>>;
+constexpr double as_decided = -infinite;
+
+Groups by_threshold(std::span<const results::Cell> cells, bool confirmed) {
+  Groups groups;
   for (const results::Cell& cell : cells) {
-    if (cell.confirmed == confirmed) groups[cell.threshold.value_or(-infinite)].push_back(cell);
+    if (cell.confirmed == confirmed) groups[cell.threshold.value_or(as_decided)].push_back(cell);
   }
   return groups;
+}
+
+std::vector<results::OperatingPoint> curve_of(const Groups& groups) {
+  std::vector<results::OperatingPoint> curve;
+  for (const auto& [threshold, group] : groups) {
+    if (threshold != as_decided) curve.push_back(operating_values(group));
+  }
+  return curve;
+}
+
+/// Without intervals. A threshold that detects nothing is no answer.
+std::vector<results::CalmPoint> calm_points(std::span<const results::OperatingPoint> curve) {
+  std::vector<results::CalmPoint> all;
+  for (const double rate : calm_rates) {
+    all.push_back({rate, std::nullopt});
+    // Up to the first threshold, from above, that has more.
+    const auto first_more = std::find_if(curve.rbegin(), curve.rend(), [rate](const results::OperatingPoint& point) {
+      return !(point.alarms_per_min.value <= rate);
+    });
+    if (first_more == curve.rbegin()) continue;
+    const results::OperatingPoint& lowest = *std::prev(first_more);
+    if (lowest.touches == 0 || lowest.misses + lowest.early < lowest.touches) all.back().point = lowest;
+  }
+  return all;
+}
+
+using Work = std::vector<std::function<void()>>;
+
+/// To make each of the points again, with intervals.
+void add_intervals(Work& work, std::vector<results::CalmPoint>& calm, const Groups& groups,
+                   const results::BootstrapOptions& options) {
+  for (results::CalmPoint& one : calm) {
+    if (one.point) work.emplace_back([&] { one.point = operating_point(groups.at(*one.point->threshold), options); });
+  }
 }
 
 }  // namespace
@@ -245,23 +186,22 @@ results::OperatingPoint operating_values(std::span<const results::Cell> cells) {
 
 results::WholeRuns whole_runs(std::span<const results::Cell> cells, unsigned threads, const results::BootstrapOptions& options) {
   results::WholeRuns whole;
-  whole.units = are_worlds(cells) ? "worlds" : "objects";
+  whole.units = RunFigures(cells, nullptr, [](const results::Cell&) { return true; }).unit_name();
+  const bool is_one_world =
+      std::all_of(cells.begin(), cells.end(), [&](const results::Cell& cell) { return cell.world == cells.front().world; });
   std::set<std::string> runs, by_truth;
   std::map<std::string, std::vector<results::Cell>> objects;
-  const auto groups = by_threshold(cells, false), confirmed = by_threshold(cells, true);
-  std::vector<std::function<void()>> figures;
-  for (const auto& [threshold, group] : groups) {
-    if (threshold != -infinite) {
-      whole.curve.push_back(operating_values(group));
-      continue;
-    }
-    for (const results::Cell& cell : group) {
-      runs.insert(cell.object + "/" + cell.run);
-      if (cell.by_truth) by_truth.insert(cell.object + "/" + cell.run);
+  const Groups groups = by_threshold(cells, false), confirmed = by_threshold(cells, true);
+  Work figures;
+  if (const auto decided = groups.find(as_decided); decided != groups.end()) {
+    for (const results::Cell& cell : decided->second) {
+      const std::string name = (is_one_world ? "" : cell.world + "/") + cell.object + "/" + cell.run;
+      runs.insert(name);
+      if (cell.by_truth) by_truth.insert(name);
       objects[cell.object].push_back(cell);
       for (const auto& [cause, alarms] : cell.alarms) whole.causes[cause] += alarms;
     }
-    figures.emplace_back([&whole, &group = group, &options] { whole.decided = operating_point(group, options); });
+    figures.emplace_back([&whole, &group = decided->second, &options] { whole.decided = operating_point(group, options); });
   }
   whole.runs.assign(runs.begin(), runs.end());
   whole.by_truth.assign(by_truth.begin(), by_truth.end());
@@ -269,27 +209,23 @@ results::WholeRuns whole_runs(std::span<const results::Cell> cells, unsigned thr
     figures.emplace_back(
         [&into = whole.objects[object], &of_object = of_object, &options] { into = operating_point(of_object, options); });
   }
-  for (const double rate : calm_rates) {
-    whole.calm.push_back({rate, std::nullopt});
-    // Up to the first threshold, from above, that has more.
-    const auto first_more = std::find_if(whole.curve.rbegin(), whole.curve.rend(), [rate](const results::OperatingPoint& point) {
-      return !(point.alarms_per_min.value <= rate);
-    });
-    if (first_more == whole.curve.rbegin()) continue;
-    whole.calm.back().point = *std::prev(first_more);
-  }
-  for (results::CalmPoint& calm : whole.calm) {
-    if (calm.point) figures.emplace_back([&] { calm.point = operating_point(groups.at(*calm.point->threshold), options); });
-  }
-  for (const auto& [threshold, group] : confirmed) {
-    if (threshold == -infinite) {
-      figures.emplace_back([&whole, &group = group, &options] { whole.confirmed = operating_point(group, options); });
-    } else {
-      whole.confirmed_curve.push_back(operating_values(group));
-    }
-  }
+  whole.curve = curve_of(groups);
+  whole.calm = calm_points(whole.curve);
+  add_intervals(figures, whole.calm, groups, options);
+  whole.confirmed_curve = curve_of(confirmed);
+  if (const auto decided = confirmed.find(as_decided); decided != confirmed.end())
+    figures.emplace_back([&whole, &group = decided->second, &options] { whole.confirmed = operating_point(group, options); });
   parallel_for(figures.size(), threads, [&](std::size_t i) { figures[i](); });
   return whole;
+}
+
+results::Baseline baseline_of(std::span<const results::Cell> cells, unsigned threads, const results::BootstrapOptions& options) {
+  const Groups groups = by_threshold(cells, false);
+  results::Baseline baseline{.decided = {}, .calm = calm_points(curve_of(groups))};
+  Work figures{[&] { baseline.decided = operating_point(groups.at(as_decided), options); }};
+  add_intervals(figures, baseline.calm, groups, options);
+  parallel_for(figures.size(), threads, [&](std::size_t i) { figures[i](); });
+  return baseline;
 }
 
 }  // namespace tactile::evaluation

@@ -50,6 +50,7 @@ WorkCost work_cost(double usual_images_per_s) {
           .heatmap = slower * 4.1e-4,
           .training_start = slower * 1.5,
           .judged_sample = slower * 5.2e-4,
+          .stream_step = slower * 0.1,
           .evaluation = slower * 14.5,
           .evaluated_tick = slower * 5.5e-4,
           .stressed_tick = slower * 1.1e-3};

@@ -44,6 +44,7 @@ inline constexpr double bytes_of_second = 1.9e6;
 struct WorkCost {
   double simulated_second, labelled_second, second_of_windows;  ///< of a run
   double heatmap, training_start, judged_sample;
+  double stream_step;                 ///< of a training
   double evaluation, evaluated_tick;  ///< of a training, and for each tick of the runs that it is judged on
   double stressed_tick;               ///< a tick of a run that is worsened, and judged
 };

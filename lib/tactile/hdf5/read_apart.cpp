@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -27,7 +28,8 @@ namespace {
 
 constexpr rlim_t least_seconds = 20;
 constexpr std::uint64_t bytes_a_second = std::uint64_t{4} << 20;
-constexpr rlim_t most_memory = rlim_t{2} << 30;  // in addition to what the process has
+constexpr rlim_t most_memory = rlim_t{2} << 30;                // in addition to what the process has
+constexpr std::size_t enough_memory = std::size_t{128} << 20;  // for HDF5 to read a sound file
 constexpr std::uint64_t longest_message = std::uint64_t{1} << 31;
 constexpr std::uint64_t read_at_once = std::uint64_t{4} << 20;
 constexpr std::uint64_t small_table = std::uint64_t{1} << 20;
@@ -119,6 +121,14 @@ void become_expendable(pid_t parent, rlim_t seconds, rlim_t memory) {
   limit_to(RLIMIT_AS, memory);
 }
 
+/// HDF5 calls some lacks of memory an error of the file.
+bool may_lack_memory() {
+  void* memory = ::mmap(nullptr, enough_memory, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) return true;
+  ::munmap(memory, enough_memory);
+  return false;
+}
+
 [[noreturn]] void work_apart(const std::function<void(const Send&)>& work, int out) {
   apart = true;
   const auto end = [out](Ending ending, std::string_view text) {
@@ -131,7 +141,7 @@ void become_expendable(pid_t parent, rlim_t seconds, rlim_t memory) {
     });
     end(Ending::done, "");
   } catch (const Damaged& e) {
-    end(Ending::damaged, e.what());
+    if (!may_lack_memory()) end(Ending::damaged, e.what());
   } catch (const Error& e) {
     end(Ending::error, e.what());
   } catch (...) {

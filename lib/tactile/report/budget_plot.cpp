@@ -28,13 +28,12 @@ struct Panel {
 };
 
 constexpr std::array<Panel, panels> all_panels{
-    Panel{"accuracy [%]",
-          [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.accuracy, 100); }, false},
+    Panel{"accuracy [%]", [](const results::TradedSetting& setting) { return results::scaled(setting.reported.accuracy, 100); },
+          false},
     Panel{"median delay, misses included [ms]",
-          [](const results::TradedSetting& setting) { return results::scaled(setting.reported.figures.delay_median_us, 1e-3); },
-          true},
+          [](const results::TradedSetting& setting) { return setting.reported.whole_runs.median_ms.ms; }, true},
     Panel{"false alarms per minute",
-          [](const results::TradedSetting& setting) { return setting.reported.figures.episodes_per_min; }, true}};
+          [](const results::TradedSetting& setting) { return setting.reported.whole_runs.alarms_per_min; }, true}};
 
 double position_of(double value, const Panel& panel) { return panel.from_zero ? drawn_from_zero(value) : value; }
 
@@ -72,7 +71,7 @@ std::vector<std::string> names_of(const BestOfKind& best) {
     const results::TradedSetting* setting = best.within[i];
     if (setting == before || setting == nullptr) continue;
     names.push_back(fmt::format("{}, from {:g} us on: {} ({:.0f} us)", name_of_kind(best.kind), tick_budgets[i], setting->text,
-                                setting->reported.figures.us_p99.value));
+                                setting->reported.us_p99.value));
     before = setting;
   }
   if (names.empty()) names.push_back(fmt::format("{}: no setting within {:g} us", name_of_kind(best.kind), tick_budgets.back()));
@@ -93,11 +92,11 @@ std::vector<BestOfKind> best_within_budgets(const results::Trade& trade) {
   for (const results::TradedSetting& setting : trade.points) {
     auto best = std::find_if(all.begin(), all.end(), [&](const BestOfKind& one) { return one.kind == setting.values.kind; });
     if (best == all.end()) best = all.insert(all.end(), {.kind = setting.values.kind});
-    if (!std::isfinite(setting.choice.figures.accuracy.value)) continue;
+    if (!std::isfinite(setting.choice.accuracy.value)) continue;
     for (std::size_t i = 0; i < tick_budgets.size(); ++i) {
-      if (!(setting.choice.figures.us_p99.value <= tick_budgets[i])) continue;
+      if (!(setting.choice.us_p99.value <= tick_budgets[i])) continue;
       const auto rank = [](const results::TradedSetting& of) {
-        return std::pair(of.choice.figures.accuracy.value, -of.choice.figures.us_p99.value);
+        return std::pair(of.choice.accuracy.value, -of.choice.us_p99.value);
       };
       if (best->within[i] == nullptr || rank(setting) > rank(*best->within[i])) best->within[i] = &setting;
     }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "tactile/core/duration_units.hpp"
 #include "tactile/pictures/plot_script.hpp"
 #include "tactile/pictures/word_places.hpp"
 #include "tactile/report/figure_parts.hpp"
@@ -20,13 +19,6 @@ constexpr int curve_left = 76, curve_right = 24, curve_top = 136, delay_bottom =
 constexpr double longest_shown_ms = 100;          // delays beyond it are drawn at it
 constexpr double x_margin = 0.03;                 // of the axis, on both sides
 constexpr double y_below = 0.03, y_above = 0.18;  // of the largest value
-
-/// Press and slip differ without their colours, too.
-pictures::LineStyle line_of(Touch touch) {
-  return touch == Touch::press
-             ? pictures::LineStyle{.colour = pictures::figure_colours::press, .width = 1.6, .mark = 7, .size = 1.1}
-             : pictures::LineStyle{.colour = pictures::figure_colours::slip, .width = 1.6, .dashes = 2, .mark = 5, .size = 0.7};
-}
 
 /// Of all touches; for the median and for 90 % of them.
 pictures::LineStyle line_of_quantile(bool median) {
@@ -160,112 +152,38 @@ pictures::Plot operating_curve_plot(const std::string& title, const std::vector<
   return std::move(script).finished();
 }
 
-pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
-                                    const std::vector<results::DetectedWithin>& slip) {
-  constexpr int left = 70, right = 24, height = 300, below = 60;
-  constexpr double half_ms = 2;  // where the scale turns from even to logarithmic
-  const auto place_of = [](double ms) { return std::log10(1 + ms / half_ms); };
-  double longest = 10;
-  std::vector<pictures::PlotSeries> series;
-  Whiskers intervals;
-  for (const std::vector<results::DetectedWithin>* curve : {&press, &slip}) {
-    for (const results::DetectedWithin& point : *curve) intervals.include(point.share);
-  }
+pictures::Plot settings_curve_plot(const std::string& title, const std::vector<SettingCurve>& settings) {
+  constexpr int gap = 56, height = 200, below = 60;
+  std::vector<results::OperatingPoint> all;
+  for (const SettingCurve& setting : settings) all.insert(all.end(), setting.points.begin(), setting.points.end());
+  const CurveAxes axes(all);
+  const auto style_of = [](const SettingCurve& setting) {
+    return pictures::LineStyle{.colour = setting.is_stream ? pictures::figure_colours::slip : pictures::figure_colours::press,
+                               .width = 1.6,
+                               .dashes = setting.is_unseen ? 2 : 1,
+                               .mark = setting.is_unseen ? 6 : 7,
+                               .size = 0.7};
+  };
   pictures::PlotHead head(title, page_width);
-  head.key("press", line_of(Touch::press));
-  head.key("slip", line_of(Touch::slip));
-  intervals.explain(head);
-  const int top = head.bottom() + 16, bottom = top + height;
+  for (const SettingCurve& setting : settings) head.key(setting.name, style_of(setting));
+  const int top = head.bottom() + 40, second = top + height + gap, bottom = second + height;
   pictures::PlotScript script(head, bottom + below);
-  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
-  for (const std::vector<results::DetectedWithin>* curve : {&press, &slip}) {
-    const pictures::LineStyle style = line_of(curve == &press ? Touch::press : Touch::slip);
-    std::vector<double> values;
-    for (const results::DetectedWithin& point : *curve) {
-      longest = std::max(longest, point.ms);
-      values.insert(values.end(), {place_of(point.ms), percent(point.share.value)});
-      add_interval(values, point.share);
-    }
-    const std::string table = script.table(4, std::move(values));
-    if (intervals.any()) {
-      for (const std::string_view bound : {"1:3", "1:4"})
-        series.push_back({table, bound, "steps", {.colour = style.colour, .width = 0.7}});
-    }
-    series.push_back({table, "1:2", "steps", {.colour = style.colour, .width = 1.8, .dashes = style.dashes}});
-    series.push_back({table, "1:2", "points", {.colour = style.colour, .mark = style.mark, .size = 0.7}});
+  std::vector<std::string> tables;
+  for (const SettingCurve& setting : settings) {
+    std::vector<double> rows;
+    for (const results::OperatingPoint& point : setting.points)
+      rows.insert(rows.end(), {axes.place_of(point), std::min(point.median_ms.ms.value, longest_shown_ms),
+                               std::min(point.p90_ms.ms.value, longest_shown_ms)});
+    tables.push_back(script.table(3, std::move(rows)));
   }
-  std::string tics;
-  for (const double ms : {0, 2, 4, 6, 10, 20, 50, 100, 200, 500})
-    tics += fmt::format("{}'{:g}' {:.9g}", tics.empty() ? "" : ", ", ms, place_of(ms));
-  script.axes({.begin = -0.03 * place_of(longest),
-               .end = 1.03 * place_of(longest),
-               .label = "time since the onset [ms]; at 0: predicted ahead of it",
-               .tics = tics},
-              {.begin = 0, .end = 103, .label = "detected [%]"});
-  script.plot(series);
-  return std::move(script).finished();
-}
-
-namespace {
-
-constexpr std::size_t few_objects = 3;  // of a bin that is not drawn where others have more
-
-/// The bins that are drawn: where some have as many as `few_objects`, those with fewer would pass single objects off as all.
-results::AccuracyOverTime without_small_bins(results::AccuracyOverTime touch) {
-  for (std::vector<results::OverTimeBin>* bins : {&touch.since_onset, &touch.before_end}) {
-    const auto is_small = [](const results::OverTimeBin& bin) { return bin.accuracy.n < few_objects; };
-    if (!std::all_of(bins->begin(), bins->end(), is_small)) std::erase_if(*bins, is_small);
-  }
-  return touch;
-}
-
-}  // namespace
-
-pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& all_press,
-                              const results::AccuracyOverTime& all_slip) {
-  const results::AccuracyOverTime press = without_small_bins(all_press), slip = without_small_bins(all_slip);
-  constexpr int left = 66, right = 24, gap = 48, panel_height = 240, below = 60;
-  constexpr int width = (page_width - left - right - gap) / 2;
-  AccuracyAxis axis;
-  Whiskers whiskers;
-  for (const results::AccuracyOverTime* touch : {&press, &slip}) {
-    for (const std::vector<results::OverTimeBin>* bins : {&touch->since_onset, &touch->before_end}) {
-      for (const results::OverTimeBin& bin : *bins) {
-        axis.include(bin.accuracy);
-        whiskers.include(bin.accuracy);
-      }
-    }
-  }
-  pictures::PlotHead head(title, page_width);
-  head.key("press", line_of(Touch::press));
-  head.key("slip", line_of(Touch::slip));
-  whiskers.explain(head);
-  const int top = head.bottom() + 40, bottom = top + panel_height;
-  pictures::PlotScript script(head, bottom + below);
-  for (const bool from_onset : {true, false}) {
-    const int begin = from_onset ? left : left + width + gap;
-    double longest = 100;
+  for (const bool is_median : {true, false}) {
+    const int from = is_median ? top : second;
+    script.begin_panel({.left = curve_left, .top = from, .right = page_width - curve_right, .bottom = from + height});
+    script.text(is_median ? "half of the touches" : "90 % of the touches", page_width / 2.0, from - 16, "center font ',13'");
+    script.axes(axes.x(!is_median), axes.y(axes.longest_ms, "delay [ms]"));
     std::vector<pictures::PlotSeries> series;
-    script.begin_panel({.left = begin, .top = top, .right = begin + width, .bottom = bottom});
-    for (const results::AccuracyOverTime* touch : {&press, &slip}) {
-      pictures::LineStyle bars = line_of(touch == &press ? Touch::press : Touch::slip), line = bars;
-      bars.width = 1.2, bars.dashes = 1, bars.size = 0.7;
-      line.mark.reset();
-      std::vector<double> values;
-      for (const results::OverTimeBin& bin : from_onset ? touch->since_onset : touch->before_end) {
-        longest = std::max(longest, in_ms(bin.to));
-        values.insert(values.end(), {in_ms(bin.from + bin.to) / 2, percent(bin.accuracy.value)});
-        add_interval(values, bin.accuracy);
-      }
-      const std::string table = script.table(4, std::move(values));
-      series.push_back({table, "1:2:3:4", "yerrorbars", bars});
-      series.push_back({table, "1:2", "lines", line});
-    }
-    script.text(from_onset ? "since the onset" : "before the end", begin + width / 2.0, top - 16, "center font ',13'");
-    script.axes({.begin = from_onset ? 0 : longest,
-                 .end = from_onset ? longest : 0,
-                 .label = from_onset ? "time since the onset [ms]" : "time before the end [ms]"},
-                {.begin = axis.begin(), .end = axis.end(), .label = from_onset ? "correct [%]" : "", .has_labels = from_onset});
+    for (std::size_t i = 0; i < settings.size(); ++i)
+      series.push_back({tables[i], is_median ? "1:2" : "1:3", "linespoints", style_of(settings[i])});
     script.plot(series);
   }
   return std::move(script).finished();

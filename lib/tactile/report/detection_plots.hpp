@@ -5,18 +5,11 @@
 #include <vector>
 
 #include "tactile/pictures/gnuplot.hpp"
-#include "tactile/results/delay_table.hpp"
-#include "tactile/results/over_time.hpp"
 #include "tactile/results/whole_runs.hpp"
 
 namespace tactile::report {
 
 // Results of predictions at every tick. Values that are NaN are not drawn.
-
-/// The share of intervals detected by a time after their onset, with its interval as thin lines. Time is drawn on a scale of
-/// log(1 + t / 2 ms), from those predicted ahead of the onset, at 0.
-pictures::Plot detection_curve_plot(const std::string& title, const std::vector<results::DetectedWithin>& press,
-                                    const std::vector<results::DetectedWithin>& slip);
 
 /// Delay, and the share of touches that are not detected, against false alarms over the thresholds. Some thresholds are written
 /// next to the points of the median, where there is room. Delays of more than 100 ms are drawn there.
@@ -24,9 +17,14 @@ pictures::Plot detection_curve_plot(const std::string& title, const std::vector<
 pictures::Plot operating_curve_plot(const std::string& title, const std::vector<results::OperatingPoint>& points,
                                     const std::optional<results::OperatingPoint>& own = {});
 
-/// The share of ticks of presses and slips that are predicted correctly: since the onset on the left, before the end on the
-/// right.
-pictures::Plot over_time_plot(const std::string& title, const results::AccuracyOverTime& press,
-                              const results::AccuracyOverTime& slip);
+/// One setting of a study.
+struct SettingCurve {
+  std::string name;
+  bool is_stream = false, is_unseen = false;  ///< objects that were held out of training
+  std::vector<results::OperatingPoint> points;
+};
+
+/// The delay of half of the touches, and of 90 %, against false alarms over the thresholds: a line for each setting.
+pictures::Plot settings_curve_plot(const std::string& title, const std::vector<SettingCurve>& settings);
 
 }  // namespace tactile::report

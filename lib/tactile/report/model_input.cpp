@@ -85,8 +85,7 @@ void read_evaluation(ReportInput& input, const ModelFolder& folder) {
                     folder.name(), folder.model()["dataset"]["file"].words(), folder.learned_from().substr(0, 8),
                     json["dataset"]["file"].words(), judged_on.substr(0, 8)));
   }
-  input.evaluations.push_back({.id = "reported",
-                               .model = folder.name(),
+  input.evaluations.push_back({.model = folder.name(),
                                .runs = list_of_runs(json["test_runs"].texts()),
                                .history_ms = folder.history_ms(),
                                .scores = json.get<results::Evaluation>()});
@@ -98,7 +97,8 @@ void read_unseen(ReportInput& input, const fs::path& folder) {
   const nlohmann::json document = read_json(file);
   const results::UnseenComparison comparison =
       results::JsonView(document, file.string())["unseen"].get<results::UnseenComparison>();
-  if (!comparison.objects.empty()) input.unseen.push_back({.runs = list_of_runs(comparison.runs), .comparison = comparison});
+  if (!comparison.objects.empty())
+    input.unseen.push_back({.name = {}, .setting = {}, .runs = list_of_runs(comparison.runs), .comparison = comparison});
 }
 
 void read_runs(ReportInput& input, const ModelFolder& folder) {
@@ -111,7 +111,8 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
   std::sort(files.begin(), files.end());
   for (const fs::path& csv : files) {
     if (input.runs.size() == most_runs) break;
-    input.runs.push_back({.run = csv.stem().string(), .model = folder.name(), .history_ms = input.history_ms, .csv = csv});
+    input.runs.push_back(
+        {.run = csv.stem().string(), .model = folder.name(), .history_ms = input.history_ms, .csv = csv.string()});
   }
   if (files.size() > most_runs)
     input.remarks.push_back(fmt::format("The first {} of {} runs over time are shown.", most_runs, files.size()));
@@ -126,13 +127,12 @@ void read_runs(ReportInput& input, const ModelFolder& folder) {
 std::vector<std::string> found_of(const ReportInput& input, const ModelFolder& folder) {
   if (input.evaluations.empty()) return {};
   const results::Evaluation& scores = input.evaluations.front().scores;
-  const double history_ms = folder.history_ms();
-  std::vector<microseconds> histories;
-  if (std::isfinite(history_ms)) histories.emplace_back(std::llround(1000 * history_ms));
-  const std::string learned = fmt::format("{} learned from {} runs, and is judged on {} others.", folder.name(),
-                                          folder.model()["train_runs"].texts().size(), scores.test_runs().size());
-  return results::found_in(scores, histories,
-                           input.unseen.empty() ? results::UnseenComparison{} : input.unseen.front().comparison, learned);
+  std::string learned = fmt::format("{} learned from {} runs, and is judged on {} others.", folder.name(),
+                                    folder.model()["train_runs"].texts().size(), scores.test_runs().size());
+  std::vector<std::string> found =
+      results::found_in(scores, input.unseen.empty() ? results::UnseenComparison{} : input.unseen.front().comparison);
+  found.push_back(std::move(learned));
+  return found;
 }
 
 std::vector<TableRow> settings_of(const ModelFolder& folder) {

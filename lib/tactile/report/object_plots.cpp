@@ -97,7 +97,7 @@ pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vec
 
 namespace {
 
-constexpr int delay_left = 164, delay_right = 20, delay_row = 28, delay_above = 34, delay_below = 60;
+constexpr int delay_left = 188, delay_right = 20, delay_row = 28, delay_above = 34, delay_below = 60;
 
 bool has_whiskers(const std::map<std::string, results::DelaySummary>& bars) {
   return std::any_of(bars.begin(), bars.end(), [](const auto& bar) { return std::isfinite(bar.second.sem_ms); });
@@ -175,42 +175,8 @@ pictures::Plot delay_plot(const std::string& title, const std::vector<std::strin
   return std::move(script).finished();
 }
 
-pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares) {
-  constexpr int left = 40, right = 40, height = 50;
-  const std::array<std::pair<const char*, double>, 4> parts{{{"trainings", shares.training},
-                                                             {"objects", shares.object},
-                                                             {"trainings on single objects", shares.both},
-                                                             {"runs", shares.run}}};
-  const std::array<std::string_view, 4> colours{pictures::figure_colours::of(Touch::press),
-                                                pictures::figure_colours::of(Touch::slip), pictures::figure_colours::faint_ink,
-                                                pictures::figure_colours::others};
-  pictures::PlotHead head(title, page_width);
-  head.note("To narrow the interval most, add more of the largest; more trainings for trainings on single objects.");
-  // In a key, since a small part has no room for its words.
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    head.key(fmt::format("{} {:.0f} %", parts[i].first, percent(parts[i].second)), {.colour = colours[i], .fill = 1});
-  const int top = head.bottom() + 14, bottom = top + height;
-  pictures::PlotScript script(head, bottom + 62);
-  script.begin_panel({.left = left, .top = top, .right = page_width - right, .bottom = bottom});
-  script.axes({.begin = 0, .end = 100, .label = "share of the variance [%]"},
-              {.begin = 0, .end = 1, .tics = "'' 0", .tic_style = "scale 0"});
-  double from = 0;
-  std::vector<pictures::PlotSeries> series;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const double share = percent(parts[i].second);
-    if (share <= 0) continue;
-    series.push_back({script.table(6, {from + share / 2, 0.5, from, from + share, 0, 1}),
-                      "1:2:3:4:5:6",
-                      "boxxyerror",
-                      {.colour = colours[i], .fill = 1}});
-    from += share;
-  }
-  script.plot(series);
-  return std::move(script).finished();
-}
-
 pictures::Plot unseen_plot(const std::string& title, const std::map<std::string, results::SeenAndHeldOut>& objects) {
-  constexpr int left = 164, right = 20, row_height = 44, below = 60;
+  constexpr int left = 188, right = 20, row_height = 44, below = 60;
   constexpr double apart = 0.14;  // from the row's middle
   const std::size_t shown = std::min(objects.size(), most_panels);
   AccuracyAxis axis;

@@ -8,7 +8,6 @@
 #include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/unseen_comparison.hpp"
-#include "tactile/results/variance_shares.hpp"
 
 namespace tactile::report {
 
@@ -31,9 +30,6 @@ std::vector<HistoryCurve::Point>::const_iterator best_of(const HistoryCurve& cur
 /// A small panel for each curve on common axes, with the other curves in grey; its best history is marked.
 /// Source: Faris et al., arXiv:2403.10120, figure 8.
 pictures::Plot accuracy_by_history_plot(const std::string& title, const std::vector<HistoryCurve>& curves);
-
-/// One bar from 0 to 100 %, divided into the shares of trainings, objects and runs.
-pictures::Plot variance_plot(const std::string& title, const results::VarianceShares& shares);
 
 /// Bars of the mean detection delay with its standard error, presses next to slips, one row for each object. Words next to the
 /// bars count missed and early intervals.

@@ -107,50 +107,36 @@ void add_histories(ReportPage& page, const ReportInput& input) {
   if (input.histories.empty()) return;
   page.html.section("history", "Effect of longer histories");
   for (const ReportedHistories& histories : input.histories) {
-    const bool is_first = &histories == &input.histories.front();
     const std::string best = best_in_words(histories.curves.front());
-    if (histories.is_folded) page.html.begin_folded("The same on " + histories.runs);
     page.html.paragraph(fmt::format("The mean over objects is best with {}, on {}.", best, histories.runs));
-    page.figure(is_first ? "accuracy-by-history" : "accuracy-by-history-" + name_part(histories.runs),
+    page.figure("accuracy-by-history",
                 accuracy_by_history_plot(page.titled("Accuracy by history, " + histories.runs), histories.curves),
                 fmt::format("Accuracy against history for each object; the mean is highest with {}.", best),
                 fmt::format("Accuracy by event history t_h, as in the paper's figure 8, on {}.", histories.runs));
     page.html.table(history_table(histories));
-    if (histories.is_folded) page.html.end_folded();
   }
-  if (input.variance) {
-    page.figure("variance", variance_plot(page.titled("Variance of the mean accuracy"), *input.variance),
-                fmt::format("Of the variance of the mean accuracy, {}.", words_of(*input.variance)),
-                fmt::format("Of the variance of the mean accuracy on the reported runs, {}.", words_of(*input.variance)));
-  }
-  if (!input.training_spread.empty()) page.html.paragraph(input.training_spread);
-  for (const ReportedTable& table : input.choice) page.table(table);
 }
 
 void add_unseen(ReportPage& page, const ReportInput& input) {
   if (input.unseen.empty()) return;
   page.html.section("unseen", "Unseen objects");
   for (const UnseenSection& unseen : input.unseen) {
-    const bool is_first = &unseen == &input.unseen.front();
     const results::UnseenComparison& comparison = unseen.comparison;
-    const results::UnseenComparison::Models models = comparison.models.value_or(results::UnseenComparison::Models{});
-    const std::string where = unseen.runs.size() > 60 ? std::string("their test runs") : unseen.runs;
-    if (unseen.is_folded) page.html.begin_folded("The same on " + where);
-    page.html.paragraph(fmt::format("On objects that a model has never seen the accuracy changes by {}, mean over {} objects.",
-                                    results::text_of(results::scaled(comparison.mean.difference, 100), " points", "+.1f"),
-                                    comparison.objects.size()));
-    page.figure(
-        is_first ? "unseen" : "unseen-" + name_part(where),
-        unseen_plot(page.titled("Seen and unseen objects, " + where), comparison.objects),
-        fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
-                    comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
-        fmt::format("Accuracy on each object with it in training ({}) and without ({}), as in the paper's figure 11. Runs: {}; "
-                    "neither model was trained on them.",
-                    models.seen, models.held_out, where));
+    const std::string name =
+        comparison.models ? fmt::format("{} and {}", comparison.models->seen, comparison.models->held_out) : unseen.name;
+    const std::string where = unseen.runs.empty() || unseen.runs.size() > 60 ? std::string("their test runs") : unseen.runs;
+    page.html.paragraph(fmt::format("{}: on objects that it has never seen the accuracy changes by {}, mean over {} object{}.",
+                                    name, results::text_of(results::scaled(comparison.mean.difference, 100), " points", "+.1f"),
+                                    comparison.objects.size(), comparison.objects.size() == 1 ? "" : "s"));
+    page.figure(unseen.setting.empty() ? "unseen" : "unseen-" + name_part(unseen.setting),
+                unseen_plot(page.titled("Seen and unseen objects, " + name), comparison.objects),
+                fmt::format("Accuracy on {} objects with them in training and without: {:.1f} % and {:.1f} % on average.",
+                            comparison.objects.size(), 100 * comparison.mean.seen.value, 100 * comparison.mean.held_out.value),
+                fmt::format("Accuracy on each object with it in training and without, as in the paper's figure 11. Runs: {}; "
+                            "neither model was trained on them.",
+                            where));
     page.html.table(unseen_table(comparison));
-    if (unseen.is_folded) page.html.end_folded();
   }
-  for (const ReportedTable& table : input.splits) page.table(table);
 }
 
 }  // namespace tactile::report

@@ -33,8 +33,9 @@ void explain(ReportPage& page, const ReportInput& input) {
   page.html.begin_folded("How to read this page");
   page.html.paragraph(
       "Results are compared with Faris et al., arXiv:2403.10120, called \"paper\" here. Brackets and whiskers are 95 % intervals "
-      "over trainings, objects and runs. With one training they hold for that training only. There is no interval for fewer than "
-      "three runs or objects, and none for two trainings. Intervals of false alarms per minute also allow for few alarms in a "
+      "over worlds, where there are three or more; else over trainings, objects and runs. With one training they hold for that "
+      "training only. There is no interval for fewer than three runs or objects, and none for two trainings. Intervals of false "
+      "alarms per minute also allow for few alarms in a "
       "short time.");
   if (!input.remarks.empty()) page.html.list(input.remarks);
   page.html.end_folded();
@@ -42,12 +43,21 @@ void explain(ReportPage& page, const ReportInput& input) {
 
 /// Figures that an earlier report drew, and this one did not, are removed. Other files stay.
 void remove_old_figures(const fs::path& folder, const std::vector<std::string>& drawn) {
-  static constexpr std::array<std::string_view, 13> ours{"frames",    "accuracy-by-history",
-                                                         "delays",    "operating-curve",
-                                                         "confusion", "reliability",
-                                                         "over-time", "run-",
-                                                         "unseen",    "training",
-                                                         "figure-",   "trade-",
+  static constexpr std::array<std::string_view, 16> ours{"detection-curve",
+                                                         "over-time",
+                                                         "variance",
+                                                         "frames",
+                                                         "accuracy-by-history",
+                                                         "delays",
+                                                         "operating-curve",
+                                                         "settings-curve",
+                                                         "confusion",
+                                                         "reliability",
+                                                         "run-",
+                                                         "unseen",
+                                                         "training",
+                                                         "figure-",
+                                                         "trade-",
                                                          "stress-"};
   std::error_code ignored;
   std::vector<fs::path> old;
@@ -77,7 +87,7 @@ void add_runs(ReportPage& page, const ReportInput& input) {
     const results::ReportedRun& run = input.runs[i];
     pictures::PredictionPicture picture = read_prediction(run.csv, run.history_ms);
     picture.title = page.titled(fmt::format("{}, predicted by {}", run.run, run.model));
-    picture.remarks.push_back(fmt::format("History t_h {:g} ms.", run.history_ms));
+    picture.remarks.push_back(fmt::format("Events of {:g} ms.", run.history_ms));
     const fs::path outcome = fs::path(run.csv).replace_extension(".json");
     std::error_code ignored;
     if (fs::is_regular_file(outcome, ignored))
@@ -85,7 +95,7 @@ void add_runs(ReportPage& page, const ReportInput& input) {
     else
       page.missing.push_back(fmt::format("How the intervals of {} were detected: {} does not exist.", run.run, outcome.string()));
     page.figure(
-        "run-" + name_part(run.run), pictures::prediction_plot(picture, page_width),
+        "run-" + name_part(run.run) + "-" + name_part(run.model), pictures::prediction_plot(picture, page_width),
         fmt::format("Predictions of {} over the whole of {}.", run.model, run.run),
         fmt::format("A whole run, as in the paper's figure 10: {} by {}. Event rate, probabilities of press and slip, and "
                     "predictions above {}.",
@@ -119,13 +129,14 @@ void add_trainings(ReportPage& page, const ReportInput& input) {
 ReportSummary write_report(const ReportInput& input, const fs::path& out, const FigureCallback& report_figure) {
   ReportPage page(input, out, report_figure);
   begin(page, input);
-  if (!input.evaluations.empty()) add_alarm_curve(page, input.evaluations.front());
+  if (!input.evaluations.empty())
+    add_alarm_curve(page, input.evaluations.front().model, {}, input.evaluations.front().scores.whole_runs);
   explain(page, input);
+  add_settings(page, input);
   add_claims(page, input);
   add_frames(page, input);
   add_histories(page, input);
-  for (const ReportedEvaluation& evaluation : input.evaluations)
-    add_evaluation(page, evaluation, &evaluation == &input.evaluations.front());
+  for (const ReportedEvaluation& evaluation : input.evaluations) add_evaluation(page, evaluation);
   add_runs(page, input);
   add_unseen(page, input);
   add_trade(page, input);

@@ -17,19 +17,17 @@ namespace tactile::report {
 
 /// An evaluation as a section of the report.
 struct ReportedEvaluation {
-  std::string id;                                                ///< "reported", "all_test"; names its figures
-  std::string model;                                             ///< name; of several models, their number and histories
+  std::string model;                                             ///< name
   std::string runs;                                              ///< on which runs, in words; may be empty
-  double history_ms = std::numeric_limits<double>::quiet_NaN();  ///< NaN where `model` has several
-  bool is_folded = false;                                        ///< the paper's own choice, next to what the study reports
+  double history_ms = std::numeric_limits<double>::quiet_NaN();  ///< NaN of a stream
   results::Evaluation scores;
 };
 
 /// Objects seen in training and the same objects held out, on one set of runs.
 struct UnseenSection {
-  std::string runs;  ///< in words; may be empty
+  std::string name, setting;  ///< "LeNet, t_h 40 ms", "th040"; empty where the comparison names its models
+  std::string runs;           ///< in words; may be empty
   results::UnseenComparison comparison;
-  bool is_folded = false;
 };
 
 struct ReportedTable {
@@ -42,7 +40,6 @@ struct ReportedTable {
 struct ReportedHistories {
   std::string runs;
   std::vector<HistoryCurve> curves;
-  bool is_folded = false;
 };
 
 /// The contents of a report, from wherever they were read.
@@ -54,13 +51,10 @@ struct ReportInput {
   std::vector<results::Claim> claims;
   std::vector<ReportedTable> left_out;  ///< runs and intervals that are in no sample, and why
   std::vector<ReportedHistories> histories;
-  std::optional<results::VarianceShares> variance;  ///< of the mean accuracy
-  std::string training_spread;                      ///< a sentence; empty with one training
-  std::vector<ReportedTable> choice;                ///< the best history of each object
+  std::vector<results::StudiedSetting> settings_on_whole_runs;  ///< of a study, the most important first
   std::vector<ReportedEvaluation> evaluations;
   std::vector<results::ReportedRun> runs;
   std::vector<UnseenSection> unseen;
-  std::vector<ReportedTable> splits;
   std::vector<TrainingCurve> trainings;
   std::optional<results::Trade> trade;    ///< of speed for accuracy
   std::optional<results::Stress> stress;  ///< of worsened runs

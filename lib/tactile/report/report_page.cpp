@@ -72,4 +72,10 @@ HtmlCell figure_cell(const results::Figure& measured, double factor) {
   return number_cell(fmt::format("{:.2f}", factor * measured.value), interval);
 }
 
+HtmlCell figure_cell(const results::CensoredQuantile& quantile) {
+  HtmlCell cell = figure_cell(quantile.ms);
+  if (quantile.is_lower_bound) cell.text = "at least " + cell.text;
+  return cell;
+}
+
 }  // namespace tactile::report

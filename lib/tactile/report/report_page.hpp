@@ -48,6 +48,7 @@ HtmlCell number_cell(double value, int digits = 2);  ///< "-" where it is not fi
 
 /// "95.12", and below it "93.10 to 97.00", both times `factor`; "-" where there is no value.
 HtmlCell figure_cell(const results::Figure& measured, double factor = 1);
+HtmlCell figure_cell(const results::CensoredQuantile& quantile);  ///< "at least 500.00" where only a bound is known
 inline HtmlCell percent_cell(const results::Figure& measured) { return figure_cell(measured, 100); }
 
 // The sections of the page. One without input writes nothing, and may add to `missing`.
@@ -55,9 +56,14 @@ inline HtmlCell percent_cell(const results::Figure& measured) { return figure_ce
 void add_claims(ReportPage& page, const ReportInput& input);
 void add_frames(ReportPage& page, const ReportInput& input);
 void add_histories(ReportPage& page, const ReportInput& input);
-/// Delay against false alarms over whole runs; nothing without them. `add_evaluation` leaves it out if it `is_shown`.
-void add_alarm_curve(ReportPage& page, const ReportedEvaluation& evaluation);
-void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation, bool curve_is_shown);
+/// Delay against false alarms over whole runs; nothing without them.
+/// @param setting  names the figure; may be empty
+void add_alarm_curve(ReportPage& page, const std::string& name, const std::string& setting, const results::WholeRuns& whole);
+/// The same, if the page has no such figure yet, and all other tables of whole runs.
+void add_whole_runs(ReportPage& page, const std::string& name, const std::string& setting, const results::WholeRuns& whole,
+                    const std::map<std::string, results::Baseline>& baselines = {});
+void add_settings(ReportPage& page, const ReportInput& input);
+void add_evaluation(ReportPage& page, const ReportedEvaluation& evaluation);
 void add_runs(ReportPage& page, const ReportInput& input);
 void add_unseen(ReportPage& page, const ReportInput& input);
 void add_trade(ReportPage& page, const ReportInput& input);

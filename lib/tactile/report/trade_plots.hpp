@@ -11,12 +11,8 @@ namespace tactile::report {
 /// Accuracy against the 99th percentile of the time per tick, by its logarithm.
 pictures::Plot trade_accuracy_plot(const results::Trade& trade);
 
-/// Median delay, misses at their limit, against false alarms per minute outside of touches. Both axes are linear near
+/// Median delay, misses later than all others, against false alarms per minute outside of touches. Both axes are linear near
 /// 0 and logarithmic beyond: log10(x + 1), with the delay in ms. An interval without meaningful bounds is left out.
 pictures::Plot trade_delay_plot(const results::Trade& trade);
-
-/// Time per tick against event rate, history and resolution, all by their logarithms, with the dense method in orange; tics are
-/// at the measured points.
-pictures::Plot trade_growth_plot(const results::Trade& trade);
 
 }  // namespace tactile::report

@@ -20,7 +20,7 @@ std::vector<results::TradedSetting> by_rank(std::vector<results::TradedSetting> 
     return (setting.on_accuracy_front ? 1 : 0) + (setting.on_delay_front ? 1 : 0);
   };
   const auto accuracy = [](const results::TradedSetting& setting) {
-    return std::isfinite(setting.reported.figures.accuracy.value) ? setting.reported.figures.accuracy.value : -1;
+    return std::isfinite(setting.reported.accuracy.value) ? setting.reported.accuracy.value : -1;
   };
   std::stable_sort(settings.begin(), settings.end(), [&](const results::TradedSetting& a, const results::TradedSetting& b) {
     return std::pair(fronts(a), accuracy(a)) > std::pair(fronts(b), accuracy(b));
@@ -30,9 +30,7 @@ std::vector<results::TradedSetting> by_rank(std::vector<results::TradedSetting> 
 
 void add_table(ReportPage& page, const std::vector<results::TradedSetting>& settings) {
   HtmlTable table{
-      .caption =
-          "Each setting by its difference from the usual one; below each figure its 95 % interval. trade.json has more, also the "
-          "differences, which are paired over trainings and runs",
+      .caption = "Each setting by its difference from the usual one; below each figure its 95 % interval. trade.json has more",
       .head = {"setting", "accuracy [%]", "median delay [ms]", "missed or early [%]", "false alarms/min", "p50 [us]", "p99 [us]",
                "on the front of"},
       .rows = {},
@@ -44,12 +42,12 @@ void add_table(ReportPage& page, const std::vector<results::TradedSetting>& sett
       ++left_out;
       continue;
     }
-    const results::TradeFigures& figures = setting.reported.figures;
+    const results::TradeResult& figures = setting.reported;
     table.rows.push_back({{.text = setting.text},
                           percent_cell(figures.accuracy),
-                          figure_cell(figures.delay_median_us, 1e-3),
-                          percent_cell(figures.missed),
-                          figure_cell(figures.episodes_per_min),
+                          figure_cell(figures.whole_runs.median_ms),
+                          percent_cell(figures.whole_runs.missed),
+                          figure_cell(figures.whole_runs.alarms_per_min),
                           figure_cell(figures.us_p50),
                           figure_cell(figures.us_p99),
                           {.text = on_both                     ? "accuracy, delay"
@@ -80,7 +78,6 @@ void add_trade(ReportPage& page, const ReportInput& input) {
   if (trade.simulated && !input.simulated)
     page.html.warning("This part was measured on simulated runs. It says nothing about a real sensor.");
   if (!trade.recommendation.sentence.empty()) page.html.paragraph(trade.recommendation.sentence);
-  if (!trade.usual_is.empty()) page.html.paragraph(trade.usual_is);
   page.html.paragraph(fmt::format("{} Measured on {}. {}", trade.times_are, trade.cpu(), trade.judged_by));
   const auto on = [&](bool results::TradedSetting::*front) {
     return std::count_if(trade.points.begin(), trade.points.end(),
@@ -96,9 +93,8 @@ void add_trade(ReportPage& page, const ReportInput& input) {
       "trade-delay", trade_delay_plot(trade),
       fmt::format("Median detection delay against false alarms of {} settings, {} of them on the front.", trade.points.size(),
                   on(&results::TradedSetting::on_delay_front)),
-      "Median delay of presses and slips, with the time of computing, against false alarms per minute outside of touches. "
-      "Missed ones "
-      "count with the time in which they could be detected; the list has their share.");
+      "Median delay of presses and slips, with the time of computing, against false alarms per minute outside of touches. One "
+      "that is missed or early is later than all others; the list has their share.");
   page.figure(
       "trade-budgets", trade_budget_plot(trade),
       "Accuracy, median delay and false alarms of the most accurate setting of each kind of model, within 1, 10, 50, 100 and "
@@ -107,15 +103,6 @@ void add_trade(ReportPage& page, const ReportInput& input) {
       "false alarms. It was chosen on the choice runs.");
   add_table(page, by_rank(trade.points));
   for (const std::string& sentence : not_in(trade)) page.missing.push_back("Speed against accuracy: " + sentence);
-  if (!trade.growth || trade.growth->by_rate.empty()) return;
-  const results::GrowthPoint& fastest = trade.growth->by_rate.back();
-  page.html.heading("How the cost grows");
-  page.figure("trade-growth", trade_growth_plot(trade),
-              fmt::format("Time per tick against event rate, history and resolution: at {:g} events per second {:.0f} us, and "
-                          "{:.0f} us by the dense method.",
-                          fastest.events_per_s, fastest.sparse.p50_us, fastest.dense.p50_us),
-              "Time per tick against the event rate, the history and the sensor's resolution. Orange: the dense method, which "
-              "computes every pixel and every output of the network.");
 }
 
 }  // namespace tactile::report

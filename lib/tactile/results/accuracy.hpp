@@ -1,21 +1,23 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tactile/results/figure.hpp"
+#include "tactile/results/members.hpp"
 
 namespace tactile::results {
 
 /// The share of balanced samples predicted correctly: of each object over all samples of its runs, and the mean over objects.
 struct Accuracy {
-  Figure mean;                            ///< objects drawn first, then runs; n = objects
-  std::map<std::string, Figure> objects;  ///< runs drawn; n = runs
+  Figure mean{};
+  std::map<std::string, Figure> objects{};
 };
 
-/// {"mean", "objects"}
-void to_json(nlohmann::json& json, const Accuracy& accuracy);
-void from_json(const JsonView& json, Accuracy& accuracy);
+template <class Members>
+void list_members(Members& members, Accuracy& accuracy) {
+  members("mean", accuracy.mean);
+  members("objects", accuracy.objects);
+}
 
 }  // namespace tactile::results

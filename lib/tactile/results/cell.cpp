@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -17,10 +18,12 @@ namespace tactile::results {
 namespace {
 
 constexpr std::string_view cause_prefix = "alarms_", early_mark = "early>", missed_mark = ">", unknown_mark = "-";
+constexpr std::array<std::pair<std::string_view, TickCount Cell::*>, 3> tick_counts{
+    {{"first", &Cell::first}, {"before_last", &Cell::before_last}, {"last", &Cell::last}}};
 constexpr std::string_view first_answer = "touch", confirmed_answer = "confirmed slip";
 
 std::string word_of(const TouchOutcome& touch) {
-  const std::string ms = csv_number(touch.ms);
+  std::string ms = csv_number(touch.ms);
   switch (touch.outcome) {
     case DetectionOutcome::detected:
       return ms;
@@ -94,6 +97,8 @@ class CellReader {
     if (cell.alarm_count() != count("alarms")) table_.refuse(column_of(table_, "alarms"), "the sum of the columns alarms_CAUSE");
     add_touches(cell, Touch::press, "press_ms", {});
     add_touches(cell, Touch::slip, "slip_ms", words("gross_slip_ms"));
+    for (const auto& [part, counts] : tick_counts)
+      cell.*counts = {count(fmt::format("{}_ticks", part)), count(fmt::format("{}_right", part))};
     for (const Touch truth : all_touches) {
       for (const Touch predicted : all_touches) cell.samples.at(truth, predicted) = count(sample_column(truth, predicted));
     }
@@ -157,8 +162,9 @@ double in_ticks(double ms, double tick_ms) {
 }
 
 auto members_of(const Cell& cell) {
-  return std::tie(cell.object, cell.run, cell.training, cell.world, cell.setting, cell.threshold, cell.tick_ms, cell.by_truth,
-                  cell.touches, cell.outside_s, cell.in_alarm_s, cell.alarms, cell.wrong_class, cell.false_slips, cell.samples);
+  return std::tie(cell.object, cell.run, cell.training, cell.world, cell.setting, cell.confirmed, cell.threshold, cell.tick_ms,
+                  cell.by_truth, cell.touches, cell.outside_s, cell.in_alarm_s, cell.alarms, cell.wrong_class, cell.false_slips,
+                  cell.first, cell.before_last, cell.last, cell.samples);
 }
 
 }  // namespace
@@ -206,6 +212,7 @@ std::string cells_csv(std::span<const Cell> cells) {
       "alarms";
   for (const std::string& cause : causes) columns += "," + csv_cell(std::string(cause_prefix) + cause);
   columns += ",press_ms,slip_ms,gross_slip_ms";
+  for (const auto& [part, counts] : tick_counts) columns += fmt::format(",{0}_ticks,{0}_right", part);
   for (const Touch truth : all_touches) {
     for (const Touch predicted : all_touches) columns += "," + sample_column(truth, predicted);
   }
@@ -216,16 +223,20 @@ std::string cells_csv(std::span<const Cell> cells) {
       const auto found = cell.alarms.find(cause);
       by_cause.push_back(std::to_string(found == cell.alarms.end() ? 0 : found->second));
     }
-    std::vector<std::string> samples;
+    std::vector<std::string> counted;
+    for (const auto& [part, counts] : tick_counts) {
+      counted.push_back(std::to_string((cell.*counts).ticks));
+      counted.push_back(std::to_string((cell.*counts).right));
+    }
     for (const auto& row : cell.samples.counts) {
-      for (const std::uint64_t count : row) samples.push_back(std::to_string(count));
+      for (const std::uint64_t count : row) counted.push_back(std::to_string(count));
     }
     table.add_row(cell.world, cell.object, cell.run, cell.training, cell.setting,
                   cell.confirmed ? confirmed_answer : first_answer, csv_number(cell.threshold), csv_number(cell.tick_ms),
                   cell.by_truth ? "truth" : "labels", csv_number(cell.outside_s), csv_number(cell.in_alarm_s), cell.wrong_class,
                   cell.false_slips, cell.alarm_count(), std::span<const std::string>(by_cause),
                   words_of(cell, Touch::press, false), words_of(cell, Touch::slip, false), words_of(cell, Touch::slip, true),
-                  std::span<const std::string>(samples));
+                  std::span<const std::string>(counted));
   }
   return table.text();
 }

@@ -26,10 +26,16 @@ struct TouchOutcome {
   friend bool operator==(const TouchOutcome&, const TouchOutcome&) = default;
 };
 
+/// Ticks, and how many of them have the right verdict.
+struct TickCount {
+  std::uint64_t ticks = 0, right = 0;
+
+  friend bool operator==(const TickCount&, const TickCount&) = default;
+};
+
 /// A whole run, judged at one setting of one training: what every figure of whole runs is made from.
 struct Cell : JudgedRun {
-  std::string world{};                            ///< the seed of a simulated world; empty for a lab's own data
-  std::string setting{};                          ///< "stream", "lenet th 40"
+  std::string setting{};                          ///< "stream", "th040"
   bool confirmed = false;                         ///< of confirmed slips alone, without presses; else of press and slip at once
   std::optional<double> threshold{};              ///< log-odds of a touch, or of a confirmed slip; nothing: as it was decided
   double tick_ms = 2;                             ///< > 0
@@ -40,6 +46,8 @@ struct Cell : JudgedRun {
   std::map<std::string, std::uint64_t> alarms{};  ///< false alarms by cause, each above 0
   std::uint64_t wrong_class = 0;                  ///< episodes that began in a touch of the other class
   std::optional<std::uint64_t> false_slips{};     ///< in a lift without slip; nothing where the run has none
+  TickCount first{};                              ///< in the first 500 ms of touches
+  TickCount before_last{}, last{};                ///< of touches longer than 200 ms: before their last 200 ms, and in them
   Confusion samples{};                            ///< of the balanced samples, by the labels
 
   std::uint64_t alarm_count() const;
@@ -68,10 +76,11 @@ void list_members(Members& members, Cell& cell) {
 std::string words_of(const Cell& cell);
 
 /// A row each: world, object, run, training, setting, answer, threshold, tick_ms, judged_by, outside_s, in_alarm_s, wrong_class,
-/// false_slips, alarms, a column alarms_CAUSE of every cause that occurs, press_ms, slip_ms, gross_slip_ms, and nine columns
-/// press_as_slip of balanced samples: their class, and that of the verdict. The three before them have a word for each touch,
-/// with blanks between them: the time from its onset to its detection, ">500" of a missed one, "early>500" of an early one, "-"
-/// where it is unknown. From gross slip, ">480" of one that is not detected.
+/// false_slips, alarms, a column alarms_CAUSE of every cause that occurs, press_ms, slip_ms, gross_slip_ms, first_ticks,
+/// first_right, before_last_ticks, before_last_right, last_ticks, last_right, and nine columns press_as_slip of balanced samples:
+/// their class, and that of the verdict. The three in ms have a word for each touch, with blanks between them: the time from its
+/// onset to its detection, ">500" of a missed one, "early>500" of an early one, "-" where it is unknown. From gross slip, ">480"
+/// of one that is not detected.
 std::string cells_csv(std::span<const Cell> cells);
 
 /// The cells of such a table. @throws Error  if the file is missing or has another form

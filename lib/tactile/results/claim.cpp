@@ -1,88 +1,47 @@
 #include "tactile/results/claim.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <array>
+#include <cctype>
+#include <utility>
 
 #include "tactile/core/error.hpp"
 
 namespace tactile::results {
 namespace {
 
-/// The one of these whose name the text is; the last where there is no text.
-template <class Named, std::size_t count>
-Named named_in(const JsonView& json, const std::array<Named, count>& all) {
-  if (!json) return all.back();
-  const std::string text = json.text();
-  std::string names;
-  for (const Named one : all) {
-    if (name_of(one) == text) return one;
-    names += fmt::format("{}'{}'", names.empty() ? "" : one == all.back() ? " or " : ", ", name_of(one));
-  }
-  throw Error(fmt::format("{} is '{}'; expected {}", json.where(), text, names));
-}
+constexpr std::array<std::pair<Outcome, std::string_view>, 3> names{
+    {{Outcome::holds, "holds"}, {Outcome::does_not, "does not"}, {Outcome::cannot_tell, "cannot tell"}}};
 
 }  // namespace
 
-std::string_view name_of(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::holds:
-      return "holds";
-    case Outcome::does_not:
-      return "does not";
-    case Outcome::cannot_tell:
-      return "cannot tell";
+std::string_view name_of(Outcome outcome) { return names[static_cast<std::size_t>(outcome)].second; }
+
+void to_json(nlohmann::json& json, Outcome outcome) { json = name_of(outcome); }
+
+void from_json(const JsonView& json, Outcome& outcome) {
+  const std::string text = json.text();
+  for (const auto& [known, name] : names) {
+    if (name == text) {
+      outcome = known;
+      return;
+    }
   }
-  return "cannot tell";
+  throw Error(fmt::format("{} is '{}'; expected holds, does not or cannot tell", json.where(), text));
 }
 
-std::string_view name_of(Asked asked) { return asked == Asked::below ? "below" : "above"; }
-
-void to_json(nlohmann::json& json, const ClaimOutcome& result) {
-  json = {{"in_words", result.in_words},
-          {"measured", result.measured},
-          {"objects", result.objects},
-          {"kept", json_or_null(result.kept)},
-          {"of", json_or_null(result.of)},
-          {"verdict", name_of(result.outcome)},
-          {"why", result.why},
-          {"can_be_decided", result.can_be_decided},
-          {"note", result.note}};
-}
-
-void to_json(nlohmann::json& json, const Claim& claim) {
-  json = static_cast<const ClaimOutcome&>(claim);
-  json.update({{"id", claim.id},
-               {"claim", claim.claim},
-               {"paper", claim.paper},
-               {"unit", claim.unit},
-               {"asked", name_of(claim.asked)},
-               {"limit", claim.limit}});
-  if (claim.all_test) json["all_test"] = *claim.all_test;
-}
-
-void from_json(const JsonView& json, ClaimOutcome& result) {
-  const JsonView can_be_decided = json.renamed("can_be_decided", "can_be_told");
-  result = {.measured = json["measured"].get<Figure>(),
-            .objects = json["objects"].map_of<Figure>(),
-            .kept = json["kept"].count_if_there(),
-            .of = json["of"].count_if_there(),
-            .in_words = json["in_words"].text(),
-            .outcome = named_in(json["verdict"], std::array{Outcome::holds, Outcome::does_not, Outcome::cannot_tell}),
-            .why = json["why"].text(),
-            .can_be_decided = !can_be_decided || can_be_decided.truth(),
-            .note = json["note"].text()};
-}
-
-void from_json(const JsonView& json, Claim& claim) {
-  from_json(json, static_cast<ClaimOutcome&>(claim));
-  claim.id = json["id"].text();
-  claim.claim = json["claim"].text();
-  claim.paper = json["paper"].text();
-  claim.unit = json["unit"].text();
-  claim.asked = named_in(json["asked"], std::array{Asked::below, Asked::above});
-  claim.limit = json["limit"].number();
-  claim.all_test = json["all_test"].if_there<ClaimOutcome>();
+std::string words_of(const Claim& claim) {
+  if (claim.replicates == 0) return "Not measured in this study.";
+  const std::string limit = fmt::format("{} {:g} {}", claim.is_below ? "below" : "above", claim.limit, claim.unit);
+  const std::string replicates =
+      fmt::format("{} of {} replicate{}", claim.written, claim.replicates, claim.replicates == 1 ? "" : "s");
+  const std::string measured = text_of(claim.measured, " " + claim.unit, ".2f");
+  if (!claim.is_by_margin)
+    return fmt::format("Written in {}: where {} is {}. Measured: {}.", replicates, claim.measure, limit, measured);
+  std::string measure = claim.measure;
+  measure.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(measure.front())));
+  return fmt::format("{} must be {}, a margin; it is in {}. Measured: {}.", measure, limit, replicates, measured);
 }
 
 }  // namespace tactile::results

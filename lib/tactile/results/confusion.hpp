@@ -4,11 +4,9 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 
 #include "tactile/core/touch.hpp"
 #include "tactile/results/json_view.hpp"
-#include "tactile/results/judged_run.hpp"
 
 namespace tactile::results {
 
@@ -26,11 +24,6 @@ struct Confusion {
   std::optional<double> accuracy() const;  ///< correct / samples, in [0, 1]; nothing without samples
 
   friend bool operator==(const Confusion&, const Confusion&) = default;
-};
-
-/// The balanced samples of one run.
-struct RunConfusion : JudgedRun {
-  Confusion confusion{};
 };
 
 /// A list of three rows of three counts.

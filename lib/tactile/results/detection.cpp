@@ -57,10 +57,4 @@ void from_json(const JsonView& json, Detection& detection) {
   detection.limit = json["limit_ms"].milliseconds();
 }
 
-RunDetections detections_in(const JsonView& json) {
-  const std::string name = json["run"].text(), object = json["object"].text();
-  return {{object, name.substr(std::min(name.size(), object.size() + 1)), json["training"].count()},
-          json["intervals"].list_of<Detection>()};
-}
-
 }  // namespace tactile::results

@@ -36,12 +36,4 @@ void to_json(nlohmann::json& json, const Detection& detection);
 
 void from_json(const JsonView& json, Detection& detection);  ///< but for the ticks
 
-/// The detections of one run.
-struct RunDetections : JudgedRun {
-  std::vector<Detection> detections{};
-};
-
-/// One of "runs" in eval.json: {"run": "fan/03", "object", "training", "intervals"}
-RunDetections detections_in(const JsonView& json);
-
 }  // namespace tactile::results

@@ -5,22 +5,37 @@
 #include <cmath>
 
 namespace tactile::results {
+namespace {
+
+/// Without the sign of a number that is rounded to 0.
+std::string rounded(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+}  // namespace
 
 std::string value_text(const Figure& figure, double scale, int decimals) {
-  return std::isfinite(figure.value) ? fmt::format("{:.{}f}", scale * figure.value, decimals) : "-";
+  return std::isfinite(figure.value) ? rounded(scale * figure.value, decimals) : "-";
 }
 
 std::string interval_text(const Figure& figure, double scale, int decimals) {
   if (!std::isfinite(figure.value) || (!figure.low && !figure.high)) return "";
-  const auto bound = [&](const std::optional<double>& value) {
-    return value ? fmt::format("{:.{}f}", scale * *value, decimals) : "?";
-  };
+  const auto bound = [&](const std::optional<double>& value) { return value ? rounded(scale * *value, decimals) : "?"; };
   return fmt::format("[{}, {}]", bound(figure.low), bound(figure.high));
 }
 
 std::string figure_text(const Figure& figure, double scale, int decimals) {
   const std::string value = value_text(figure, scale, decimals), interval = interval_text(figure, scale, decimals);
   return interval.empty() ? value : value + " " + interval;
+}
+
+std::string value_text(const CensoredQuantile& quantile, int decimals) {
+  return (quantile.is_lower_bound ? "> " : "") + value_text(quantile.ms, 1, decimals);
+}
+
+std::string figure_text(const CensoredQuantile& quantile, int decimals) {
+  return (quantile.is_lower_bound ? "> " : "") + figure_text(quantile.ms, 1, decimals);
 }
 
 }  // namespace tactile::results

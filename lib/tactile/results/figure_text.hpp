@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "tactile/results/delay_table.hpp"
 #include "tactile/results/figure.hpp"
 
 namespace tactile::results {
@@ -16,5 +17,11 @@ std::string interval_text(const Figure& figure, double scale, int decimals);
 
 /// "94.6 [91.3, 96.7]", or only the value.
 std::string figure_text(const Figure& figure, double scale, int decimals);
+
+/// "6"; "> 500" where only a bound is known.
+std::string value_text(const CensoredQuantile& quantile, int decimals = 0);
+
+/// "6 [5, 8]"
+std::string figure_text(const CensoredQuantile& quantile, int decimals = 0);
 
 }  // namespace tactile::results

@@ -8,72 +8,63 @@
 namespace tactile::results {
 namespace {
 
-std::string percent_of(const Figure& figure, std::string_view unit = " %", std::string_view format = ".1f") {
-  return text_of(scaled(figure, 100), unit, format);
+std::string percent_of(const Figure& figure, std::string_view unit = " %") { return text_of(scaled(figure, 100), unit, ".1f"); }
+
+std::string within(const CensoredQuantile& quantile) {
+  return (quantile.is_lower_bound ? "no less than " : "") + text_of(quantile.ms, " ms", ".0f");
 }
 
-/// "40 ms", or "30, 40 or 50 ms" where trainings chose several
-std::string histories_text(std::vector<microseconds> histories) {
-  std::sort(histories.begin(), histories.end());
-  histories.erase(std::unique(histories.begin(), histories.end()), histories.end());
-  std::string text;
-  for (std::size_t i = 0; i < histories.size(); ++i)
-    text += (i == 0                      ? ""
-             : i + 1 == histories.size() ? " or "
-                                         : ", ") +
-            fmt::format("{}", static_cast<double>(histories[i].count()) / 1000);
-  return text + " ms";
-}
-
-std::string accuracy_sentence(const Evaluation& reported, const std::vector<microseconds>& histories) {
-  const Figure& accuracy = reported.accuracy.mean;
-  std::string text = fmt::format(
-      "With a t_h of {} the model predicts {} of the samples correctly, on {} runs that it did not learn from (mean over {} "
-      "objects, {} training{})",
-      histories_text(histories), percent_of(accuracy), reported.simulated ? "simulated" : "real", accuracy.n, accuracy.trainings,
-      accuracy.trainings == 1 ? "" : "s");
-  const auto best = std::max_element(reported.baselines.begin(), reported.baselines.end(),
-                                     [](const auto& a, const auto& b) { return a.accuracy.mean.value < b.accuracy.mean.value; });
-  if (best != reported.baselines.end())
-    text += fmt::format("; the best baseline, {}, {}", best->name, percent_of(best->accuracy.mean));
+/// What a robot would meet.
+std::string whole_runs_sentence(const std::string& who, const WholeRuns& whole) {
+  const OperatingPoint& point = whole.decided;
+  std::string text = fmt::format("{}, on {} whole runs of all kinds: {} false alarms a minute", who, whole.runs.size(),
+                                 text_of(point.alarms_per_min, ""));
+  if (point.touches > 0)
+    text += fmt::format("; half of the touches are detected within {}, 90 % within {}, and {} of {} are missed",
+                        within(point.median_ms), within(point.p90_ms), point.misses + point.early, point.touches);
+  if (point.lifts > 0)
+    text += fmt::format("; slip is reported in {} of {} lifts without slip", point.lifts_with_slip, point.lifts);
   return text + ".";
 }
 
-std::string delay_sentence(const DetectorScore& network) {
-  const DelaySummary &press = network.press.all, &slip = network.slip.all;
-  const auto within = [](const CensoredQuantile& quantile) {
-    return (quantile.is_lower_bound ? "no less than " : "") + text_of(quantile.ms, " ms", ".0f");
-  };
-  return fmt::format(
-      "Half of the presses are detected within {}, half of the slips within {}; {} of the presses and {} of the "
-      "slips are missed.",
-      within(press.median_of_all_ms), within(slip.median_of_all_ms), percent_of(press.missed), percent_of(slip.missed));
+std::string accuracy_sentence(const std::string& who, const Accuracy& accuracy) {
+  return fmt::format("{} predicts {} of the balanced samples correctly.", who, percent_of(accuracy.mean));
 }
 
-std::string false_alarm_sentence(const WholeRuns& whole) {
-  const OperatingPoint& point = whole.decided;
-  return fmt::format(
-      "False alarms, on {} whole runs of all kinds: {} per minute outside of touches, which is {:.1f} % of that time.",
-      whole.runs.size(), text_of(point.alarms_per_min, ""), 100 * point.in_alarm);
+std::string unseen_sentence(const std::string& who, const UnseenComparison& unseen) {
+  const Figure& change = unseen.mean.difference;
+  return fmt::format("On {} object{} that it has never seen the accuracy of {} changes by {}.", unseen.objects.size(),
+                     unseen.objects.size() == 1 ? "" : "s", who, percent_of(change, " points"));
+}
+
+void add_note(std::vector<std::string>& sentences, std::initializer_list<Figure> figures) {
+  std::string note = note_on_intervals(figures);
+  if (!note.empty()) sentences.push_back(std::move(note));
 }
 
 }  // namespace
 
-std::vector<std::string> found_in(const Evaluation& reported, const std::vector<microseconds>& histories,
-                                  const UnseenComparison& unseen, const std::string& claims) {
-  const Figure& change = unseen.mean.difference;
-  std::vector<std::string> sentences{
-      accuracy_sentence(reported, histories), delay_sentence(reported.network), false_alarm_sentence(reported.whole_runs),
-      unseen.objects.empty()
-          ? std::string("No object was held out of training.")
-          : fmt::format("On objects that it has never seen the accuracy changes by {} (mean over {} object{}).",
-                        percent_of(change, " points"), change.n, change.n == 1 ? "" : "s"),
-      claims};
-  const DetectorScore& network = reported.network;
-  std::string note = note_on_intervals({reported.accuracy.mean, network.press.all.median_of_all_ms.ms, network.press.all.missed,
-                                        network.slip.all.median_of_all_ms.ms, network.slip.all.missed,
-                                        reported.whole_runs.decided.alarms_per_min, change});
-  if (!note.empty()) sentences.push_back(std::move(note));
+std::vector<std::string> found_in(const Evaluation& evaluation, const UnseenComparison& unseen) {
+  const std::string& name = evaluation.models.front().name;
+  std::vector<std::string> sentences{whole_runs_sentence(name, evaluation.whole_runs),
+                                     accuracy_sentence(name, evaluation.accuracy)};
+  if (!unseen.objects.empty()) sentences.push_back(unseen_sentence(name, unseen));
+  add_note(sentences, {evaluation.accuracy.mean, evaluation.whole_runs.decided.alarms_per_min,
+                       measured(evaluation.whole_runs.decided.median_ms)});
+  return sentences;
+}
+
+std::vector<std::string> found_in(const Study& study) {
+  std::vector<std::string> sentences;
+  for (const StudiedSetting& setting : study.results) {
+    if (setting.whole_runs.runs.empty()) continue;
+    sentences.push_back(whole_runs_sentence(setting.text, setting.whole_runs));
+    if (!setting.is_unseen) sentences.push_back(accuracy_sentence(setting.text, setting.accuracy));
+  }
+  for (const StudiedUnseen& unseen : study.unseen) {
+    if (!unseen.accuracy.objects.empty()) sentences.push_back(unseen_sentence(unseen.text, unseen.accuracy));
+  }
+  if (!study.results.empty()) add_note(sentences, {study.results.front().accuracy.mean});
   return sentences;
 }
 

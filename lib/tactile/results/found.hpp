@@ -3,19 +3,18 @@
 #include <string>
 #include <vector>
 
-#include "tactile/core/time.hpp"
 #include "tactile/results/evaluation.hpp"
+#include "tactile/results/study.hpp"
 #include "tactile/results/unseen_comparison.hpp"
 
 namespace tactile::results {
 
-/// What a study or an evaluation found, in five sentences: accuracy and the best baseline; delays and misses; false alarms;
-/// objects never seen; and the claims. A sixth explains values without an interval, if there are any.
-/// @param reported  of the reported runs
-/// @param histories  of each training
-/// @param unseen    of the reported runs; without objects if none was held out
-/// @param claims    the last sentence: of a study as `summary_of` puts them
-std::vector<std::string> found_in(const Evaluation& reported, const std::vector<microseconds>& histories,
-                                  const UnseenComparison& unseen, const std::string& claims);
+// What was found, in a few sentences. The last one explains values without an interval, if there are any.
+
+/// @param unseen  without objects if none was held out
+std::vector<std::string> found_in(const Evaluation& evaluation, const UnseenComparison& unseen);
+
+/// Of each setting that was judged on whole runs, then accuracies; without the claims.
+std::vector<std::string> found_in(const Study& study);
 
 }  // namespace tactile::results

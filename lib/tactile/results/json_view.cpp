@@ -100,12 +100,6 @@ std::vector<std::uint64_t> JsonView::counts() const {
   return counts;
 }
 
-std::vector<double> JsonView::numbers() const {
-  std::vector<double> numbers;
-  for (const JsonView& item : items()) numbers.push_back(item.number());
-  return numbers;
-}
-
 nlohmann::json JsonView::copy() const { return json_ == nullptr ? nlohmann::json() : *json_; }
 
 std::string JsonView::words() const {

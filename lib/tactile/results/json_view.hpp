@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -26,7 +25,6 @@ class JsonView {
 
   explicit operator bool() const { return json_ != nullptr; }
   bool is_number() const { return json_ != nullptr && json_->is_number(); }
-  bool is_text() const { return json_ != nullptr && json_->is_string(); }
   bool is_object() const { return json_ != nullptr && json_->is_object(); }
   JsonView operator[](std::string_view key) const;  ///< @throws Error if this is no object
   /// The member of this name, or of the name that earlier versions gave it. @throws Error  if this is no object
@@ -44,7 +42,6 @@ class JsonView {
   std::string text() const;           ///< empty where there is none
   std::vector<std::string> texts() const;
   std::vector<std::uint64_t> counts() const;
-  std::vector<double> numbers() const;
 
   nlohmann::json copy() const;  ///< null where there is none
 
@@ -72,13 +69,6 @@ class JsonView {
     return results;
   }
 
-  template <class T>
-  std::map<std::string, T> map_of() const {
-    std::map<std::string, T> results;
-    for (const std::pair<std::string, JsonView>& member : members()) results.emplace(member.first, member.second.get<T>());
-    return results;
-  }
-
   const std::string& where() const { return where_; }  ///< "FILE: 'MEMBER'"
 
  private:
@@ -93,11 +83,5 @@ class JsonView {
 
 /// A text in JSON, null where it is empty.
 nlohmann::json text_or_null(const std::string& text);
-
-/// A result in JSON, null where there is none.
-template <class T>
-nlohmann::json json_or_null(const std::optional<T>& result) {
-  return result ? nlohmann::json(*result) : nlohmann::json();
-}
 
 }  // namespace tactile::results

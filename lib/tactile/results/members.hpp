@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "tactile/core/duration_units.hpp"
+#include "tactile/core/time.hpp"
 #include "tactile/results/figure.hpp"
 #include "tactile/results/json_view.hpp"
 
@@ -17,8 +19,8 @@ namespace tactile::results {
 //
 //   template <class Members>
 //   void list_members(Members& members, OperatingPoint& point) {
-//     members("threshold", point.threshold);  // a number (NaN is null), a count, text, a bool, a result, or an optional, a
-//     members("missed", point.missed);        // list or a map by name of these
+//     members("threshold", point.threshold);  // a number (NaN is null), a count, text, a bool, a time [ms], JSON, a result, or
+//     members("missed", point.missed);        // an optional, a list or a map by name of these
 //   }
 //
 // and `to_json` and `from_json` follow.
@@ -35,6 +37,7 @@ class MemberWriter {
 
  private:
   static nlohmann::json json_of(double value) { return number_or_null(value); }
+  static nlohmann::json json_of(microseconds value) { return in_ms(value); }
   template <class T>
   static nlohmann::json json_of(const T& value) {
     return value;
@@ -61,6 +64,8 @@ class MemberReader {
   static void read(const JsonView& json, double& value) { value = json.number(); }
   static void read(const JsonView& json, bool& value) { value = json.truth(); }
   static void read(const JsonView& json, std::string& value) { value = json.text(); }
+  static void read(const JsonView& json, microseconds& value) { value = json.milliseconds(); }
+  static void read(const JsonView& json, nlohmann::json& value) { value = json.copy(); }
   template <std::unsigned_integral T>
   static void read(const JsonView& json, T& value) {
     value = static_cast<T>(json.count());

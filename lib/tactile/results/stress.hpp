@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tactile/results/figure.hpp"
+#include "tactile/results/members.hpp"
 #include "tactile/results/step_record.hpp"
 #include "tactile/results/whole_runs.hpp"
 
@@ -34,6 +35,12 @@ struct HoldsUpTo {
   bool is_beyond = false;  ///< it never falls so far
 };
 
+template <class Members>
+void list_members(Members& members, HoldsUpTo& holds) {
+  members("severity", holds.severity);
+  members("is_beyond", holds.is_beyond);
+}
+
 /// A model on runs that are worsened by one recipe, from the harmless severity on.
 struct StressCurve {
   std::string name{};                 ///< of the recipe or of the simulated world
@@ -44,6 +51,16 @@ struct StressCurve {
   std::optional<HoldsUpTo> holds{};   ///< nothing without accuracies
 };
 
+template <class Members>
+void list_members(Members& members, StressCurve& curve) {
+  members("name", curve.name);
+  members("is_world", curve.is_world);
+  members("unit", curve.unit);
+  members("meaning", curve.meaning);
+  members("points", curve.points);
+  members("holds_up_to", curve.holds);
+}
+
 /// The trainings of one setting.
 struct StressedModel {
   std::string name{};                    ///< of the first training
@@ -53,8 +70,20 @@ struct StressedModel {
   std::vector<StressCurve> quiet{};      ///< on recordings without a touch: false alarms only
 };
 
+template <class Members>
+void list_members(Members& members, StressedModel& model) {
+  members("name", model.name);
+  members("trainings", model.trainings);
+  members("runs", model.runs);
+  members("curves", model.curves);
+  members("quiet", model.quiet);
+}
+
 /// Models on runs that are worsened more and more.
 struct Stress {
+  static constexpr const char* command = "tactile stress";
+
+  std::string format = "tactile-stress-2";
   std::string title{};
   bool simulated = false;
   std::string judged_by{};                 ///< in sentences: by which labels, and what the intervals are over
@@ -62,7 +91,6 @@ struct Stress {
   std::vector<std::string> quiet_files{};  ///< recordings without a touch
   std::uint64_t seed = 1;                  ///< of the recipes
   double most_lost = 0.05;                 ///< of the accuracy, for `HoldsUpTo`
-  std::string confirm = "1/1";
   std::string engine{};
   BootstrapOptions bootstrap{};
   std::vector<StressedModel> models{};
@@ -70,16 +98,24 @@ struct Stress {
   std::vector<StepRecord> steps{};
 };
 
-inline constexpr std::string_view stress_format = "tactile-stress-1";
-
-/// As stress.json has it; docs/format/ lists its keys.
-void to_json(nlohmann::json& json, const Stress& stress);
-void from_json(const JsonView& json, Stress& stress);  ///< @throws Error  if it is of another format
-
-void to_json(nlohmann::json& json, const StressCurve& curve);
-void from_json(const JsonView& json, StressCurve& curve);
-void to_json(nlohmann::json& json, const StressedModel& model);
-void from_json(const JsonView& json, StressedModel& model);
+template <class Members>
+void list_members(Members& members, Stress& stress) {
+  members("format", stress.format);
+  members("title", stress.title);
+  members("simulated", stress.simulated);
+  members("judged_by", stress.judged_by);
+  members("manifest_hash", stress.manifest_hash);
+  members("quiet_files", stress.quiet_files);
+  members("seed", stress.seed);
+  members("most_lost", stress.most_lost);
+  members("engine", stress.engine);
+  members("bootstrap", stress.bootstrap);
+  members("models", stress.models);
+  members("settings", stress.settings);
+  members("software", stress.software);
+  members("machine", stress.machine);
+  members("steps", stress.steps);
+}
 
 /// "up to 120 kev/s [90, 160]", "beyond 500 kev/s", "unknown"; "holds" or "does not hold" for a recipe that is only on or off
 std::string words_of(const StressCurve& curve);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tactile/core/time.hpp"
-#include "tactile/results/cost_growth.hpp"
+#include "tactile/results/members.hpp"
 #include "tactile/results/step_record.hpp"
 #include "tactile/results/traded_setting.hpp"
 
@@ -18,22 +18,36 @@ struct UntriedPair {
   microseconds history{0}, tick{0};
   std::string why{};
 };
-void to_json(nlohmann::json& json, const UntriedPair& pair);
-void from_json(const JsonView& json, UntriedPair& pair);
+
+template <class Members>
+void list_members(Members& members, UntriedPair& pair) {
+  members("th_ms", pair.history);
+  members("tick_ms", pair.tick);
+  members("why", pair.why);
+}
 
 /// A setting that could not be measured, in words.
 struct NotMeasured {
-  std::string setting, why;
+  std::string setting{}, why{};
 };
-void to_json(nlohmann::json& json, const NotMeasured& one);
-void from_json(const JsonView& json, NotMeasured& one);
+
+template <class Members>
+void list_members(Members& members, NotMeasured& one) {
+  members("setting", one.setting);
+  members("why", one.why);
+}
 
 /// The runs that one training learns from and is judged on: "fan/03".
 struct TradeRuns {
   std::vector<std::string> train{}, choice{}, reported{};
 };
-void to_json(nlohmann::json& json, const TradeRuns& runs);
-void from_json(const JsonView& json, TradeRuns& runs);
+
+template <class Members>
+void list_members(Members& members, TradeRuns& runs) {
+  members("train", runs.train);
+  members("choice", runs.choice);
+  members("reported", runs.reported);
+}
 
 /// The dataset that settings were measured on.
 struct TradeDataset {
@@ -42,40 +56,44 @@ struct TradeDataset {
   nlohmann::json settings = nullptr;  ///< as its dataset.h5 has them
   std::uint64_t samples = 0;
 };
-void to_json(nlohmann::json& json, const TradeDataset& dataset);
-void from_json(const JsonView& json, TradeDataset& dataset);
 
-/// A setting that was measured again, by each of its networks, on the runs that this one reports on.
-struct MeasuredAgain {
-  TradeResult result{};
-  std::string model{};  ///< of the first training
-  std::uint64_t trainings = 0;
-  std::vector<std::string> runs{};
-};
-
-/// The members of `TradeResult`, and {"model", "trainings", "runs"}
-void to_json(nlohmann::json& json, const MeasuredAgain& again);
-void from_json(const JsonView& json, MeasuredAgain& again);
+template <class Members>
+void list_members(Members& members, TradeDataset& dataset) {
+  members("file", dataset.file);
+  members("manifest_hash", dataset.manifest_hash);
+  members("settings", dataset.settings);
+  members("samples", dataset.samples);
+}
 
 /// The answer to constraints.
 struct TradeRecommendation {
   nlohmann::json wish = nullptr;  ///< the constraints
   std::string id{};               ///< of a setting; empty if none meets the constraints on the runs to choose on
   std::optional<SettingValues> setting{};
-  std::string model{};  ///< of its first training
-  bool met = false;     ///< measured again, its intervals meet the constraints, and the trial meets the time
+  std::string model{};  ///< of its first training; empty without a setting
+  bool met = false;     ///< its intervals meet the constraints on the reported runs too, and the trial meets the time
   std::optional<bool> chosen_in_interval{};
-  std::optional<MeasuredAgain> again{};
   nlohmann::json trial = nullptr;  ///< as `detect --json` printed it; null if there was none
   std::string sentence{};
 };
 
-/// {"wish", "id", "setting", "model", "met", "chosen_in_interval", "again", "trial", "sentence"}; no "model" without a setting
-void to_json(nlohmann::json& json, const TradeRecommendation& recommendation);
-void from_json(const JsonView& json, TradeRecommendation& recommendation);
+template <class Members>
+void list_members(Members& members, TradeRecommendation& recommendation) {
+  members("wish", recommendation.wish);
+  members("id", recommendation.id);
+  members("setting", recommendation.setting);
+  members("model", recommendation.model);
+  members("met", recommendation.met);
+  members("chosen_in_interval", recommendation.chosen_in_interval);
+  members("trial", recommendation.trial);
+  members("sentence", recommendation.sentence);
+}
 
 /// Speed against accuracy, as `tactile trade` measures it.
 struct Trade {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does not throw
+  static constexpr const char* command = "tactile trade";
+
+  std::string format = "tactile-trade-2";
   std::string title{};
   bool simulated = false;
   std::string times_are{};  ///< what a time per tick is, in sentences
@@ -85,24 +103,40 @@ struct Trade {  // NOLINT(bugprone-exception-escape): moving nlohmann::json does
   TradeDataset dataset{};
   std::vector<TradeRuns> runs{};        ///< of each training
   std::string usual{};                  ///< id of the usual setting
-  std::string usual_is{};               ///< whether there is evidence for another one, in sentences
   double interrupted = 0;               ///< share of all timed ticks in which another program had the processor
   std::uint64_t busy = 0;               ///< settings whose `us_p99` is the machine's, not their own
   std::vector<TradedSetting> points{};  ///< the usual one first
   std::vector<UntriedPair> left_out{};
   std::vector<NotMeasured> not_measured{};
-  std::string unfinished{};            ///< a sentence if the budget ended the work; else empty
-  std::optional<CostGrowth> growth{};  ///< nothing if it was not measured
+  std::string unfinished{};  ///< a sentence if the budget ended the work; else empty
   TradeRecommendation recommendation{};
   std::vector<StepRecord> steps{};
 
   std::string cpu() const;  ///< that measured; empty if it is not known
 };
 
-inline constexpr std::string_view trade_format = "tactile-trade-1";
-
-/// As trade.json has it; docs/format/ lists its keys.
-void to_json(nlohmann::json& json, const Trade& trade);
-void from_json(const JsonView& json, Trade& trade);  ///< @throws Error  if it is of another format
+template <class Members>
+void list_members(Members& members, Trade& trade) {
+  members("format", trade.format);
+  members("title", trade.title);
+  members("simulated", trade.simulated);
+  members("times_are", trade.times_are);
+  members("judged_by", trade.judged_by);
+  members("settings", trade.settings);
+  members("software", trade.software);
+  members("machine", trade.machine);
+  members("bootstrap", trade.bootstrap);
+  members("dataset", trade.dataset);
+  members("runs", trade.runs);
+  members("usual", trade.usual);
+  members("interrupted", trade.interrupted);
+  members("busy", trade.busy);
+  members("points", trade.points);
+  members("left_out", trade.left_out);
+  members("not_measured", trade.not_measured);
+  members("unfinished", trade.unfinished);
+  members("recommendation", trade.recommendation);
+  members("steps", trade.steps);
+}
 
 }  // namespace tactile::results

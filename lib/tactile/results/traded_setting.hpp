@@ -2,70 +2,74 @@
 
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/results/figure.hpp"
-#include "tactile/results/json_view.hpp"
+#include "tactile/results/members.hpp"
+#include "tactile/results/whole_runs.hpp"
 
 namespace tactile::results {
 
-/// The figures of a setting that constraints and fronts apply to.
-struct TradeFigures {
-  Figure accuracy;                                     ///< in [0, 1]
-  Figure us_p50, us_p99, us_p999;                      ///< time per tick that half, 99 % and 99.9 % of all ticks do not exceed
-  Figure delay_median_us, delay_p90_us;                ///< of all presses and slips; those not detected count with their limit
-  bool median_is_bound = false, p90_is_bound = false;  ///< one not detected lies at or below it: the true value may be higher
-  Figure missed;                                       ///< share of presses and slips missed or early, in [0, 1]
-  Figure episodes_per_min;                             ///< false alarms, of the time outside of touches
-  double interrupted = 0;                              ///< share of the timed ticks in which another program had the processor
-  double tick_us = std::numeric_limits<double>::infinity();  ///< from one tick to the next; not in JSON
+/// What a setting gives on some runs, and what its ticks take.
+struct TradeResult {
+  Figure accuracy{};                     ///< of balanced samples, in [0, 1]
+  OperatingPoint whole_runs{};           ///< its delays include the median time to compute a tick
+  Figure us_p50{}, us_p99{}, us_p999{};  ///< time per tick that half, 99 % and 99.9 % of all ticks do not exceed
+  std::uint64_t ticks = 0;               ///< timed
+  double interrupted = 0;                ///< share of them in which another program had the processor
+  double tick_us = infinite;             ///< from one tick to the next; not in JSON
 
   /// Whether `us_p99` is not the setting's own: more ticks were interrupted than the one of 100 that it leaves out.
   bool is_disturbed() const { return interrupted > 0.01; }
 };
 
-/// All figures of one setting. Times are those of all ticks of the timed runs. A delay includes the median time to compute a
-/// tick. The intervals of false alarms are wider if there are few alarms.
-struct TradeResult {
-  TradeFigures figures;
-  Figure delay_mean_us;  ///< of the detected presses and slips
-  std::uint64_t intervals = 0, misses = 0, early = 0;
-  std::uint64_t episodes = 0;  ///< false alarms
-  std::uint64_t ticks = 0;     ///< timed
-};
-
-void to_json(nlohmann::json& json, const TradeResult& result);
-void from_json(const JsonView& json, TradeResult& result);
-
-/// A setting minus the usual one, on the same trainings and runs.
-struct TradeDifference {
-  Figure accuracy, delay_us, missed, episodes_per_min, us_p50, us_p99;  ///< `delay_us` of the medians
-};
-
-void to_json(nlohmann::json& json, const TradeDifference& difference);
-void from_json(const JsonView& json, TradeDifference& difference);
+template <class Members>
+void list_members(Members& members, TradeResult& result) {
+  members("accuracy", result.accuracy);
+  members("whole_runs", result.whole_runs);
+  members("us_p50", result.us_p50);
+  members("us_p99", result.us_p99);
+  members("us_p999", result.us_p999);
+  members("ticks", result.ticks);
+  members("interrupted", result.interrupted);
+}
 
 /// How probable it is that a setting is on each front; nothing with fewer than three objects to draw from.
 struct FrontProbability {
-  std::optional<double> accuracy, delay;
+  std::optional<double> accuracy{}, delay{};
 };
+
+template <class Members>
+void list_members(Members& members, FrontProbability& probability) {
+  members("accuracy", probability.accuracy);
+  members("delay", probability.delay);
+}
 
 /// All parameters of a detector that trade speed for accuracy, as the options of `tactile trade` name them.
 struct SettingValues {
   std::string kind = "lenet";  ///< of its model
   double th_ms = std::numeric_limits<double>::quiet_NaN(), tick_ms = std::numeric_limits<double>::quiet_NaN();
   double factor = std::numeric_limits<double>::quiet_NaN();  ///< size of the heatmap, divided by that of the sensor
-  std::string resize, denoise;
-  std::string engine, precision, pass, confirm;
+  std::string resize{}, denoise{};
+  std::string engine{}, precision{};
   std::string augment = "none";  ///< in its training, joined by +
 };
 
-/// {"kind", "th_ms", "tick_ms", "factor", "resize", "denoise", "engine", "precision", "pass", "confirm", "augment"}
-void to_json(nlohmann::json& json, const SettingValues& values);
-void from_json(const JsonView& json, SettingValues& values);
+template <class Members>
+void list_members(Members& members, SettingValues& values) {
+  members("kind", values.kind);
+  members("th_ms", values.th_ms);
+  members("tick_ms", values.tick_ms);
+  members("factor", values.factor);
+  members("resize", values.resize);
+  members("denoise", values.denoise);
+  members("engine", values.engine);
+  members("precision", values.precision);
+  members("augment", values.augment);
+}
 
 /// A setting that `tactile trade` measured.
 struct TradedSetting {
@@ -76,13 +80,23 @@ struct TradedSetting {
   std::vector<std::string> models{};  ///< names, one for each training
   std::uint64_t trainings = 0;
   TradeResult choice{}, reported{};                        ///< on the runs to choose on, and on the reported ones
-  std::optional<TradeDifference> difference{};             ///< to the usual setting, on the reported runs
   bool on_accuracy_front = false, on_delay_front = false;  ///< on the runs to choose on
   FrontProbability front_probability{};
 };
 
-/// {"id", "text", "design", "setting", "models", "trainings", "choice", "reported", "difference", "front"}
-void to_json(nlohmann::json& json, const TradedSetting& setting);
-void from_json(const JsonView& json, TradedSetting& setting);
+template <class Members>
+void list_members(Members& members, TradedSetting& setting) {
+  members("id", setting.id);
+  members("text", setting.text);
+  members("design", setting.design);
+  members("setting", setting.values);
+  members("models", setting.models);
+  members("trainings", setting.trainings);
+  members("choice", setting.choice);
+  members("reported", setting.reported);
+  members("on_accuracy_front", setting.on_accuracy_front);
+  members("on_delay_front", setting.on_delay_front);
+  members("front_probability", setting.front_probability);
+}
 
 }  // namespace tactile::results

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tactile/results/figure.hpp"
+#include "tactile/results/members.hpp"
 
 namespace tactile::results {
 
@@ -16,24 +16,38 @@ struct SeenAndHeldOut {
   Figure difference{};  ///< held out - seen, paired over runs: below 0 where not having seen an object costs accuracy
 };
 
-/// Accuracies of two models on runs that neither was trained on.
-struct UnseenComparison {
-  struct Models {
-    std::string seen, held_out;  ///< names: trained with the objects, and without them
-  };
-  std::optional<Models> models;  ///< nothing where a study names them apart
-  std::vector<std::string> runs;
-  SeenAndHeldOut mean;  ///< over objects
-  std::map<std::string, SeenAndHeldOut> objects;
+template <class Members>
+void list_members(Members& members, SeenAndHeldOut& of) {
+  members("seen", of.seen);
+  members("held_out", of.held_out);
+  members("difference", of.difference);
+}
+
+/// Names of two models: trained with the objects, and without them.
+struct ComparedModels {
+  std::string seen{}, held_out{};
 };
 
-/// {"models", "runs", "mean", "objects"}, with "seen", "held_out" and "difference" in "mean" and in each of "objects"; "models"
-/// where they are given.
-void to_json(nlohmann::json& json, const SeenAndHeldOut& of);
-void to_json(nlohmann::json& json, const UnseenComparison::Models& models);
-void to_json(nlohmann::json& json, const UnseenComparison& comparison);
-void from_json(const JsonView& json, SeenAndHeldOut& of);
-void from_json(const JsonView& json, UnseenComparison::Models& models);
-void from_json(const JsonView& json, UnseenComparison& comparison);
+template <class Members>
+void list_members(Members& members, ComparedModels& models) {
+  members("seen", models.seen);
+  members("held_out", models.held_out);
+}
+
+/// Accuracies of two models on runs that neither was trained on.
+struct UnseenComparison {
+  std::optional<ComparedModels> models{};  ///< nothing where there are several trainings
+  std::vector<std::string> runs{};         ///< "fan/03"
+  SeenAndHeldOut mean{};                   ///< over objects
+  std::map<std::string, SeenAndHeldOut> objects{};
+};
+
+template <class Members>
+void list_members(Members& members, UnseenComparison& comparison) {
+  members("models", comparison.models);
+  members("runs", comparison.runs);
+  members("mean", comparison.mean);
+  members("objects", comparison.objects);
+}
 
 }  // namespace tactile::results

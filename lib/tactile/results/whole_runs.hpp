@@ -62,7 +62,7 @@ void list_members(Members& members, OperatingPoint& point) {
 /// The lowest threshold of the curve from which on there are at most so many false alarms a minute.
 struct CalmPoint {
   double at_most_per_min = 0;
-  std::optional<OperatingPoint> point{};  ///< nothing: no threshold has so few
+  std::optional<OperatingPoint> point{};  ///< nothing: no threshold that detects a touch has so few
 };
 
 template <class Members>
@@ -71,10 +71,22 @@ void list_members(Members& members, CalmPoint& calm) {
   members("point", calm.point);
 }
 
+/// A published detector on the same whole runs, fitted to the same training runs.
+struct Baseline {
+  OperatingPoint decided{};       ///< by the thresholds that are usual
+  std::vector<CalmPoint> calm{};  ///< as `WholeRuns::calm`
+};
+
+template <class Members>
+void list_members(Members& members, Baseline& baseline) {
+  members("decided", baseline.decided);
+  members("calm", baseline.calm);
+}
+
 /// A run that is not judged.
 struct LeftOutRun {
-  std::string run;  ///< "fan/03"
-  std::string why;
+  std::string run;  ///< "fan/03"; empty where `why` names a folder
+  std::string why;  ///< in words
 };
 
 template <class Members>
@@ -85,11 +97,11 @@ void list_members(Members& members, LeftOutRun& run) {
 
 /// A detector on every run, whole: also those without a press or a slip, firm lifts, and flagged ones.
 struct WholeRuns {
-  std::vector<std::string> runs{};      ///< "fan/03": that are judged, each once
+  std::vector<std::string> runs{};      ///< "fan/03", of several worlds "501/fan/03": that are judged, each once
   std::vector<std::string> by_truth{};  ///< those of them that are judged by their truth; the others by their labels
   std::vector<LeftOutRun> left_out{};
-  std::string units = "objects";                    ///< what intervals are over: "objects" or "worlds"
-  OperatingPoint decided{};                         ///< the verdicts as they were decided
+  std::string units = "objects";  ///< what intervals are over: "worlds", "objects", or "runs" of one or two objects
+  OperatingPoint decided{};       ///< the verdicts as they were decided
   std::map<std::string, OperatingPoint> objects{};  ///< the same of each object
   std::map<std::string, std::uint64_t> causes{};    ///< false alarms of `decided` by cause
   std::vector<OperatingPoint> curve{};              ///< two thresholds, by ascending `on`; without intervals

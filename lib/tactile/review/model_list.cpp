@@ -38,8 +38,8 @@ json eval_json(const model::ModelBundle& bundle) {
   const auto evaluation = results::JsonView(document, file->string()).get<results::Evaluation>();
   const results::DetectorScore& score = evaluation.network;
   return {{"file", file->filename().string()},
-          {"dataset", evaluation.dataset},
-          {"manifest_hash", evaluation.manifest_hash},
+          {"dataset", evaluation.dataset.file},
+          {"manifest_hash", evaluation.dataset.manifest_hash},
           {"accuracy", json_of(evaluation.accuracy.mean)},
           {"press_delay_ms", json_of(score.press.all.median_of_all_ms.ms)},
           {"slip_delay_ms", json_of(score.slip.all.median_of_all_ms.ms)},

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/folders_in.hpp"
 #include "tactile/core/json.hpp"
@@ -16,6 +15,7 @@
 #include "tactile/model/bundle/bundle_evaluations.hpp"
 #include "tactile/model/bundle/bundle_names.hpp"
 #include "tactile/results/evaluation.hpp"
+#include "tactile/results/experiment_file.hpp"
 #include "tactile/results/stress.hpp"
 #include "tactile/results/study.hpp"
 #include "tactile/results/trade.hpp"
@@ -37,6 +37,10 @@ void add_figure(json& list, const std::string& label, const results::Figure& fig
   list.push_back(std::move(entry));
 }
 
+void add_quantile(json& list, const std::string& label, const results::CensoredQuantile& quantile) {
+  add_figure(list, label + (quantile.is_lower_bound ? ", at least" : ""), quantile.ms, "ms");
+}
+
 /// When the last step ended; null where no step is named.
 json when_of(const results::JsonView& steps) {
   std::string last;
@@ -45,26 +49,29 @@ json when_of(const results::JsonView& steps) {
 }
 
 void read_study(json& entry, const results::JsonView& document) {
-  const auto study = document.get<results::Study>();
+  const auto study = results::experiment_in<results::Study>(document);
   entry["claims"] = json::array();
   for (const results::Claim& claim : study.claims) {
     entry["claims"].push_back({{"id", claim.id},
-                               {"claim", claim.claim},
+                               {"claim", claim.paper},
                                {"outcome", results::name_of(claim.outcome)},
-                               {"in_words", claim.in_words},
+                               {"in_words", words_of(claim)},
                                {"unit", claim.unit},
                                {"measured", figure_json(claim.measured.value, claim.measured.low, claim.measured.high)}});
   }
-  for (const results::StudyHistory& history : study.histories) {
-    add_figure(entry["figures"], fmt::format("Accuracy, t_h {:g} ms", history.history_ms),
-               history.accuracy.reported.value_or(results::Accuracy{}).mean, "%", percent);
+  for (const results::StudiedSetting& setting : study.results) {
+    add_figure(entry["figures"], setting.text + ": accuracy", setting.accuracy.mean, "%", percent);
+    if (setting.whole_runs.runs.empty()) continue;
+    const results::OperatingPoint& point = setting.whole_runs.decided;
+    add_figure(entry["figures"], setting.text + ": false alarms", point.alarms_per_min, "1/min");
+    add_quantile(entry["figures"], setting.text + ": median delay", point.median_ms);
   }
 }
 
 void read_trade(json& entry, const results::JsonView& document) {
-  const auto trade = document.get<results::Trade>();
+  const auto trade = results::experiment_in<results::Trade>(document);
   for (const results::TradedSetting& setting : trade.points) {
-    const results::TradeFigures& figures = setting.reported.figures;
+    const results::TradeResult& figures = setting.reported;
     add_figure(entry["figures"], setting.text + ": accuracy", figures.accuracy, "%", percent);
     add_figure(entry["figures"], setting.text + ": time of a tick, p99", figures.us_p99, "us");
   }
@@ -72,7 +79,7 @@ void read_trade(json& entry, const results::JsonView& document) {
 }
 
 void read_stress(json& entry, const results::JsonView& stress) {
-  for (const auto& model : stress.get<results::Stress>().models) {
+  for (const auto& model : results::experiment_in<results::Stress>(stress).models) {
     for (const results::StressCurve& curve : model.curves) {
       const std::string label = model.name + ", " + curve.name;
       if (curve.holds) add_figure(entry["figures"], label + ": holds up to", curve.holds->severity, "");
@@ -87,7 +94,7 @@ void read_evaluation(json& entry, const results::JsonView& document) {
   const results::DetectorScore& score = evaluation.network;
   add_figure(entry["figures"], "Accuracy", evaluation.accuracy.mean, "%", percent);
   for (const auto& [touch, delays] : {std::pair("press", &score.press.all), std::pair("slip", &score.slip.all)}) {
-    add_figure(entry["figures"], fmt::format("Detection delay of {}, median", touch), delays->median_of_all_ms.ms, "ms");
+    add_quantile(entry["figures"], fmt::format("Detection delay of {}, median", touch), delays->median_of_all_ms);
     add_figure(entry["figures"], fmt::format("Missed, {}", touch), delays->missed, "%", percent);
   }
   add_figure(entry["figures"], "False alarms", evaluation.whole_runs.decided.alarms_per_min, "1/min");
@@ -96,10 +103,9 @@ void read_evaluation(json& entry, const results::JsonView& document) {
 struct Kind {
   const char* name;
   void (*read)(json& entry, const results::JsonView& document);
-  bool has_format = true;
 };
 
-constexpr Kind evaluation{"eval", read_evaluation, false};
+constexpr Kind evaluation{"eval", read_evaluation};
 constexpr std::array<Kind, 4> kinds{{{"study", read_study}, {"trade", read_trade}, {"stress", read_stress}, evaluation}};
 
 json study_json(const fs::path& file, const Kind& kind) {
@@ -115,8 +121,6 @@ json study_json(const fs::path& file, const Kind& kind) {
   try {
     const json document = read_json(file);
     const results::JsonView view(document, file.string());
-    if (kind.has_format && view["format"].text() != fmt::format("tactile-{}-1", kind.name))
-      throw Error(file.string() + ": another format; expected tactile-" + kind.name + "-1");
     entry["title"] = view["title"].text();
     entry["simulated"] = view["simulated"].truth();
     entry["when"] = when_of(view["steps"]);

@@ -55,12 +55,8 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   run_in(folder.path(), "eval");
   const nlohmann::json eval = read_json(folder / "models" / model.at("name").get<std::string>() / "eval.json");
   EXPECT_EQ(clean.at("accuracy"), eval.at("accuracy").at("mean"));
-  // Those of eval that have samples.
-  const auto cells = results::read_cells(folder / "models" / model.at("name").get<std::string>() / "eval-cells.csv");
-  std::vector<results::Cell> with_samples;
-  std::copy_if(cells.begin(), cells.end(), std::back_inserter(with_samples),
-               [](const results::Cell& cell) { return cell.samples.samples() > 0; });
-  EXPECT_EQ(clean.at("whole"), nlohmann::json(evaluation::operating_point(with_samples)));
+  EXPECT_EQ(clean.at("whole"), eval.at("whole_runs").at("decided"));
+  EXPECT_EQ(model.at("runs"), eval.at("whole_runs").at("runs"));
 
   EXPECT_NE(loss.at("points")[2].at("accuracy"), clean.at("accuracy")) << "a twentieth of the events";
   EXPECT_EQ(model.at("curves")[2].at("is_world"), true);

@@ -30,9 +30,8 @@ TEST(TradeSetting, HasAnIdThatFileNamesMayContain) {
 TEST(OneAtATime, HasTheUsualSettingFirstAndEveryOtherValueOnce) {
   const auto settings = one_at_a_time({}, {});
   EXPECT_EQ(settings.front(), TradeSetting{});
-  // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine, precision and pass each, 3 confirmations, 1
-  // augmentation, 1 other kind.
-  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 3 + 1 + 1);
+  // 5 histories, 4 ticks, 2 factors, 1 method to resize, 2 to denoise, 1 engine and precision each, 1 augmentation, 1 other kind.
+  EXPECT_EQ(settings.size(), 1U + 5 + 4 + 2 + 1 + 2 + 1 + 1 + 1 + 1);
   std::set<std::string> ids;
   for (const TradeSetting& setting : settings) {
     EXPECT_TRUE(ids.insert(id_of(setting)).second) << id_of(setting);
@@ -66,11 +65,9 @@ TEST(AllCombinations, AreThoseThatMakeSense) {
   levels.resizes = {heatmaps::Resize::area};
   levels.denoises = {heatmaps::Denoise::mean};
   levels.augmentations = {{}};
-  levels.confirmations = {{1, 1}};
   const auto settings = all_combinations({}, levels);
-  // Three pairs divide; libtorch goes with fp32 and the sparse pass alone, ours with both of each. A stream has only its two
-  // ticks.
-  EXPECT_EQ(settings.size(), 3U * (1 + 4) + 2);
+  // Three pairs divide; libtorch goes with fp32 alone, ours with both precisions. A stream has only its two ticks.
+  EXPECT_EQ(settings.size(), 3U * (1 + 2) + 2);
   for (const TradeSetting& setting : settings) EXPECT_FALSE(why_impossible(setting)) << id_of(setting);
 }
 
@@ -86,22 +83,20 @@ TEST(OneAtATime, AKindWithoutHeatmapsHasNoneOfTheirValues) {
   usual.rendering.factor = 0.25;
   usual.rendering.history = 20ms;
   usual.precision = model::Precision::int8;
-  usual.confirmation = {2, 3};
   TradeSetting stream;
   stream.kind = model::ModelKind::stream;
   stream.rendering.history = 2ms;
-  stream.confirmation = {2, 3};
   EXPECT_EQ(without_idle_values(usual), usual);
   const auto settings = one_at_a_time(usual, {});
   EXPECT_EQ(std::count(settings.begin(), settings.end(), stream), 1);
-  // If a stream is usual, other ticks and confirmations are tried, but no value of a heatmap or of LeNet.
+  // If a stream is usual, other ticks are tried, but no value of a heatmap or of LeNet.
   std::size_t streams = 0;
   for (const TradeSetting& setting : one_at_a_time(stream, {})) {
     if (setting.kind != model::ModelKind::stream) continue;
     ++streams;
     EXPECT_EQ(setting, without_idle_values(setting)) << id_of(setting);
   }
-  EXPECT_EQ(streams, 1U + 4 + 3);
+  EXPECT_EQ(streams, 1U + 4);
   stream.precision = model::Precision::int8;
   EXPECT_EQ(why_impossible(stream).value_or(""),
             "a model of kind stream reads no heatmaps, and has one history, engine and precision");
@@ -117,18 +112,16 @@ TEST(PromisingCorners, JoinAKindOnlyWithValuesThatItHas) {
   levels.augmentations = {{}};
   levels.engines = {model::EngineKind::fast};
   levels.precisions = {model::Precision::fp32, model::Precision::int8};
-  levels.sparse = {true};
-  levels.confirmations = {{1, 1}};
   std::map<std::string, TradeOutcome> measured;
-  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
+  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5, 1.0, 0.1};
   TradeSetting stream, slower, rounded;
   stream.kind = model::ModelKind::stream;
   stream.rendering.history = 2ms;
   slower.rendering.tick = 4ms;
   rounded.precision = model::Precision::int8;
-  measured[id_of(stream)] = {0.93, 12, 5000, 0.8, 0.1};
-  measured[id_of(slower)] = {0.9, 100, 5000, 0.5, 0.1};
-  measured[id_of(rounded)] = {0.91, 60, 5000, 1.0, 0.1};
+  measured[id_of(stream)] = {0.93, 12, 5, 0.8, 0.1};
+  measured[id_of(slower)] = {0.9, 100, 5, 0.5, 0.1};
+  measured[id_of(rounded)] = {0.91, 60, 5, 1.0, 0.1};
   const auto corners = promising_corners({}, levels, measured, 20);
   TradeSetting both = stream;
   both.rendering.tick = both.rendering.history = 4ms;
@@ -148,17 +141,15 @@ TEST(PromisingCorners, JoinWhatHelpsAloneAndLeaveWhatHarms) {
   levels.denoises = {heatmaps::Denoise::mean};
   levels.engines = {model::EngineKind::fast, model::EngineKind::libtorch};
   levels.precisions = {model::Precision::fp32};
-  levels.sparse = {true};
-  levels.confirmations = {{1, 1}};
   std::map<std::string, TradeOutcome> measured;
-  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5000, 1.0, 0.1};
+  for (const TradeSetting& setting : one_at_a_time({}, levels)) measured[id_of(setting)] = {0.9, 100, 5, 1.0, 0.1};
   TradeSetting usual, shorter, smaller, slow;
   shorter.rendering.history = 20ms;
   smaller.rendering.factor = 0.1;
   slow.engine = model::EngineKind::libtorch;
-  measured[id_of(shorter)] = {0.92, 90, 4000, 1.0, 0.1};  // better in everything
-  measured[id_of(smaller)] = {0.89, 50, 5000, 1.0, 0.1};  // faster, a little less accurate
-  measured[id_of(slow)] = {0.9, 900, 5000, 1.0, 0.1};     // slower for nothing
+  measured[id_of(shorter)] = {0.92, 90, 4, 1.0, 0.1};  // better in everything
+  measured[id_of(smaller)] = {0.89, 50, 5, 1.0, 0.1};  // faster, a little less accurate
+  measured[id_of(slow)] = {0.9, 900, 5, 1.0, 0.1};     // slower for nothing
   const auto corners = promising_corners(usual, levels, measured, 4);
   TradeSetting both = shorter;
   both.rendering.factor = 0.1;
@@ -174,7 +165,7 @@ TEST(PromisingCorners, AreNoMoreThanAskedForOfEachFront) {
   double step = 0;
   for (const TradeSetting& setting : one_at_a_time({}, {})) {
     step += 1;
-    measured[id_of(setting)] = {0.9 + 0.001 * step, 100 + step, 5000 - 10 * step, 1.0 + 0.01 * step, 0.1};
+    measured[id_of(setting)] = {0.9 + 0.001 * step, 100 + step, 5 - 0.01 * step, 1.0 + 0.01 * step, 0.1};
   }
   EXPECT_LE(promising_corners({}, {}, measured, 3).size(), 6U);
   EXPECT_TRUE(promising_corners({}, {}, measured, 0).empty());
@@ -186,15 +177,14 @@ TEST(TradeSetting, IsNamedByItsDifferences) {
   EXPECT_EQ(text_of(setting), "as usual");
   setting.rendering.history = 2500us;
   setting.rendering.tick = 500us;
-  setting.confirmation = {2, 3};
-  EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms, confirm 2/3");
-  EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32-sparse-2of3");
+  EXPECT_EQ(text_of(setting), "t_h 2.5 ms, tick 0.5 ms");
+  EXPECT_EQ(id_of(setting), "th2.5-tick0.5-f0.2-area-mean-fast-fp32");
   TradeSetting stream;
   stream.kind = model::ModelKind::stream;
   stream.rendering.history = stream.rendering.tick = 1ms;
   EXPECT_EQ(text_of(stream), "stream, tick 1 ms");
   EXPECT_EQ(text_of({}, without_idle_values(stream)), "LeNet, t_h 40 ms, tick 2 ms");
-  EXPECT_EQ(id_of(stream), "th1-tick1-f0.2-area-mean-fast-fp32-sparse-1of1-stream");
+  EXPECT_EQ(id_of(stream), "th1-tick1-f0.2-area-mean-fast-fp32-stream");
 }
 
 }  // namespace

@@ -80,25 +80,24 @@ TEST(ResultOf, IsWhatOneWorksOutByHand) {
   const std::vector<results::Cell> runs{outcome("a", 3, 1, {1000, 3000}), outcome("b", 4, 0, {5000}), outcome("c", 2, 2, {7000})};
   const std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40, 50}), timed("c", {60})};
   const results::TradeResult result = result_of(runs, times);
-  EXPECT_DOUBLE_EQ(result.figures.accuracy.value, (0.75 + 1 + 0.5) / 3);
-  EXPECT_DOUBLE_EQ(result.figures.us_p50.value, 30);
-  EXPECT_DOUBLE_EQ(result.figures.us_p99.value, 60);
-  EXPECT_DOUBLE_EQ(result.figures.us_p999.value, 60);
+  EXPECT_DOUBLE_EQ(result.accuracy.value, (0.75 + 1 + 0.5) / 3);
+  EXPECT_DOUBLE_EQ(result.us_p50.value, 30);
+  EXPECT_DOUBLE_EQ(result.us_p99.value, 60);
+  EXPECT_DOUBLE_EQ(result.us_p999.value, 60);
   EXPECT_EQ(result.ticks, 6U);
   // 1, 3, 5, 7, 9, 9, 9 ms, the last three missed; computing included.
-  EXPECT_DOUBLE_EQ(result.figures.delay_median_us.value, 7000 + 30);
-  EXPECT_FALSE(result.figures.median_is_bound);
-  EXPECT_DOUBLE_EQ(result.figures.delay_p90_us.value, 9000 + 30);
-  EXPECT_TRUE(result.figures.p90_is_bound);
-  EXPECT_DOUBLE_EQ(result.delay_mean_us.value, 4000 + 30) << "of the detected ones";
-  EXPECT_DOUBLE_EQ(result.figures.missed.value, 3.0 / 7);
-  EXPECT_DOUBLE_EQ(result.figures.episodes_per_min.value, 2);
-  EXPECT_EQ(result.episodes, 6U);
-  EXPECT_EQ(result.intervals, 7U);
-  EXPECT_EQ(result.misses, 3U);
-  ASSERT_TRUE(result.figures.accuracy.low && result.figures.accuracy.high);
-  EXPECT_LE(*result.figures.accuracy.low, result.figures.accuracy.value);
-  EXPECT_GE(*result.figures.accuracy.high, result.figures.accuracy.value);
+  EXPECT_DOUBLE_EQ(result.whole_runs.median_ms.ms.value, 8 + 0.03) << "the fourth tick of 2 ms";
+  EXPECT_FALSE(result.whole_runs.median_ms.is_lower_bound);
+  EXPECT_DOUBLE_EQ(result.whole_runs.p90_ms.ms.value, 9 + 0.03);
+  EXPECT_TRUE(result.whole_runs.p90_ms.is_lower_bound);
+  EXPECT_DOUBLE_EQ(result.whole_runs.missed.value, 3.0 / 7);
+  EXPECT_DOUBLE_EQ(result.whole_runs.alarms_per_min.value, 2);
+  EXPECT_EQ(result.whole_runs.alarms, 6U);
+  EXPECT_EQ(result.whole_runs.touches, 7U);
+  EXPECT_EQ(result.whole_runs.misses, 3U);
+  ASSERT_TRUE(result.accuracy.low && result.accuracy.high);
+  EXPECT_LE(*result.accuracy.low, result.accuracy.value);
+  EXPECT_GE(*result.accuracy.high, result.accuracy.value);
 }
 
 TEST(ResultOf, DrawsTrainings) {
@@ -109,7 +108,7 @@ TEST(ResultOf, DrawsTrainings) {
     runs.push_back(outcome(object, 80, 20, {1000}, 1));
     runs.push_back(outcome(object, 70, 30, {1000}, 2));
   }
-  const results::Figure accuracy = result_of(runs, {}).figures.accuracy;
+  const results::Figure accuracy = result_of(runs, {}).accuracy;
   EXPECT_DOUBLE_EQ(accuracy.value, 0.8);
   EXPECT_EQ(accuracy.trainings, 3U);
   ASSERT_TRUE(accuracy.has_interval());
@@ -117,7 +116,7 @@ TEST(ResultOf, DrawsTrainings) {
   EXPECT_NEAR(*accuracy.low, 0.2727486076427136, 1e-9);
   EXPECT_NEAR(*accuracy.high, 0.995625859644821, 1e-9);
   std::erase_if(runs, [](const results::Cell& run) { return run.training == 2; });
-  EXPECT_FALSE(result_of(runs, {}).figures.accuracy.has_interval()) << "two trainings";
+  EXPECT_FALSE(result_of(runs, {}).accuracy.has_interval()) << "two trainings";
 }
 
 TEST(ResultOf, TakesIntervalsOverRunsOfFewerThanThreeObjects) {
@@ -131,7 +130,7 @@ TEST(ResultOf, TakesIntervalsOverRunsOfFewerThanThreeObjects) {
       runs.back().run = times.back().run = std::to_string(run);
     }
   }
-  const results::TradeFigures figures = result_of(runs, times).figures;
+  const results::TradeResult figures = result_of(runs, times);
   EXPECT_DOUBLE_EQ(figures.accuracy.value, 0.815);
   ASSERT_TRUE(figures.accuracy.has_interval());
   EXPECT_LT(*figures.accuracy.low, 0.81);
@@ -140,14 +139,14 @@ TEST(ResultOf, TakesIntervalsOverRunsOfFewerThanThreeObjects) {
   EXPECT_TRUE(figures.us_p99.has_interval());
   // Two runs of one are too few.
   runs.resize(6), times.resize(6);
-  EXPECT_FALSE(result_of(runs, times).figures.accuracy.has_interval());
+  EXPECT_FALSE(result_of(runs, times).accuracy.has_interval());
 }
 
 TEST(ResultOf, HasTheShareOfInterruptedTicks) {
   std::vector<TimedRun> times{timed("a", {10, 20, 30}), timed("b", {40})};
-  EXPECT_EQ(result_of({}, times).figures.interrupted, 0);
+  EXPECT_EQ(result_of({}, times).interrupted, 0);
   times[0].interrupted = 1;
-  EXPECT_DOUBLE_EQ(result_of({}, times).figures.interrupted, 0.25);
+  EXPECT_DOUBLE_EQ(result_of({}, times).interrupted, 0.25);
   const std::vector<TickTime> ticks{{.counting = 1}, {.counting = 1, .interruptions = 2}};
   EXPECT_EQ(timed_run({}, ticks).interrupted, 1U);
 }
@@ -159,7 +158,7 @@ TEST(ResultOf, HasAnIntervalAboveZeroWithoutAnAlarm) {
     runs.back().alarms.clear();
     runs.back().outside_s = 20;
   }
-  const results::Figure in_a_minute = result_of(runs, {}).figures.episodes_per_min;
+  const results::Figure in_a_minute = result_of(runs, {}).whole_runs.alarms_per_min;
   EXPECT_EQ(in_a_minute.value, 0);
   ASSERT_TRUE(in_a_minute.low && in_a_minute.high);
   EXPECT_EQ(*in_a_minute.low, 0);
@@ -169,30 +168,10 @@ TEST(ResultOf, HasAnIntervalAboveZeroWithoutAnAlarm) {
   for (results::Cell run : runs) {
     for (run.training = 0; run.training < 3; ++run.training) thrice.push_back(run);
   }
-  EXPECT_NEAR(*result_of(thrice, {}).figures.episodes_per_min.high, 3.6889, 1e-4);
+  EXPECT_NEAR(*result_of(thrice, {}).whole_runs.alarms_per_min.high, 3.6889, 1e-4);
   // Many that differ between runs: the draws say more.
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].alarms["quiet"] = 1000 * i;
-  EXPECT_GT(*result_of(runs, {}).figures.episodes_per_min.high, 1900);
-}
-
-TEST(DifferenceOf, IsPairedOverRuns) {
-  // Ten times as much between objects as between settings: only a paired interval tells them apart.
-  std::vector<results::Cell> a, b;
-  std::vector<TimedRun> times_of_a, times_of_b;
-  for (const auto& [object, right] : {std::pair("a", 50U), std::pair("b", 70U), std::pair("c", 90U), std::pair("d", 60U)}) {
-    a.push_back(outcome(object, right, 100 - right, {1000, 1000}));
-    b.push_back(outcome(object, right + 2, 98 - right, {3000, 3000}));
-    times_of_a.push_back(timed(object, {10}));
-    times_of_b.push_back(timed(object, {15}));
-  }
-  const results::TradeDifference difference = difference_of({a, times_of_a}, {b, times_of_b});
-  EXPECT_NEAR(difference.accuracy.value, 0.02, 1e-12);
-  ASSERT_TRUE(difference.accuracy.low);
-  EXPECT_GT(*difference.accuracy.low, 0) << "the objects differ by ten times as much";
-  EXPECT_DOUBLE_EQ(difference.delay_us.value, 2005);
-  EXPECT_DOUBLE_EQ(difference.us_p99.value, 5);
-  b.pop_back();
-  EXPECT_ANY_THROW(difference_of({a, times_of_a}, {b, times_of_b}));
+  EXPECT_GT(*result_of(runs, {}).whole_runs.alarms_per_min.high, 1900);
 }
 
 }  // namespace

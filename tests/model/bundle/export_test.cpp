@@ -27,7 +27,7 @@ class Export : public testing::Test {
  protected:
   ModelBundle make_bundle(const std::string& name, std::uint64_t seed = 3, const std::string& trained_at = "2024-01-01T00:00:00Z",
                           const LeNetOptions& network = {}) const {
-    const ModelBundle bundle{folder / "models" / name};
+    ModelBundle bundle{folder / "models" / name};
     ModelDescription description;
     description.input = small;
     description.manifest_hash = "abc";

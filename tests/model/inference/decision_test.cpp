@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace tactile::model {
 namespace {
 
@@ -21,8 +23,9 @@ TEST(Decision, WithThresholdsTakesNoHeedOfTheConfirmation) {
   const TwoThresholds thresholds{.on = 1, .off = -1, .hold = 4ms};
   const std::vector<Probabilities> probabilities{{0.1F, 0, 0.9F}, {0.9F, 0, 0.1F}, {1, 0, 0}, {1, 0, 0}};
   ThresholdDecision alone(thresholds, tick);
-  std::vector<Touch> expected;
-  for (const Probabilities& of_tick : probabilities) expected.push_back(alone.next(of_tick));
+  std::vector<Touch> expected(probabilities.size());
+  std::transform(probabilities.begin(), probabilities.end(), expected.begin(),
+                 [&](const Probabilities& of_tick) { return alone.next(of_tick); });
   EXPECT_EQ(expected.front(), Touch::slip);
   EXPECT_EQ(decided({.confirmation = {2, 3}, .thresholds = thresholds}, tick, std::vector<Touch>(4), probabilities), expected);
 }

@@ -65,7 +65,7 @@ class OwnNetworkFile : public testing::Test {
   }
 
   std::string error_of(const fs::path& file) const {
-    const std::string error = test::error_of([&] { open_classifier(file, 1, EngineKind::fast); });
+    std::string error = test::error_of([&] { open_classifier(file, 1, EngineKind::fast); });
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
     return error;
   }
@@ -198,7 +198,7 @@ TEST_F(OwnNetworkFile, StatesMoveOnOncePerTickWhicheverAreAskedFor) {
 }
 
 TEST_F(OwnNetworkFile, SaysWhatIsWrongInOneSentence) {
-  const auto expect_refused = [&](const std::string& body, const std::string& part, OwnDescription description) {
+  const auto expect_refused = [&](const std::string& body, const std::string& part, const OwnDescription& description) {
     const std::string error = error_of(torchscript("def forward(self, x):\n  " + body + "\n", description));
     EXPECT_NE(error.find("net.pt: "), std::string::npos) << error;
     EXPECT_NE(error.find(part), std::string::npos) << error;
@@ -222,7 +222,7 @@ TEST_F(OwnNetworkFile, SaysWhatIsWrongInOneSentence) {
     write_whole(folder / name, "no network");
     EXPECT_NE(error_of(folder / name).find("cannot read it ("), std::string::npos);
   }
-  const auto [bundle, file] = exported(described(ModelKind::stream), test::stream_weights());
+  const fs::path file = exported(described(ModelKind::stream), test::stream_weights()).second;
   OwnDescription description = read_own_description(file);
   description.states.front().input = "another";
   write_json(folder / "net.json", description);

@@ -27,7 +27,7 @@ Work work_of(const StressPlan& plan, const StressJudgement& judgement) {
   if (judgement.runs == JudgedRuns::quiet) {
     for (const auto& file : plan.options.quiet) add(file);
   } else {
-    for (const std::uint32_t run : judgement.training->runs) add(plan.dataset->run_folder(run) / "events.aedat4");
+    for (const RunFolder& run : judgement.training->folders()) add(run.events());
   }
   work.seconds = work.ticks * in_s(rendering.tick);
   return work;

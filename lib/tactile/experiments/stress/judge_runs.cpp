@@ -5,8 +5,8 @@
 #include <mutex>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
 #include "tactile/core/parallel.hpp"
+#include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_judge.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/events/recording_reader.hpp"
@@ -19,17 +19,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Judges `count` runs side by side.
+/// Judges `count` runs side by side. Those without a cell are left out.
 std::vector<results::Cell> for_each_run(const StressPlan& plan, std::size_t count, const ProgressCallback& progress,
-                                        const std::function<results::Cell(std::size_t)>& judge) {
-  std::vector<results::Cell> cells(count);
+                                        const std::function<std::optional<results::Cell>(std::size_t)>& judge) {
+  std::vector<std::optional<results::Cell>> judged(count);
   std::mutex one_at_a_time;
   std::size_t done = 0;
   parallel_for(count, plan.options.judging.threads, [&](std::size_t i) {
-    cells[i] = judge(i);
+    judged[i] = judge(i);
     const std::scoped_lock lock(one_at_a_time);
     report_progress(progress, ++done, count, fmt::format("judging every tick: {} of {} runs", done, count));
   });
+  std::vector<results::Cell> cells;
+  for (std::optional<results::Cell>& cell : judged) {
+    if (cell) cells.push_back(std::move(*cell));
+  }
   return cells;
 }
 
@@ -37,10 +41,8 @@ std::vector<results::Cell> for_each_run(const StressPlan& plan, std::size_t coun
 struct OpenTraining {
   OpenTraining(const StressPlan& plan, const StressTraining& training)
       : classifier(model::open_classifier(training.bundle.folder, 1, plan.options.engine)) {
-    const evaluation::EvaluationOptions& judging = plan.options.judging;
-    options = {.decision = model::usual_decision(classifier.kind(), judging.confirmation), .delay = judging.delay, .threads = 1};
-    if (plan.dataset)
-      options.include_flagged = member<bool>(plan.dataset->settings(), "include_flagged", plan.dataset->file().string());
+    options = {.decision = model::usual_decision(classifier.kind(), {}), .delay = plan.options.judging.delay, .threads = 1};
+    if (plan.dataset) options.include_flagged = evaluation::includes_flagged(*plan.dataset);
   }
 
   model::Classifier classifier;
@@ -60,6 +62,16 @@ results::Cell cell_of(const evaluation::RunPrediction& prediction, const RunFold
   return cell;
 }
 
+/// Of a run without samples.
+std::optional<results::Cell> judged_if_read(const RunFolder& run, const model::Classifier& classifier,
+                                            const evaluation::PredictionOptions& options, const StressTraining& training) {
+  try {
+    return cell_of(evaluation::predict_run(run, classifier, options), run, training, {});
+  } catch (const Error&) {  // the others are judged all the same
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::vector<results::Cell> judged_runs(const StressPlan& plan, const StressTraining& training, const StressSeries* series,
@@ -67,19 +79,19 @@ std::vector<results::Cell> judged_runs(const StressPlan& plan, const StressTrain
   const windows::Dataset& dataset = *plan.dataset;
   const OpenTraining open(plan, training);
   const bool in_world = series != nullptr && !series->world.empty();
-  return for_each_run(plan, training.runs.size(), progress, [&](std::size_t i) {
-    const std::uint32_t index = training.runs[i];
-    RunFolder run = evaluation::folder_of(dataset, index);
+  return for_each_run(plan, training.runs.size(), progress, [&](std::size_t i) -> std::optional<results::Cell> {
+    auto [run, index] = training.runs[i];
     evaluation::PredictionOptions options = open.options;
     options.by_truth = in_world || by == JudgedBy::truth;
     if (in_world)
       run = simulated_in_world(run, series->world, severity, plan.options.out / "worlds");
     else if (series != nullptr)
       options.change = change_by(*series, severity, run.name(), dataset.sensor());
+    if (!index) return judged_if_read(run, open.classifier, options, training);
     const evaluation::RunPrediction prediction = evaluation::predict_run(run, open.classifier, options);
-    if (!options.by_truth) return cell_of(prediction, run, training, evaluation::samples_in(dataset, index));
+    if (!options.by_truth) return cell_of(prediction, run, training, evaluation::samples_in(dataset, *index));
     const std::vector<windows::Sample> samples =
-        evaluation::samples_by(dataset.sampling(), index, run, prediction.truth.labels, prediction.truth, prediction.full.ticks,
+        evaluation::samples_by(dataset.sampling(), *index, run, prediction.truth.labels, prediction.truth, prediction.full.ticks,
                                open.classifier.rendering().history);
     return cell_of(prediction, run, training, samples);
   });

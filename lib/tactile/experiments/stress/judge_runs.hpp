@@ -18,6 +18,8 @@ enum class JudgedBy : std::uint8_t { labels, truth };
 /// Ticks and labels are those of the unchanged run, however the events are changed. An event that a recipe delays counts in the
 /// ticks after it arrives, so its delay is part of the detection delay.
 ///
+/// A run without samples that cannot be read has no cell.
+///
 /// @param series    nothing: the unchanged runs. Runs of a simulated world are judged by their truth
 /// @param severity  > 0 with a series
 /// @param by        for unchanged runs

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tactile/core/error.hpp"
+#include "tactile/evaluation/other_runs.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/model/training/open_classifier.hpp"
 #include "tactile/model/training/train_model.hpp"
@@ -22,10 +23,14 @@ StressTraining training_of(const StressPlan& plan, const std::filesystem::path& 
   evaluation::EvaluationOptions options = plan.options.judging;
   options.of_another_dataset = training.description.manifest_hash != dataset.manifest_hash();
   evaluation::check_fits(dataset, classifier, options);
-  training.runs = model::test_runs_of(dataset, training.description);
-  evaluation::leave_out_calibration_runs(training.runs, dataset, classifier);
-  std::erase_if(training.runs, [&](std::uint32_t run) { return evaluation::samples_in(dataset, run).empty(); });
-  if (plan.options.runs) training.runs = first_of_each_object(dataset, training.runs, *plan.options.runs);
+  std::vector<std::uint32_t> sampled = model::test_runs_of(dataset, training.description);
+  evaluation::leave_out_calibration_runs(sampled, dataset, classifier);
+  std::erase_if(sampled, [&](std::uint32_t run) { return evaluation::samples_in(dataset, run).empty(); });
+  for (const std::uint32_t run : sampled) training.runs.push_back({evaluation::folder_of(dataset, run), run});
+  evaluation::OtherRuns others = evaluation::other_runs(dataset, sampled, training.description);
+  for (const RunFolder& run : others.runs) training.runs.push_back({run});
+  training.left_out = std::move(others.left_out);
+  if (plan.options.runs) training.runs = first_of_each_object(training.runs, *plan.options.runs);
   return training;
 }
 
@@ -53,9 +58,21 @@ bool are_trainings_of_one(const model::ModelDescription& a, const model::ModelDe
   return a.manifest_hash == b.manifest_hash && model::same_settings(without_draws(a.settings), without_draws(b.settings));
 }
 
-std::vector<std::uint32_t> first_of_each_object(const windows::Dataset& dataset, std::vector<std::uint32_t> runs, unsigned most) {
+std::vector<RunFolder> StressTraining::folders() const {
+  std::vector<RunFolder> folders;
+  for (const StressedRun& run : runs) folders.push_back(run.folder);
+  return folders;
+}
+
+std::vector<std::string> StressTraining::names() const {
+  std::vector<std::string> names;
+  for (const StressedRun& run : runs) names.push_back(run.folder.name());
+  return names;
+}
+
+std::vector<StressedRun> first_of_each_object(std::vector<StressedRun> runs, unsigned most) {
   std::map<std::string, unsigned> taken;
-  std::erase_if(runs, [&](std::uint32_t run) { return ++taken[dataset.runs()[run].object] > most; });
+  std::erase_if(runs, [&](const StressedRun& run) { return ++taken[run.folder.object] > most; });
   return runs;
 }
 
@@ -78,12 +95,16 @@ StressPlan plan_stress(const StressOptions& options) {
       group->trainings.push_back(training);
   }
   check_ticks(plan);
-  std::set<std::uint32_t> runs;
+  std::set<std::uint32_t> sampled;
   for (const StressGroup& group : plan.groups) {
-    for (const StressTraining& training : group.trainings) runs.insert(training.runs.begin(), training.runs.end());
+    for (const StressTraining& training : group.trainings) {
+      for (const StressedRun& run : training.runs) {
+        if (run.index) sampled.insert(*run.index);
+      }
+    }
   }
-  for (const std::uint32_t run : runs) windows::check_unchanged(*plan.dataset, run);
-  if (runs.empty() && options.quiet.empty())
+  for (const std::uint32_t run : sampled) windows::check_unchanged(*plan.dataset, run);
+  if (sampled.empty() && options.quiet.empty())
     throw Error("nothing to judge on; expected a dataset with runs that no model learned from, or --quiet with recordings");
   return plan;
 }

@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "tactile/core/run_folder.hpp"
 #include "tactile/evaluation/evaluation.hpp"
 #include "tactile/experiments/slurm.hpp"
 #include "tactile/experiments/stress/stress_series.hpp"
 #include "tactile/model/bundle/model_bundle.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
+#include "tactile/results/whole_runs.hpp"
 #include "tactile/windows/dataset.hpp"
 
 namespace tactile::stress {
@@ -34,11 +36,21 @@ struct StressOptions {
   std::function<std::vector<std::string>(const std::string& step, const std::filesystem::path& model)> task{};
 };
 
+/// A run that models are judged on.
+struct StressedRun {
+  RunFolder folder;
+  std::optional<std::uint32_t> index{};  ///< in the dataset; nothing: it has no samples
+};
+
 /// A training, and the runs that it is judged on: those of `tactile eval`.
 struct StressTraining {
   model::ModelBundle bundle;
   model::ModelDescription description;
-  std::vector<std::uint32_t> runs;  ///< indexes in the dataset
+  std::vector<StressedRun> runs;  ///< those with samples first
+  std::vector<results::LeftOutRun> left_out{};
+
+  std::vector<RunFolder> folders() const;
+  std::vector<std::string> names() const;
 };
 
 /// Trainings of one setting: they differ in seed and runs learned from.
@@ -59,7 +71,7 @@ struct StressPlan {
 StressPlan plan_stress(const StressOptions& options);
 
 /// The first `most` of the runs of each object, in their order.
-std::vector<std::uint32_t> first_of_each_object(const windows::Dataset& dataset, std::vector<std::uint32_t> runs, unsigned most);
+std::vector<StressedRun> first_of_each_object(std::vector<StressedRun> runs, unsigned most);
 
 /// Whether the models are trainings of one setting.
 bool are_trainings_of_one(const model::ModelDescription& a, const model::ModelDescription& b);

@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "tactile/core/command_lock.hpp"
 #include "tactile/core/json_text.hpp"
@@ -14,6 +16,7 @@
 #include "tactile/experiments/stress/stress_figures.hpp"
 #include "tactile/experiments/stress/stress_judgements.hpp"
 #include "tactile/experiments/stress/stress_table.hpp"
+#include "tactile/results/whole_runs_tables.hpp"
 
 namespace tactile::stress {
 namespace {
@@ -44,7 +47,7 @@ results::StressedModel model_of(const StressPlan& plan, const StressGroup& group
   std::set<std::string> runs;
   for (const StressTraining& training : group.trainings) {
     model.trainings.push_back(training.bundle.name());
-    for (const std::uint32_t run : training.runs) runs.insert(name_of(plan.dataset->runs()[run]));
+    for (const std::string& run : training.names()) runs.insert(run);
   }
   model.runs.assign(runs.begin(), runs.end());
   for (const PlannedCurve& curve : curves_of(plan, group))
@@ -52,13 +55,35 @@ results::StressedModel model_of(const StressPlan& plan, const StressGroup& group
   return model;
 }
 
+/// Runs that no training, or not every one, was judged on.
+std::vector<results::LeftOutRun> left_out_of(const StressPlan& plan) {
+  std::map<std::string, std::string> left_out;
+  for (const StressGroup& group : plan.groups) {
+    std::set<std::pair<std::size_t, std::string>> judged;
+    if (has_runs(group)) {
+      for (const results::Cell& cell : cells_of(plan, unchanged_runs(group)))
+        judged.emplace(cell.training, cell.object + "/" + cell.run);
+    }
+    for (std::size_t i = 0; i < group.trainings.size(); ++i) {
+      for (const results::LeftOutRun& run : group.trainings[i].left_out) left_out.emplace(run.run, run.why);
+      for (const std::string& name : group.trainings[i].names()) {
+        if (!judged.contains({i, name})) left_out.emplace(name, "it cannot be read; 'tactile info' says what is wrong");
+      }
+    }
+  }
+  std::vector<results::LeftOutRun> all;
+  all.reserve(left_out.size());
+  for (const auto& [run, why] : left_out) all.push_back({run, why});
+  return all;
+}
+
 std::string judged_by(const StressPlan& plan) {
   const std::size_t trainings = plan.options.models.size();
   std::string text =
-      "Judged as 'tactile eval' does, on runs with samples that the model did not learn from: accuracy by the labels of the "
-      "unchanged "
-      "runs, delays and false alarms by their truth where they are simulated. An event that a recipe delays counts when it "
-      "arrives: its delay is part of the detection delay.";
+      "Judged as 'tactile eval' does, on every run that the model did not learn from: accuracy by the labels of the unchanged "
+      "runs with samples, delays and false alarms by their truth where they are simulated. An event that a recipe delays counts "
+      "when it arrives: its delay is part of the detection delay.";
+  text += results::left_out_in_words(left_out_of(plan));
   if (std::any_of(plan.options.series.begin(), plan.options.series.end(), [](const auto& one) { return !one.world.empty(); }))
     text +=
         " Runs of simulated worlds are simulated again with the same seed, and judged by their truth; so is their severity 0.";
@@ -93,7 +118,6 @@ results::Stress result_of(const StressPlan& plan, std::vector<results::StressedM
                          .manifest_hash = plan.dataset ? plan.dataset->manifest_hash() : "",
                          .seed = options.seed,
                          .most_lost = most_lost,
-                         .confirm = text_of(judging.confirmation),
                          .engine = std::string(name_of(options.engine)),
                          .bootstrap = judging.bootstrap,
                          .models = std::move(models),

@@ -5,16 +5,11 @@
 #include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/evaluation/accuracy.hpp"
+#include "tactile/evaluation/run_figures.hpp"
 #include "tactile/evaluation/whole_runs.hpp"
 
 namespace tactile::stress {
 namespace {
-
-std::vector<results::RunConfusion> confusions_of(std::span<const results::Cell> cells) {
-  std::vector<results::RunConfusion> confusions;
-  for (const results::Cell& cell : cells) confusions.push_back({cell, cell.samples});
-  return confusions;
-}
 
 bool has_samples(std::span<const results::Cell> outcomes) {
   return std::any_of(outcomes.begin(), outcomes.end(),
@@ -36,7 +31,7 @@ void check_same_runs(std::span<const std::vector<results::Cell>> outcomes) {
 
 results::StressPoint point_of(std::span<const results::Cell> outcomes, const results::BootstrapOptions& options) {
   results::StressPoint point;
-  point.accuracy = evaluation::accuracy_of(confusions_of(outcomes), options).mean;
+  point.accuracy = evaluation::accuracy_of(outcomes, options).mean;
   if (!outcomes.empty()) point.whole = evaluation::operating_point(outcomes, options);
   return point;
 }
@@ -75,9 +70,8 @@ std::optional<results::HoldsUpTo> holds_up_to(std::span<const double> severities
     const std::optional<double> lost = severity_where_lost(severities, accuracies, most_lost);
     return std::optional(lost.value_or(severities.back()));
   };
-  const evaluation::CrossedResults objects = evaluation::without_names(evaluation::results_by_object(
-      std::span<const results::Cell>(harmless), [](const results::Cell& run) { return run.samples.samples() > 0; }));
-  results::HoldsUpTo holds{.severity = evaluation::figure_over_objects(objects, lost_in, options)};
+  const evaluation::RunFigures figures(std::span<const results::Cell>(harmless), &options, evaluation::has_samples);
+  results::HoldsUpTo holds{.severity = figures.of_objects(lost_in)};
   for (std::optional<double>* bound : {&holds.severity.low, &holds.severity.high}) {
     if (*bound) *bound = std::clamp(**bound, severities.front(), severities.back());
   }
@@ -94,8 +88,7 @@ std::vector<results::StressPoint> points_of(std::span<const double> severities,
     points[i] = point_of(outcomes[i], options);
     points[i].severity = severities[i];
     if (i > 0 && has_samples(outcomes[i]))
-      points[i].accuracy_change =
-          evaluation::accuracy_difference(confusions_of(outcomes.front()), confusions_of(outcomes[i]), options).mean;
+      points[i].accuracy_change = evaluation::accuracy_difference(outcomes.front(), outcomes[i], options).mean;
   });
   return points;
 }

@@ -38,11 +38,9 @@ fs::path file_of(const StressPlan& plan, const StressJudgement& judgement) {
 
 /// @param quiet_files  names and hashes
 json inputs_of(const StressPlan& plan, const StressJudgement& judgement, const json& quiet_files) {
-  const evaluation::EvaluationOptions& judging = plan.options.judging;
   const StressTraining& training = *judgement.training;
-  const model::Decision decision = model::usual_decision(training.description.settings.kind, judging.confirmation);
+  const model::Decision decision = model::usual_decision(training.description.settings.kind, {});
   json of = {{"weights", training.description.weights_sha256},
-             {"confirm", text_of(judging.confirmation)},
              {"thresholds", decision.thresholds ? json(text_of(*decision.thresholds)) : json()},
              {"temperature", experiments::hash_of_file(model::temperature_file(training.bundle))},
              {"engine", model::name_of(plan.options.engine)},
@@ -52,8 +50,9 @@ json inputs_of(const StressPlan& plan, const StressJudgement& judgement, const j
     of["files"] = quiet_files;
   } else {
     of["manifest"] = plan.dataset->manifest_hash();
-    of["runs"] = names_of(*plan.dataset, training.runs);
-    of["truth"] = experiments::truth_hashes(evaluation::folders_of(*plan.dataset, training.runs));
+    of["events"] = experiments::hashes_of_runs(training.folders());
+    of["runs"] = training.names();
+    of["truth"] = experiments::truth_hashes(training.folders());
   }
   return of;
 }

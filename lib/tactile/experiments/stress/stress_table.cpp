@@ -20,6 +20,9 @@ std::vector<std::string> cells_of(const results::StressPoint& point) {
   for (const results::Figure* figure : figures) {
     for (std::string& cell : results::figure_cells(*figure)) cells.push_back(std::move(cell));
   }
+  for (const results::CensoredQuantile* quantile :
+       {&whole.press_median_ms, &whole.press_p90_ms, &whole.slip_median_ms, &whole.slip_p90_ms})
+    cells.emplace_back(quantile->is_lower_bound ? "1" : "0");
   return cells;
 }
 
@@ -28,6 +31,8 @@ std::string columns() {
   for (const char* column : {"accuracy", "accuracy_change", "alarms_per_min", "within_50_ms", "press_median_ms", "press_p90_ms",
                              "slip_median_ms", "slip_p90_ms", "missed", "wrong_class", "false_slips"})
     columns += fmt::format(",{0},{0}_low,{0}_high", column);
+  for (const char* quantile : {"press_median", "press_p90", "slip_median", "slip_p90"})
+    columns += fmt::format(",{}_is_lower_bound", quantile);
   return columns;
 }
 

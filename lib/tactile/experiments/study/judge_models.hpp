@@ -1,47 +1,46 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tactile/core/run_folder.hpp"
-#include "tactile/evaluation/detection_delay.hpp"
+#include "tactile/core/progress.hpp"
 #include "tactile/experiments/step_runner.hpp"
-#include "tactile/experiments/study/train_models.hpp"
+#include "tactile/experiments/study/plan_study.hpp"
+#include "tactile/results/cell.hpp"
+#include "tactile/results/study.hpp"
 
 namespace tactile::study {
 
-/// The trainings of a setting, each evaluated on every tick of its own set of runs.
-struct EvaluatedModels {
-  std::string id;                             ///< "reported", "all_test": also the name of the sets of runs
-  std::vector<StudyModel> models;             ///< one for each training
-  std::filesystem::path json_file, csv_file;  ///< as `tactile eval` writes them
+/// The table of a model's cells.
+std::filesystem::path cells_file(const StudyPlan& plan, const StudyModel& model);
+
+/// Whether a model's judgement has published detectors too: those of streams, since they learn from the same runs as a LeNet.
+bool judges_baselines(const StudyModel& model);
+
+/// "event_rate-unseen": what the cells of a baseline have as their setting.
+std::string setting_of_baseline(const std::string& name, const StudyModel& model);
+
+/// Third stage of a study: trains all models, and judges each one in a process of its own. @throws Error  if a step fails
+void train_and_judge(const StudyPlan& plan, experiments::StepRunner& runner);
+
+/// The cells of all models, with their worlds, trainings and settings. @throws Error  if a table is missing or damaged
+std::vector<results::Cell> cells_of(const StudyPlan& plan);
+
+/// What one such process does.
+struct Judgement {
+  std::filesystem::path dataset, bundle, out;
+  std::vector<std::string> runs;  ///< "fan/03"
+  bool whole = false, baselines = false;
+  model::EngineKind engine = model::EngineKind::fast;
+  unsigned threads = 1;
 };
 
-/// The models of a study over full runs.
-struct JudgedModels {
-  std::vector<EvaluatedModels> evaluations;
-  std::string full_run;  ///< "water-bottle/03", a run that is shown over time
-  std::filesystem::path full_run_file;
+/// @throws Error  if a run is not of the dataset, or as `evaluate`
+void judge(const Judgement& judgement, const ProgressCallback& progress);
 
-  const EvaluatedModels& evaluation(const std::string& id) const;  ///< one that exists
-};
-
-/// The index of the run that is shown over time: the first of the water bottle, as in the paper, that has a press and a slip, by
-/// its truth if it is simulated; else the first of any object that has both; else the first. @param runs  not empty
-/// @throws Error  if labels or truth of a run are damaged
-std::size_t run_to_show(const std::vector<RunFolder>& runs);
-
-/// Fourth stage of a study: evaluates each training with its chosen history on its reported runs, and with the paper's on all its
-/// test runs, and predicts one run over time as in the paper's figure 10. @throws Error  if a step fails
-JudgedModels judge_models(const StudyPlan& plan, const TrainedModels& trained, experiments::StepRunner& runner);
-
-/// The detections of each run: "runs" of an evaluation. @throws Error, naming `where`, if it has none
-std::vector<results::RunDetections> detections_in(const nlohmann::json& evaluation, const std::string& where);
-
-/// The objects whose slips were all detected at the first tick: none missed, none early, and a mean delay of one tick.
-std::map<std::string, bool> detected_at_first_tick(const std::map<std::string, results::DelaySummary>& delays, double tick_ms);
+/// Predicts runs over time, as in the paper's figure 10: a press and a slip by the LeNet and by the stream of the first training,
+/// and a firm lift by the stream. @throws Error  if a step fails
+std::vector<results::ReportedRun> predict_runs(const StudyPlan& plan, experiments::StepRunner& runner);
 
 }  // namespace tactile::study

@@ -54,40 +54,42 @@ json simulated_files(const fs::path& data) {
   return files;
 }
 
-experiments::Step simulation_step(const StudyOptions& options) {
-  std::vector<std::string> words{"simulate", options.data.string(),       "--preset", options.preset,
-                                 "--seed",   std::to_string(options.seed)};
+experiments::Step simulation_step(const StudyOptions& options, const World& world) {
+  std::vector<std::string> words{"simulate", world.data.string(),       "--preset", options.preset,
+                                 "--seed",   std::to_string(world.seed)};
   if (!options.objects.empty()) words.insert(words.end(), {"--objects", fmt::format("{}", fmt::join(options.objects, ","))});
   if (options.runs) words.insert(words.end(), {"--runs", std::to_string(*options.runs)});
-  return {.name = "simulate",
+  return {.name = "simulate" + world.suffix(),
           .command = experiments::command_of(words),
-          .inputs = {{"data", experiments::from_folder(options.data, options.out)},
+          .inputs = {{"data", experiments::from_folder(world.data, options.out)},
                      {"preset", options.preset},
                      {"objects", options.objects},
                      {"runs", options.runs ? json(*options.runs) : json()},
-                     {"seed", options.seed}},
-          .outputs = [data = options.data] { return simulated_files(data); },
+                     {"seed", world.seed}},
+          .outputs = [data = world.data] { return simulated_files(data); },
           .work =
-              [options](const ProgressCallback& progress) {
-                simulation::simulate({.data = options.data,
+              [options, world](const ProgressCallback& progress) {
+                simulation::simulate({.data = world.data,
                                       .preset = options.preset,
                                       .runs = options.runs,
                                       .objects = options.objects,
-                                      .seed = options.seed,
+                                      .seed = world.seed,
                                       .force = options.force,
                                       .threads = options.threads},
                                      progress);
               }};
 }
 
+bool began_to_simulate(const StudyOptions& options, const World& world, const experiments::StepRunner& runner) {
+  const json known = runner.inputs_of("simulate" + world.suffix());
+  return known.is_object() && known.contains("data") && known.at("data") == experiments::from_folder(world.data, options.out);
+}
+
 /// Simulates if there are no runs, or if this study began to simulate them.
 /// @return  whether it did
-bool simulate_runs(const StudyOptions& options, experiments::StepRunner& runner) {
-  const json known = runner.inputs_of("simulate");
-  const bool began_it =
-      known.is_object() && known.contains("data") && known.at("data") == experiments::from_folder(options.data, options.out);
-  if (began_it || simulated_files(options.data).is_null()) {
-    runner.run(simulation_step(options));
+bool simulate_runs(const StudyOptions& options, const World& world, experiments::StepRunner& runner) {
+  if (began_to_simulate(options, world, runner) || simulated_files(world.data).is_null()) {
+    runner.run(simulation_step(options, world));
     return true;
   }
   // All existing runs are used. Options that choose what to simulate must not seem to choose among them.
@@ -95,13 +97,13 @@ bool simulate_runs(const StudyOptions& options, experiments::StepRunner& runner)
     throw Error(
         fmt::format("{}: holds runs already, and all of them are studied; expected no --objects or --runs, which choose what "
                     "to simulate, or another folder",
-                    options.data.string()));
+                    world.data.string()));
   }
   return false;
 }
 
 /// @throws Error  if there are none
-std::vector<RunFolder> runs_to_study(const fs::path& data, PreparedData& prepared, const WarningCallback& warn) {
+std::vector<RunFolder> runs_to_study(const fs::path& data, PreparedWorld& prepared, const WarningCallback& warn) {
   const RunsBelow below = is_there(data) ? look_for_runs(data) : RunsBelow{};
   if (warn) std::for_each(below.misnamed.begin(), below.misnamed.end(), warn);
   prepared.errors = below.unreadable;
@@ -128,15 +130,16 @@ json hashes_of_labels(const std::vector<RunFolder>& runs) {
 }
 
 void label(const StudyOptions& options, const std::vector<RunFolder>& runs, experiments::StepRunner& runner,
-           PreparedData& prepared) {
+           PreparedWorld& prepared) {
   json inputs;
   for (const RunFolder& run : runs) {
     inputs[run.name()] = {state_of_file(run.events()), state_of_file(run.robot()), state_of_file(run.video()),
                           state_of_file(run.video_times()), state_of_file(run.info())};
   }
   std::map<std::string, std::string> error_of;
-  runner.run({.name = "label",
-              .command = experiments::command_of({"label", options.data.string(), "--no-pictures"}),
+  const World& world = prepared.world;
+  runner.run({.name = "label" + world.suffix(),
+              .command = experiments::command_of({"label", world.data.string(), "--no-pictures"}),
               .inputs = inputs,
               .outputs = [&runs] { return hashes_of_labels(runs); },
               .work =
@@ -168,16 +171,17 @@ void warn_of_another_dataset(const fs::path& dataset, const windows::WindowsOpti
 }
 
 void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& runs, experiments::StepRunner& runner,
-                  PreparedData& prepared, const WarningCallback& warn) {
+                  PreparedWorld& prepared, const WarningCallback& warn) {
+  const World& world = prepared.world;
   windows::WindowsOptions windows;
-  windows.sampling.seed = options.seed;
+  windows.sampling.seed = world.seed;
   windows.sampling.history = std::max(shortest_stored, options.histories.back());
   windows.include_flagged = options.include_flagged;
   windows.strict = options.strict;
   json events;
   for (const RunFolder& run : runs) events[run.name()] = state_of_file(run.events());
-  std::vector<std::string> words{"windows", options.data.string()};
-  if (options.seed != 1) words.insert(words.end(), {"--seed", std::to_string(options.seed)});
+  std::vector<std::string> words{"windows", world.data.string()};
+  if (world.seed != 1) words.insert(words.end(), {"--seed", std::to_string(world.seed)});
   if (windows.sampling.history != shortest_stored)
     words.insert(words.end(), {"--history-ms", experiments::ms_text(windows.sampling.history)});
   json inputs = {{"sampling", windows.sampling}, {"labels", hashes_of_labels(runs)}, {"events", events}};
@@ -185,7 +189,7 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
     words.emplace_back("--include-flagged");
     inputs["include_flagged"] = true;  // only if it is on, so that older steps without it are kept
   }
-  runner.run({.name = "windows",
+  runner.run({.name = "windows" + world.suffix(),
               .command = experiments::command_of(words),
               .inputs = inputs,
               .outputs =
@@ -200,7 +204,7 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
                   [&](const ProgressCallback& progress) {
                     warn_of_another_dataset(prepared.dataset, windows, warn);
                     const windows::DatasetSummary made =
-                        windows::write_dataset(options.data, prepared.dataset, windows, options.threads, progress);
+                        windows::write_dataset(world.data, prepared.dataset, windows, options.threads, progress);
                     for (const std::string& error : made.errors) {
                       if (std::find(prepared.errors.begin(), prepared.errors.end(), error) == prepared.errors.end())
                         prepared.errors.push_back(error);
@@ -208,7 +212,8 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
                   }});
 }
 
-void render_heatmaps(const StudyOptions& options, const fs::path& file, experiments::StepRunner& runner) {
+void render_heatmaps(const StudyOptions& options, const PreparedWorld& prepared, experiments::StepRunner& runner) {
+  const fs::path& file = prepared.dataset;
   const windows::Dataset dataset(file);
   std::vector<heatmaps::HeatmapOptions> renderings;
   std::vector<std::string> texts;
@@ -218,8 +223,8 @@ void render_heatmaps(const StudyOptions& options, const fs::path& file, experime
     heatmaps::check_renders(dataset, renderings.back());
   }
   const std::string histories = fmt::format("{}", fmt::join(texts, ","));
-  runner.run({.name = "heatmaps",
-              .command = experiments::command_of({"heatmaps", options.data.string(), "--th", histories}),
+  runner.run({.name = "heatmaps" + prepared.world.suffix(),
+              .command = experiments::command_of({"heatmaps", prepared.world.data.string(), "--th", histories}),
               .inputs = {{"manifest", dataset.manifest_hash()}, {"histories", histories}},
               .outputs =
                   [&] {
@@ -240,14 +245,18 @@ void render_heatmaps(const StudyOptions& options, const fs::path& file, experime
 
 }  // namespace
 
-PreparedData prepare_data(const StudyOptions& options, experiments::StepRunner& runner, const WarningCallback& warn) {
-  PreparedData prepared;
-  prepared.dataset = options.data / "dataset.h5";
-  prepared.simulated = simulate_runs(options, runner);
-  const std::vector<RunFolder> runs = runs_to_study(options.data, prepared, warn);
+bool has_own_runs(const StudyOptions& options, const experiments::StepRunner& runner) {
+  return is_there(options.data) && !find_runs(options.data).empty() && !began_to_simulate(options, {"", 0, options.data}, runner);
+}
+
+PreparedWorld prepare_world(const StudyOptions& options, const World& world, experiments::StepRunner& runner,
+                            const WarningCallback& warn) {
+  PreparedWorld prepared{.world = world, .dataset = world.data / "dataset.h5"};
+  prepared.simulated = simulate_runs(options, world, runner);
+  const std::vector<RunFolder> runs = runs_to_study(world.data, prepared, warn);
   label(options, runs, runner, prepared);
   draw_samples(options, runs, runner, prepared, warn);
-  render_heatmaps(options, prepared.dataset, runner);
+  render_heatmaps(options, prepared, runner);
   return prepared;
 }
 

@@ -20,9 +20,10 @@ struct StudySummary {
   std::vector<std::string> errors;  ///< a sentence for each object or run that could not be read or labelled; the study omits it
 };
 
-/// The paper's study. Simulates runs if there are none, labels them, draws samples and renders heatmaps. Trains a network for
-/// each history, chooses one history, and evaluates it on full runs. Does the same with objects held out. Keeps all that is done
-/// and unchanged. An interrupted study resumes, with the same results.
+/// The paper's study, and the same of a stream, in several worlds. Simulates the runs of each world if there are none, labels
+/// them, draws samples and renders heatmaps. Trains a LeNet of each history and a stream, and both without some objects. Judges
+/// them, and makes all figures from one table of cells. Keeps all that is done and unchanged. An interrupted study resumes, with
+/// the same results.
 ///
 /// @param new_progress  called at the start of each step; returns the callback for its progress
 /// @param on_step       see `StepCallback`

@@ -36,8 +36,7 @@ double samples_in(const windows::Dataset& dataset, const std::vector<std::uint32
 
 /// Settings that cost the same time, as `TimedSetting`: networks need not exist here.
 std::string timed_name(const TradePoint& point, const TradeNetwork& network) {
-  return prediction_name(network, point.setting) + (point.setting.sparse ? "" : "-dense") +
-         std::to_string(point.setting.rendering.tick.count());
+  return prediction_name(network, point.setting) + std::to_string(point.setting.rendering.tick.count());
 }
 
 /// How many promising combinations there may be.
@@ -48,18 +47,6 @@ std::size_t most_corners(const TradeOptions& options, std::size_t designed) {
   for (const TradeFactor& factor : factors_of(options.levels)) all *= static_cast<double>(factor.levels.size());
   return static_cast<std::size_t>(
       std::clamp(all - static_cast<double>(designed), 0.0, static_cast<double>(fronts * options.corners)));
-}
-
-/// The growth of the cost, and the recommended setting, which is predicted and timed again, and runs in `detect`.
-/// @param time_ticks  of timing one setting [s]
-void add_last_parts(const TradeOptions& options, const Steps& predictions, double time_ticks, experiments::Estimate& estimate) {
-  constexpr double growth_s = 21;  // measured where `work_cost` was
-  if (options.growth) estimate.add({.what = "growth of the cost", .count = 1, .is_serial = true}, growth_s, 0);
-  if (options.constraints.any()) {
-    estimate.add({.what = "predictions of the recommendation", .count = options.trainings}, predictions.each_s(), 0);
-    estimate.add({.what = "recommendation timed and tried", .count = 1, .is_serial = true},
-                 2 * time_ticks + std::chrono::duration<double>(options.trial).count(), 0);
-  }
 }
 
 }  // namespace
@@ -118,7 +105,10 @@ experiments::Estimate estimate_trade(const TradeOptions& requested) {
                trainings.each_s(), bytes_of_model);
   estimate.add({.what = "further predictions, at most", .count = more * (predictions.names.size() + corners)},
                predictions.each_s(), bytes_of_tick * most_ticks);
-  add_last_parts(options, predictions, time_ticks, estimate);
+  if (options.constraints.any()) {
+    estimate.add({.what = "recommendation tried in detect", .count = 1, .is_serial = true},
+                 std::chrono::duration<double>(options.trial).count(), 0);
+  }
   return estimate;
 }
 

@@ -61,9 +61,7 @@ std::vector<TradeFactor> factors_of(const TradeLevels& levels) {
                   s.rendering.tick = tick;
                   s = without_idle_values(s);
                 }),
-      factor_of("confirm", levels.confirmations, [](TradeSetting& s, const Confirmation& c) { s.confirmation = c; }),
       factor_of("precision", levels.precisions, [](TradeSetting& s, model::Precision precision) { s.precision = precision; }),
-      factor_of("pass", levels.sparse, [](TradeSetting& s, bool sparse) { s.sparse = sparse; }),
       factor_of("engine", levels.engines, [](TradeSetting& s, model::EngineKind engine) { s.engine = engine; }),
       factor_of("th_ms", levels.histories, [](TradeSetting& s, microseconds history) { s.rendering.history = history; }),
       factor_of("factor", levels.factors, [](TradeSetting& s, double factor) { s.rendering.factor = factor; }),
@@ -127,7 +125,6 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
       level.set(setting);
       const auto found = measured.find(id_of(setting));
       if (setting == usual || found == measured.end()) continue;
-      if (setting.sparse != usual.sparse) continue;  // measured for comparison only
       known.levels.push_back(level);
       outcomes.push_back(found->second);
     }
@@ -140,24 +137,24 @@ std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const Tra
   for_all_combinations(factors, [&](const std::vector<std::size_t>& chosen) {
     TradeSetting setting = usual;
     TradeOutcome expected = base;
-    double alarms = base.episodes_per_min + some_alarms;
+    double alarms = base.alarms_per_min + some_alarms;
     std::size_t changed = 0;
     for (std::size_t i = 0; i < factors.size(); ++i) {
       if (chosen[i] == 0) continue;
       factors[i].levels[chosen[i]].set(setting);
       const TradeOutcome& other = alone[i][chosen[i]];
       expected.accuracy += other.accuracy - base.accuracy;
-      expected.delay_us += other.delay_us - base.delay_us;
+      expected.delay_ms += other.delay_ms - base.delay_ms;
       expected.missed += other.missed - base.missed;
       expected.us *= other.us / base.us;
-      alarms *= (other.episodes_per_min + some_alarms) / (base.episodes_per_min + some_alarms);
+      alarms *= (other.alarms_per_min + some_alarms) / (base.alarms_per_min + some_alarms);
       ++changed;
     }
     if (why_impossible(setting)) return;
     settings.push_back(setting);
     off_default.push_back(changed);
     by_accuracy.push_back({expected.us, -std::min(expected.accuracy, 1.0), 0});
-    by_delay.push_back({alarms - some_alarms, expected.delay_us, std::max(expected.missed, 0.0)});
+    by_delay.push_back({alarms - some_alarms, expected.delay_ms, std::max(expected.missed, 0.0)});
   });
   std::vector<TradeSetting> corners;
   for (const auto* places : {&by_accuracy, &by_delay}) {

@@ -20,13 +20,11 @@ struct TradeLevels {
   std::vector<model::Augmentation> augmentations{{}, {.flip = true}};
   std::vector<model::EngineKind> engines{model::EngineKind::fast, model::EngineKind::libtorch};
   std::vector<model::Precision> precisions{model::Precision::fp32, model::Precision::int8};
-  std::vector<bool> sparse{true, false};
-  std::vector<Confirmation> confirmations{{1, 1}, {2, 3}, {3, 5}, {5, 9}};
 };
 
 /// One value of one parameter.
 struct TradeLevel {
-  std::string text;  ///< "20", "2/3", "int8"
+  std::string text;  ///< "20", "0.1", "int8"
   std::function<void(TradeSetting&)> set;
 };
 struct TradeFactor {
@@ -52,11 +50,11 @@ std::vector<TradeSetting> all_combinations(const TradeSetting& usual, const Trad
 
 /// Figures of one setting on the runs to choose on; NaN if unknown.
 struct TradeOutcome {
-  double accuracy = 0;          ///< in [0, 1]
-  double us = 0;                ///< time per tick
-  double delay_us = 0;          ///< median detection delay, misses at their limit
-  double episodes_per_min = 0;  ///< false alarms: episodes that begin outside of touches
-  double missed = 0;            ///< share of presses and slips missed or early, in [0, 1]
+  double accuracy = 0;        ///< in [0, 1]
+  double us = 0;              ///< time per tick
+  double delay_ms = 0;        ///< median detection delay, misses later than all others
+  double alarms_per_min = 0;  ///< false alarms: episodes that begin outside of touches
+  double missed = 0;          ///< share of presses and slips missed or early, in [0, 1]
 };
 
 /// Combinations of two or more changes that look promising: those expected on the front of accuracy against time, or on the front
@@ -66,8 +64,7 @@ struct TradeOutcome {
 ///   time = usual * product of ratios
 ///   false alarms + 3 = (usual + 3) * product of ratios of (measured + 3)
 ///
-/// @param measured  outcomes of `one_at_a_time`, by `id_of`. Values that it lacks are in no combination; neither is the dense
-///                  pass, which differs only in its cost
+/// @param measured  outcomes of `one_at_a_time`, by `id_of`. Values that it lacks are in no combination
 /// @param most      of each front, spread along it
 std::vector<TradeSetting> promising_corners(const TradeSetting& usual, const TradeLevels& levels,
                                             const std::map<std::string, TradeOutcome>& measured, std::size_t most);

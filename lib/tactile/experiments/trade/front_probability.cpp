@@ -9,8 +9,10 @@
 #include <set>
 #include <string>
 
+#include "tactile/core/infinite.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/random.hpp"
+#include "tactile/evaluation/run_figures.hpp"
 #include "tactile/experiments/trade/pareto_front.hpp"
 
 namespace tactile::trade {
@@ -92,15 +94,18 @@ class Drawable {
         timed_(cells_of<TimedRun>(candidate.timed, names)),
         times_(candidate.timed) {
     const Weights all(candidate.timed.size(), 1);
-    computing_us_ = times_.of(all, 0.5).value_or(unknown);
+    computing_ms_ = times_.of(all, 0.5).value_or(unknown) / 1000;
     for (std::size_t run = 0; run < candidate.runs.size(); ++run) {
-      for (const results::TouchOutcome& touch : candidate.runs[run].touches) delays_.push_back({1000 * touch.ms, run});
+      const results::Cell& cell = candidate.runs[run];
+      for (const results::TouchOutcome& touch : cell.touches) {
+        if (touch.outcome == results::DetectionOutcome::detected) delays_.push_back({cell.delay_ms(touch), run});
+      }
     }
-    std::sort(delays_.begin(), delays_.end(), [](const Delay& a, const Delay& b) { return a.us < b.us; });
+    std::sort(delays_.begin(), delays_.end(), [](const Delay& a, const Delay& b) { return a.ms < b.ms; });
   }
 
-  results::TradeFigures of(const Draw& draw) const {
-    results::TradeFigures figures;
+  results::TradeResult of(const Draw& draw) const {
+    results::TradeResult figures;
     Weights all(candidate_.runs.size(), 0), timed(candidate_.timed.size(), 0);
     double accuracies = 0, objects = 0;
     for_drawn_objects(cells_, draw, all.size(), [&](const Weights& weights) {
@@ -125,7 +130,7 @@ class Drawable {
       alarms += all[i] * static_cast<double>(candidate_.runs[i].alarm_count());
       outside_s += all[i] * candidate_.runs[i].outside_s;
     }
-    figures.episodes_per_min.value = outside_s > 0 ? 60 * alarms / outside_s : unknown;
+    figures.whole_runs.alarms_per_min.value = outside_s > 0 ? 60 * alarms / outside_s : unknown;
     return figures;
   }
 
@@ -137,11 +142,11 @@ class Drawable {
 
  private:
   struct Delay {
-    double us;
+    double ms;
     std::size_t run;
   };
 
-  void add_delays(const Weights& weights, results::TradeFigures& figures) const {
+  void add_delays(const Weights& weights, results::TradeResult& figures) const {
     std::uint64_t total = 0, missed = 0, passed = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const std::vector<results::TouchOutcome>& touches = candidate_.runs[i].touches;
@@ -151,20 +156,23 @@ class Drawable {
                 }));
     }
     if (total == 0) return;
-    figures.missed.value = static_cast<double>(missed) / static_cast<double>(total);
-    for (const Delay& delay : delays_) {
+    figures.whole_runs.missed.value = static_cast<double>(missed) / static_cast<double>(total);
+    const auto half = std::find_if(delays_.begin(), delays_.end(), [&](const Delay& delay) {
       passed += weights[delay.run];
-      if (2 * passed < total) continue;
-      figures.delay_median_us.value = delay.us + computing_us_;
-      return;
+      return 2 * passed >= total;
+    });
+    if (half != delays_.end()) {
+      figures.whole_runs.median_ms.ms.value = half->ms + computing_ms_;
+    } else {
+      figures.whole_runs.median_ms.is_lower_bound = true;
     }
   }
 
   const FrontCandidate& candidate_;
   Cells cells_, timed_;
   TickQuantiles times_;
-  std::vector<Delay> delays_;  ///< ascending
-  double computing_us_ = unknown;
+  std::vector<Delay> delays_;  ///< of detected touches, ascending
+  double computing_ms_ = unknown;
 };
 
 }  // namespace
@@ -173,16 +181,17 @@ std::string text_of(const results::FrontProbability& probability) {
   if (!probability.accuracy || !probability.delay) return {};
   return fmt::format(
       "on the front of accuracy and time in {:.0f} % of the draws of trainings, objects and runs, and on that of delay, misses "
-      "and "
-      "false alarms in {:.0f} %",
+      "and false alarms in {:.0f} %",
       100 * *probability.accuracy, 100 * *probability.delay);
 }
 
-OnFronts fronts_of(std::span<const results::TradeFigures> figures) {
+OnFronts fronts_of(std::span<const results::TradeResult> figures) {
   std::vector<TradePlace> by_accuracy, by_delay;
-  for (const results::TradeFigures& one : figures) {
+  for (const results::TradeResult& one : figures) {
     by_accuracy.push_back({one.us_p99.value, -one.accuracy.value, 0});
-    by_delay.push_back({one.episodes_per_min.value, one.delay_median_us.value, one.missed.value});
+    const results::CensoredQuantile& median = one.whole_runs.median_ms;
+    by_delay.push_back({one.whole_runs.alarms_per_min.value, median.ms.value, one.whole_runs.missed.value});
+    if (median.is_lower_bound) by_delay.back().y = infinite;
   }
   OnFronts on{std::vector<bool>(figures.size()), std::vector<bool>(figures.size())};
   for (const std::size_t i : pareto_front(by_accuracy)) on.accuracy[i] = true;
@@ -198,7 +207,7 @@ std::vector<results::FrontProbability> front_probabilities(std::span<const Front
     for (const results::Cell& run : candidate.runs) names.insert(run.object);
     for (const TimedRun& run : candidate.timed) names.insert(run.object);
   }
-  if (names.size() < fewest_objects) return probabilities;
+  if (names.size() < evaluation::fewest_objects) return probabilities;
   std::vector<Drawable> drawables;
   std::size_t most_trainings = 1, most_runs = 1;
   for (const FrontCandidate& candidate : candidates) {
@@ -209,7 +218,7 @@ std::vector<results::FrontProbability> front_probabilities(std::span<const Front
   std::vector<OnFronts> draws(options.draws);
   parallel_for(options.draws, threads, [&](std::size_t i) {
     const Draw draw = drawn(seed_for(options.seed, {"front", std::to_string(i)}), names.size(), most_trainings, most_runs);
-    std::vector<results::TradeFigures> figures;
+    std::vector<results::TradeResult> figures;
     figures.reserve(drawables.size());
     for (const Drawable& one : drawables) figures.push_back(one.of(draw));
     draws[i] = fronts_of(figures);

@@ -21,7 +21,7 @@ struct FrontCandidate {
 struct OnFronts {
   std::vector<bool> accuracy, delay;
 };
-OnFronts fronts_of(std::span<const results::TradeFigures> figures);
+OnFronts fronts_of(std::span<const results::TradeResult> figures);
 
 /// The share of draws in which each candidate is on a front. A draw takes trainings, objects, and runs of each object with
 /// replacement, the same ones for all candidates with the same number of trainings. Times depend on objects and runs alone.

@@ -9,23 +9,23 @@
 namespace tactile::trade {
 namespace {
 
-/// The outcomes of a point's first trainings, apart on the runs to choose on and those to report on.
+/// The outcomes of a point, apart on the runs to choose on and those to report on.
 struct PointOutcomes {
   std::vector<results::Cell> choice, reported;
 };
 
-PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point, std::size_t trainings) {
+PointOutcomes outcomes_of(const TradePlan& plan, const MeasuredPoints& measured, const TradePoint& point) {
   const TradeSetting& setting = point.setting;
   PointOutcomes outcomes;
-  for (std::size_t training = 0; training < trainings; ++training) {
+  for (std::size_t training = 0; training < point.networks.size(); ++training) {
     const TradeNetwork& network = point.networks[training];
     const std::vector<results::FullRun>& predicted = measured.predictions.at(prediction_name(network, setting));
     const TradeTraining& of_training = plan.trainings[training];
     const std::vector<std::uint32_t> tested = of_training.tested();
     for (std::size_t i = 0; i < tested.size(); ++i) {
       const results::FullRun full = at_tick(predicted[i], setting.rendering.tick);
-      results::Cell outcome = cell_of(plan.judged.at(tested[i]), full,
-                                      evaluation::decided(model::usual_decision(setting.kind, setting.confirmation), full));
+      results::Cell outcome =
+          cell_of(plan.judged.at(tested[i]), full, evaluation::decided(model::usual_decision(setting.kind, {}), full));
       outcome.training = training;
       (i < of_training.runs.choice.size() ? outcomes.choice : outcomes.reported).push_back(std::move(outcome));
     }
@@ -42,8 +42,8 @@ std::vector<TimedRun> timed_runs_of(const TradePlan& plan, const MeasuredPoints&
 }
 
 void find_fronts(std::span<TradePoint> points, std::span<const FrontCandidate> candidates, unsigned threads) {
-  std::vector<results::TradeFigures> figures;
-  for (const TradePoint& point : points) figures.push_back(point.choice.figures);
+  std::vector<results::TradeResult> figures;
+  for (const TradePoint& point : points) figures.push_back(point.choice);
   const OnFronts on = fronts_of(figures);
   const std::vector<results::FrontProbability> probabilities = front_probabilities(candidates, threads);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -57,26 +57,15 @@ void find_fronts(std::span<TradePoint> points, std::span<const FrontCandidate> c
 
 void judge(const TradePlan& plan, MeasuredPoints& measured) {
   const std::span<TradePoint> points(measured.points);
-  const TradePoint& usual = points.front();
-  const std::vector<TimedRun> usual_timed = timed_runs_of(plan, measured, usual);
-  std::vector<PointOutcomes> usual_by_trainings{{}};
-  for (std::size_t trainings = 1; trainings <= usual.networks.size(); ++trainings)
-    usual_by_trainings.push_back(outcomes_of(plan, measured, usual, trainings));
   std::vector<FrontCandidate> candidates(points.size());
   parallel_for(points.size(), plan.options.threads, [&](std::size_t i) {
     TradePoint& point = points[i];
-    PointOutcomes runs = outcomes_of(plan, measured, point, point.networks.size());
+    PointOutcomes runs = outcomes_of(plan, measured, point);
     const std::vector<TimedRun> timed = timed_runs_of(plan, measured, point);
     point.choice = result_of(runs.choice, timed);
     point.reported = result_of(runs.reported, timed);
-    point.choice.figures.tick_us = point.reported.figures.tick_us = static_cast<double>(point.setting.rendering.tick.count());
+    point.choice.tick_us = point.reported.tick_us = static_cast<double>(point.setting.rendering.tick.count());
     candidates[i] = {std::move(runs.choice), timed};
-    point.difference.reset();
-    if (i == 0) return;
-    // With as many trainings of each, so that they are paired.
-    const std::size_t trainings = std::min(point.networks.size(), usual.networks.size());
-    if (trainings < point.networks.size()) runs = outcomes_of(plan, measured, point, trainings);
-    point.difference = difference_of({usual_by_trainings[trainings].reported, usual_timed}, {runs.reported, timed});
   });
   find_fronts(points, candidates, plan.options.threads);
 }
@@ -84,11 +73,11 @@ void judge(const TradePlan& plan, MeasuredPoints& measured) {
 std::map<std::string, TradeOutcome> known_outcomes(std::span<const TradePoint> points) {
   std::map<std::string, TradeOutcome> known;
   for (const TradePoint& point : points) {
-    const results::TradeFigures& figures = point.choice.figures;
-    const TradeOutcome outcome{figures.accuracy.value, figures.us_p99.value, figures.delay_median_us.value,
-                               figures.episodes_per_min.value, figures.missed.value};
-    const bool is_known = std::isfinite(outcome.accuracy) && std::isfinite(outcome.us) && std::isfinite(outcome.delay_us) &&
-                          std::isfinite(outcome.episodes_per_min);
+    const results::TradeResult& figures = point.choice;
+    const TradeOutcome outcome{figures.accuracy.value, figures.us_p99.value, figures.whole_runs.median_ms.ms.value,
+                               figures.whole_runs.alarms_per_min.value, figures.whole_runs.missed.value};
+    const bool is_known = std::isfinite(outcome.accuracy) && std::isfinite(outcome.us) && std::isfinite(outcome.delay_ms) &&
+                          std::isfinite(outcome.alarms_per_min);
     if (is_known) known[id_of(point.setting)] = outcome;
   }
   return known;

@@ -8,7 +8,7 @@
 
 namespace tactile::trade {
 
-/// Computes all figures of the points, their differences from the first one, which are on a front, and how probable that is.
+/// Computes all figures of the points, which are on a front, and how probable that is.
 /// @param measured  with predictions of all networks of the points, and times of all points
 void judge(const TradePlan& plan, MeasuredPoints& measured);
 

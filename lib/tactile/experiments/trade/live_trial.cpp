@@ -15,6 +15,7 @@
 #include "tactile/core/process.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/events/file_descriptor.hpp"
+#include "tactile/model/inference/decision.hpp"
 
 namespace tactile::trade {
 namespace {
@@ -111,7 +112,7 @@ nlohmann::json detect_options(const TradeSetting& setting, const fs::path& model
                          {"tick-us", setting.rendering.tick.count()},
                          {"engine", name_of(setting.engine)},
                          {"precision", name_of(setting.precision)}};
-  const model::Decision decision = model::usual_decision(setting.kind, setting.confirmation);
+  const model::Decision decision = model::usual_decision(setting.kind, {});
   if (decision.thresholds) {
     options["thresholds"] = text_of(*decision.thresholds);
   } else {

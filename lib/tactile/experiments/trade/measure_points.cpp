@@ -202,10 +202,8 @@ void measure(const Stage& stage, const std::string& step_of_times, std::uint64_t
 void measure_all_trainings(const Stage& stage, MeasuredPoints& measured) {
   const TradeOptions& options = stage.plan.options;
   const unsigned all = options.trainings;
-  // For the recommendation: two settings are timed, and one runs in `detect`, which takes some seconds to start.
-  const double reserve_s = options.constraints.any() ? 2 * timing_s(stage, options.timing.ticks, measured.times) +
-                                                           1.5 * std::chrono::duration<double>(options.trial).count()
-                                                     : 0;
+  // The recommended setting runs in `detect`, which takes some seconds to start.
+  const double reserve_s = options.constraints.any() ? 1.5 * std::chrono::duration<double>(options.trial).count() : 0;
   for (unsigned trainings = std::min(2U, all); trainings > 1;) {
     std::vector<TradeNetwork> networks;
     for (const TradePoint& point : measured.points) {

@@ -12,6 +12,7 @@
 #include "tactile/core/parallel.hpp"
 #include "tactile/core/sha256.hpp"
 #include "tactile/evaluation/other_runs.hpp"
+#include "tactile/evaluation/run_figures.hpp"
 #include "tactile/evaluation/run_result.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/models_folder.hpp"
@@ -35,7 +36,7 @@ JudgedRun judged_run(const windows::Dataset& dataset, const RunFolder& folder) {
 /// to report on.
 void add_other_runs(TradePlan& plan) {
   const std::vector<std::uint32_t> sampled = plan.tested();
-  evaluation::OtherRuns others = evaluation::other_runs(plan.dataset, sampled);
+  evaluation::OtherRuns others = evaluation::other_runs(plan.dataset, sampled, windows::SplitOptions{});
   plan.left_out = std::move(others.left_out);
   auto index = static_cast<std::uint32_t>(plan.dataset.runs().size());
   for (const RunFolder& folder : others.runs) {
@@ -74,11 +75,12 @@ std::string why_unconfirmable(const TradeOptions& options, const windows::Datase
   }
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   for (const auto& object : reported) fewest = std::min(fewest, object.second.size());
-  if (reported.size() >= fewest_objects || reported.empty() || fewest >= fewest_runs) return {};
+  if (reported.size() >= evaluation::fewest_objects || reported.empty() || fewest >= evaluation::fewest_objects) return {};
   return fmt::format(
       "no setting can be confirmed: {} object{} and {} reported run{} of one give no 95 % interval; expected {} objects, or {} "
       "reported runs of each: more runs, or more --trainings",
-      reported.size(), reported.size() == 1 ? "" : "s", fewest, fewest == 1 ? "" : "s", fewest_objects, fewest_runs);
+      reported.size(), reported.size() == 1 ? "" : "s", fewest, fewest == 1 ? "" : "s", evaluation::fewest_objects,
+      evaluation::fewest_objects);
 }
 
 TradePlan plan_trade(const TradeOptions& options, const windows::Dataset& dataset) {
@@ -201,7 +203,7 @@ std::vector<std::string> TradePlan::names(std::span<const std::uint32_t> runs) c
 
 TimedSetting timed_setting_of(const TradePoint& point) {
   const TradeSetting& setting = point.setting;
-  return {setting.rendering, setting.engine, setting.precision, setting.sparse, point.networks.front().bundle.folder};
+  return {setting.rendering, setting.engine, setting.precision, point.networks.front().bundle.folder};
 }
 
 }  // namespace tactile::trade

@@ -10,7 +10,6 @@
 
 #include "tactile/experiments/run_division.hpp"
 #include "tactile/experiments/slurm.hpp"
-#include "tactile/experiments/trade/cost_growth.hpp"
 #include "tactile/experiments/trade/experiment_design.hpp"
 #include "tactile/experiments/trade/front_probability.hpp"
 #include "tactile/experiments/trade/recommendation.hpp"
@@ -37,10 +36,8 @@ struct TradeOptions {
   bool full = false;                       ///< measure every combination
   std::size_t corners = 6;                 ///< promising combinations of each front
   std::optional<double> budget_minutes{};  ///< of all that is done; what is not kept by then is left out
-  bool growth = true;                      ///< also measure how cost grows
   TickTimesOptions timing{};
   std::chrono::milliseconds trial{20'000};  ///< how long the recommended setting runs in `detect`; 0: not
-  GrowthOptions growth_options{};
   TradeConstraints constraints{};
   std::filesystem::path program = "/proc/self/exe";  ///< trains
   std::optional<experiments::SlurmOptions> slurm{};  ///< trainings run on a cluster; nothing: on this machine
@@ -66,7 +63,6 @@ struct TradePoint {
   std::string design;                       ///< "usual", "one", "corner", "all"
   std::vector<TradeNetwork> networks = {};  ///< one for each training
   results::TradeResult choice = {}, reported = {};
-  std::optional<results::TradeDifference> difference = {};  ///< to the usual setting, on the reported runs
   bool on_accuracy_front = false, on_delay_front = false;
   results::FrontProbability front_probability = {};
 };

@@ -7,8 +7,7 @@
 
 namespace tactile::trade {
 
-/// Fourth stage: chooses a point that meets the constraints, on the runs to choose on, measures it again on the reported runs,
-/// and runs it in `detect`.
+/// Fourth stage: chooses a point that meets the constraints, on the runs to choose on, and runs it in `detect`.
 /// @param points  judged, the usual setting first
 /// @throws Error  if a step fails
 results::TradeRecommendation recommend_setting(const Stage& stage, std::span<const TradePoint> points);

@@ -13,25 +13,20 @@
 namespace tactile::trade {
 namespace {
 
-const results::Figure& delay_of(const DelayLimit& limit, const results::TradeFigures& figures) {
-  return limit.p90 ? figures.delay_p90_us : figures.delay_median_us;
+const results::CensoredQuantile& delay_of(const DelayLimit& limit, const results::TradeResult& figures) {
+  return limit.p90 ? figures.whole_runs.p90_ms : figures.whole_runs.median_ms;
 }
 
-/// A quantile that falls on what was never detected meets no limit.
-bool is_bound_of(const DelayLimit& limit, const results::TradeFigures& figures) {
-  return limit.p90 ? figures.p90_is_bound : figures.median_is_bound;
-}
-
-bool all_met(const TradeConstraints& constraints, const results::TradeFigures& figures,
+bool all_met(const TradeConstraints& constraints, const results::TradeResult& figures,
              const std::function<bool(const results::Figure&, double, bool at_least)>& is_met) {
   return (!constraints.at_most_us || is_met(figures.us_p99, *constraints.at_most_us, false)) &&
          (!constraints.at_least_accuracy || is_met(figures.accuracy, *constraints.at_least_accuracy, true)) &&
          (!constraints.at_most_false_alarms_per_min ||
-          is_met(figures.episodes_per_min, *constraints.at_most_false_alarms_per_min, false)) &&
+          is_met(figures.whole_runs.alarms_per_min, *constraints.at_most_false_alarms_per_min, false)) &&
          (!constraints.at_most_delay ||
-          (!is_bound_of(*constraints.at_most_delay, figures) &&
-           is_met(delay_of(*constraints.at_most_delay, figures), 1e3 * constraints.at_most_delay->ms, false))) &&
-         (!constraints.at_most_missed || is_met(figures.missed, *constraints.at_most_missed, false));
+          (!delay_of(*constraints.at_most_delay, figures).is_lower_bound &&  // it falls on what was never detected
+           is_met(delay_of(*constraints.at_most_delay, figures).ms, constraints.at_most_delay->ms, false))) &&
+         (!constraints.at_most_missed || is_met(figures.whole_runs.missed, *constraints.at_most_missed, false));
 }
 
 /// The distance of a figure from its limit, in halves of its interval; 0 without an interval.
@@ -43,7 +38,7 @@ double margin(const results::Figure& figure, double limit, bool at_least) {
 }
 
 /// The least margin over all constraints, for a setting whose values meet them.
-double least_margin(const TradeConstraints& constraints, const results::TradeFigures& figures) {
+double least_margin(const TradeConstraints& constraints, const results::TradeResult& figures) {
   double least = std::numeric_limits<double>::infinity();
   all_met(constraints, figures, [&](const results::Figure& figure, double limit, bool at_least) {
     least = std::min(least, margin(figure, limit, at_least));
@@ -52,14 +47,14 @@ double least_margin(const TradeConstraints& constraints, const results::TradeFig
   return least;
 }
 
-std::string delay_text(const results::Figure& delay, bool is_bound) {
-  return std::string(is_bound ? "at least " : "") + text_of(scaled(delay, 1e-3), " ms", ".2f");
+std::string delay_text(const results::CensoredQuantile& delay) {
+  return std::string(delay.is_lower_bound ? "at least " : "") + text_of(delay.ms, " ms", ".2f");
 }
 
-std::string measured_text(const results::TradeFigures& figures) {
-  const std::string note =
-      results::note_on_intervals({figures.accuracy, figures.us_p50, figures.us_p99, figures.us_p999, figures.delay_median_us,
-                                  figures.delay_p90_us, figures.missed, figures.episodes_per_min});
+std::string measured_text(const results::TradeResult& figures) {
+  const std::string note = results::note_on_intervals(
+      {figures.accuracy, figures.us_p50, figures.us_p99, figures.us_p999, measured(figures.whole_runs.median_ms),
+       measured(figures.whole_runs.p90_ms), figures.whole_runs.missed, figures.whole_runs.alarms_per_min});
   return fmt::format(
       "an accuracy of {}. A tick takes {} in half of the ticks, {} in 99 of 100 and {} in 999 of 1000; other programs "
       "interrupted {:.2g} % of them. The delay is {} in half of the presses and slips and {} in 90 % of them; {} are missed or "
@@ -67,14 +62,14 @@ std::string measured_text(const results::TradeFigures& figures) {
       "of touches, with those in releases and in motion without labels.{}",
       text_of(scaled(figures.accuracy, 100), " %", ".2f"), text_of(figures.us_p50, " us", ".0f"),
       text_of(figures.us_p99, " us", ".0f"), text_of(figures.us_p999, " us", ".0f"), 100 * figures.interrupted,
-      delay_text(figures.delay_median_us, figures.median_is_bound), delay_text(figures.delay_p90_us, figures.p90_is_bound),
-      text_of(scaled(figures.missed, 100), " %", ".1f"), text_of(figures.episodes_per_min, "", ".2f"),
+      delay_text(figures.whole_runs.median_ms), delay_text(figures.whole_runs.p90_ms),
+      text_of(scaled(figures.whole_runs.missed, 100), " %", ".1f"), text_of(figures.whole_runs.alarms_per_min, "", ".2f"),
       note.empty() ? "" : " " + note);
 }
 
 /// Whether only the time is against a setting, and the time is the machine's: without other programs, the 99 % quantile would lie
 /// between the median and what was measured.
-bool may_meet_on_an_idle_machine(const TradeConstraints& constraints, results::TradeFigures figures) {
+bool may_meet_on_an_idle_machine(const TradeConstraints& constraints, results::TradeResult figures) {
   if (!figures.is_disturbed() || meets(constraints, figures)) return false;
   figures.us_p99 = figures.us_p50;
   return meets(constraints, figures);
@@ -82,15 +77,15 @@ bool may_meet_on_an_idle_machine(const TradeConstraints& constraints, results::T
 
 constexpr std::string_view how_to_time_again =
     "Where other programs interrupt more than 1 % of the ticks, the p99 is the machine's. On an idle machine, remove the folders "
-    "'times', 'again' and 'trial' of the trade, and run the same command again.";
+    "'times' and 'trial' of the trade, and run the same command again.";
 
 /// Why the measurement does not confirm a setting; empty if it does.
-std::string why_not_confirmed(const TradeConstraints& constraints, const results::TradeFigures& again) {
-  if (meets_in_interval(constraints, again)) return {};
-  if (may_meet_on_an_idle_machine(constraints, again))
+std::string why_not_confirmed(const TradeConstraints& constraints, const results::TradeResult& reported) {
+  if (meets_in_interval(constraints, reported)) return {};
+  if (may_meet_on_an_idle_machine(constraints, reported))
     return fmt::format("the machine was too busy to time it. {}", how_to_time_again);
-  if (!meets(constraints, again)) return "measured again, its values do not meet the constraints";
-  const bool has_intervals = all_met(constraints, again, [](const results::Figure& figure, double limit, bool at_least) {
+  if (!meets(constraints, reported)) return "on the runs to report on, its values do not meet the constraints";
+  const bool has_intervals = all_met(constraints, reported, [](const results::Figure& figure, double limit, bool at_least) {
     static_cast<void>(limit), static_cast<void>(at_least);
     return figure.has_interval();
   });
@@ -99,7 +94,7 @@ std::string why_not_confirmed(const TradeConstraints& constraints, const results
 }
 
 /// Whether the trial meets the limit of time; without a limit, the tick is the limit.
-bool meets_in_detect(const TradeConstraints& constraints, const results::TradeFigures& figures,
+bool meets_in_detect(const TradeConstraints& constraints, const results::TradeResult& figures,
                      const std::optional<LiveTrial>& trial) {
   return !trial || trial->us_p99 <= std::min(constraints.at_most_us.value_or(figures.tick_us), figures.tick_us);
 }
@@ -142,15 +137,15 @@ std::string text_of(const TradeConstraints& constraints) {
   return words.empty() ? "no constraint" : fmt::format("{}", fmt::join(words, " and "));
 }
 
-bool keeps_up(const results::TradeFigures& figures) { return figures.us_p99.value <= figures.tick_us; }
+bool keeps_up(const results::TradeResult& figures) { return figures.us_p99.value <= figures.tick_us; }
 
-bool meets(const TradeConstraints& constraints, const results::TradeFigures& figures) {
+bool meets(const TradeConstraints& constraints, const results::TradeResult& figures) {
   return keeps_up(figures) && all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            return at_least ? figure.value >= limit : figure.value <= limit;  // false for NaN
          });
 }
 
-bool meets_in_interval(const TradeConstraints& constraints, const results::TradeFigures& figures) {
+bool meets_in_interval(const TradeConstraints& constraints, const results::TradeResult& figures) {
   return meets(constraints, figures) &&
          all_met(constraints, figures, [](const results::Figure& figure, double limit, bool at_least) {
            const std::optional<double>& bound = at_least ? figure.low : figure.high;
@@ -158,15 +153,15 @@ bool meets_in_interval(const TradeConstraints& constraints, const results::Trade
          });
 }
 
-std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeFigures> settings) {
+std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeResult> settings) {
   const bool prefers_speed = constraints.at_least_accuracy && !constraints.at_most_us;
-  const auto rank = [&](const results::TradeFigures& figures) {
+  const auto rank = [&](const results::TradeResult& figures) {
     const double accuracy = -figures.accuracy.value, us = figures.us_p99.value;
-    return prefers_speed ? std::tuple(us, accuracy, figures.delay_median_us.value)
-                         : std::tuple(accuracy, figures.delay_median_us.value, us);
+    return prefers_speed ? std::tuple(us, accuracy, figures.whole_runs.median_ms.ms.value)
+                         : std::tuple(accuracy, figures.whole_runs.median_ms.ms.value, us);
   };
   for (const bool in_interval : {true, false}) {
-    const auto goes_first = [&](const results::TradeFigures& a, const results::TradeFigures& b) {
+    const auto goes_first = [&](const results::TradeResult& a, const results::TradeResult& b) {
       const double doubt_a = in_interval ? 0 : -least_margin(constraints, a),
                    doubt_b = in_interval ? 0 : -least_margin(constraints, b);
       return doubt_a != doubt_b ? doubt_a < doubt_b : rank(a) < rank(b);
@@ -182,15 +177,14 @@ std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span
   return std::nullopt;
 }
 
-Recommendation recommend(const TradeConstraints& constraints, const std::string& setting, const results::TradeFigures& again,
+Recommendation recommend(const TradeConstraints& constraints, const std::string& setting, const results::TradeResult& reported,
                          const std::optional<LiveTrial>& trial, bool simulated) {
-  std::string why = why_not_confirmed(constraints, again);
-  if (why.empty() && !meets_in_detect(constraints, again, trial))
+  std::string why = why_not_confirmed(constraints, reported);
+  if (why.empty() && !meets_in_detect(constraints, reported, trial))
     why = fmt::format("it is too slow in 'tactile detect', where 99 of 100 ticks must take at most {:g} us",
-                      std::min(constraints.at_most_us.value_or(again.tick_us), again.tick_us));
-  const std::string measured =
-      fmt::format("Measured again, by each training on runs that it neither learned from nor was chosen on, it has {}{}",
-                  measured_text(again), trial_text(trial));
+                      std::min(constraints.at_most_us.value_or(reported.tick_us), reported.tick_us));
+  const std::string measured = fmt::format("On runs that its trainings neither learned from nor were chosen on, it has {}{}",
+                                           measured_text(reported), trial_text(trial));
   if (why.empty()) return {true, fmt::format("For {} use {}. {}{}", text_of(constraints), setting, measured, of_runs(simulated))};
   return {false, fmt::format(
                      "The setting chosen for {}, {}, is not confirmed: {}{} {} No other setting is tried on these runs: the best "
@@ -198,7 +192,7 @@ Recommendation recommend(const TradeConstraints& constraints, const std::string&
                      text_of(constraints), setting, why, why.ends_with('.') ? "" : ".", measured, of_runs(simulated))};
 }
 
-std::string why_none(const TradeConstraints& constraints, std::span<const results::TradeFigures> compared,
+std::string why_none(const TradeConstraints& constraints, std::span<const results::TradeResult> compared,
                      std::size_t not_compared, bool simulated) {
   if (!constraints.any())
     return "No constraint given; expected --at-most-us, --at-least-accuracy, --at-most-false-alarms-per-min, --at-most-delay-ms "
@@ -208,7 +202,7 @@ std::string why_none(const TradeConstraints& constraints, std::span<const result
           ? ""
           : fmt::format(" {} settings with fewer trainings were not compared: their intervals are too narrow.", not_compared);
   double interrupted = 0;
-  for (const results::TradeFigures& figures : compared) {
+  for (const results::TradeResult& figures : compared) {
     if (may_meet_on_an_idle_machine(constraints, figures)) interrupted = std::max(interrupted, figures.interrupted);
   }
   if (interrupted > 0)

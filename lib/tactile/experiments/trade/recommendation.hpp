@@ -10,7 +10,7 @@
 
 namespace tactile::trade {
 
-/// A limit of the detection delay, misses counted at their own limit.
+/// A limit of the detection delay, misses later than all others.
 struct DelayLimit {
   double ms = 0;
   bool p90 = false;  ///< of 90 % of all presses and slips; false: of half of them
@@ -31,12 +31,12 @@ void to_json(nlohmann::json& json, const TradeConstraints& constraints);  ///< {
 std::string text_of(const TradeConstraints& constraints);  ///< "at most 200 us a tick and an accuracy of at least 95 %"
 
 /// Whether 99 of 100 ticks are done before the next one is due. A setting that does not keep up meets no constraint.
-bool keeps_up(const results::TradeFigures& figures);
+bool keeps_up(const results::TradeResult& figures);
 
 /// Whether a setting keeps up and meets every constraint: with its values, and with its whole 95 % intervals. Without an interval
 /// the latter is false.
-bool meets(const TradeConstraints& constraints, const results::TradeFigures& figures);
-bool meets_in_interval(const TradeConstraints& constraints, const results::TradeFigures& figures);
+bool meets(const TradeConstraints& constraints, const results::TradeResult& figures);
+bool meets_in_interval(const TradeConstraints& constraints, const results::TradeResult& figures);
 
 /// The setting chosen for constraints.
 struct TradeChoice {
@@ -52,7 +52,7 @@ struct TradeChoice {
 ///
 /// because a setting on the verge hardly meets them on other runs; of equals, as above.
 /// @return  nothing if there is none
-std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeFigures> settings);
+std::optional<TradeChoice> choose(const TradeConstraints& constraints, std::span<const results::TradeResult> settings);
 
 /// A trial of the chosen setting in `tactile detect`, over loopback.
 struct LiveTrial {
@@ -63,20 +63,20 @@ struct LiveTrial {
 
 /// The answer to constraints.
 struct Recommendation {
-  bool met = false;  ///< measured again, its intervals meet the constraints, and the trial meets the time
+  bool met = false;  ///< its intervals meet the constraints on the reported runs too, and the trial meets the time
   std::string sentence;
 };
 
-/// @param setting  the chosen one, in words
-/// @param again    its figures on the reported runs
-/// @param trial    in `detect`, if there was one
-Recommendation recommend(const TradeConstraints& constraints, const std::string& setting, const results::TradeFigures& again,
+/// @param setting   the chosen one, in words
+/// @param reported  its figures on the runs to report on
+/// @param trial     in `detect`, if there was one
+Recommendation recommend(const TradeConstraints& constraints, const std::string& setting, const results::TradeResult& reported,
                          const std::optional<LiveTrial>& trial, bool simulated);
 
 /// Why no setting was chosen: none meets the constraints, the machine was too busy to tell, or there is no constraint.
 /// @param compared      on the runs to choose on
 /// @param not_compared  number of settings with fewer trainings
-std::string why_none(const TradeConstraints& constraints, std::span<const results::TradeFigures> compared,
+std::string why_none(const TradeConstraints& constraints, std::span<const results::TradeResult> compared,
                      std::size_t not_compared, bool simulated);
 
 }  // namespace tactile::trade

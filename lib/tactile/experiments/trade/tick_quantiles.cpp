@@ -21,10 +21,12 @@ std::optional<double> TickQuantiles::of(std::span<const std::uint32_t> weights, 
   std::uint64_t passed = 0;
   // High quantiles are near the end: the walk from there is short.
   if (2 * rank > total) {
-    for (auto tick = ticks_.rbegin(); tick != ticks_.rend(); ++tick) {
-      passed += weights[tick->run];
-      if (passed > total - rank) return tick->us;
-    }
+    return std::find_if(ticks_.rbegin(), ticks_.rend(),
+                        [&](const Tick& tick) {
+                          passed += weights[tick.run];
+                          return passed > total - rank;
+                        })
+        ->us;
   }
   for (const Tick& tick : ticks_) {
     passed += weights[tick.run];

@@ -35,14 +35,14 @@ class Models {
   explicit Models(OpenTimedModel open) : open_(std::move(open)) {}
 
   TimedModel of(const TimedSetting& setting) {
-    const auto key = std::tuple(setting.model, setting.engine, setting.precision, setting.sparse);
+    const auto key = std::tuple(setting.model, setting.engine, setting.precision);
     const auto found = models_.find(key);
     return found != models_.end() ? found->second : models_[key] = open_(setting);
   }
 
  private:
   OpenTimedModel open_;
-  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision, bool>, TimedModel> models_;
+  std::map<std::tuple<std::filesystem::path, model::EngineKind, model::Precision>, TimedModel> models_;
 };
 
 struct Recorded {
@@ -168,7 +168,7 @@ constexpr std::size_t bytes_of_tick = 20;
 
 TimedModel open_timed_model(const TimedSetting& setting) {
   const auto classifier = std::make_shared<const model::Classifier>(
-      model::open_classifier(setting.model, 1, setting.engine, {.precision = setting.precision, .skip_empty = setting.sparse}));
+      model::open_classifier(setting.model, 1, setting.engine, {.precision = setting.precision}));
   return [classifier](events::SensorSize sensor, const heatmaps::HeatmapOptions& rendering) {
     return classifier->on_events(sensor, rendering);
   };

@@ -30,12 +30,11 @@ struct TickTime {
   double total() const { return static_cast<double>(counting) + rendering + network; }
 };
 
-/// The part of a setting that costs time. Confirmation itself costs almost nothing.
+/// The part of a setting that costs time.
 struct TimedSetting {
   heatmaps::HeatmapOptions rendering;
   model::EngineKind engine = model::EngineKind::fast;
   model::Precision precision = model::Precision::fp32;
-  bool sparse = true;
   std::filesystem::path model;  ///< the bundle
 
   friend bool operator==(const TimedSetting&, const TimedSetting&) = default;

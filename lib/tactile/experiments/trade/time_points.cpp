@@ -21,7 +21,6 @@ json json_of(const TimedSetting& setting) {
   return {{"rendering", setting.rendering},
           {"engine", name_of(setting.engine)},
           {"precision", name_of(setting.precision)},
-          {"sparse", setting.sparse},
           {"weights", model::read_description({setting.model}).weights_sha256}};
 }
 
@@ -122,41 +121,6 @@ void time_points(const Stage& stage, const std::string& step_name, std::uint64_t
   measured.times = {.settings = timed_settings_of(measured.points), .times = read_times(file)};
   if (measured.times.times.size() != measured.times.settings.size())
     throw Error(file.string() + ": times of other settings; expected those measured");
-}
-
-std::optional<results::CostGrowth> time_cost_growth(const Stage& stage) {
-  const TradePlan& plan = stage.plan;
-  constexpr std::size_t enough_recordings = 3;
-  std::vector<fs::path> recordings;
-  const std::vector<std::uint32_t>& train = plan.trainings.front().runs.train;
-  for (std::size_t i = 0; i < std::min(train.size(), enough_recordings); ++i)
-    recordings.push_back(evaluation::folder_of(plan.dataset, train[i]).events());
-  const GrowthOptions& growth = plan.options.growth_options;
-  json histories = json::array(), sensors = json::array();
-  for (const microseconds history : growth.histories) histories.push_back(history.count());
-  for (const events::SensorSize& sensor : growth.sensors) sensors.push_back({sensor.width, sensor.height});
-  const fs::path file = plan.options.out / "growth.json";
-  const experiments::Step step = experiments::file_step(
-      "growth",
-      {{"manifest", plan.dataset.manifest_hash()},
-       {"machine", cpu_name()},
-       {"revision", revision()},
-       {"rates", growth.rates},
-       {"histories_us", histories},
-       {"sensors", sensors},
-       {"usual_rate", growth.usual_rate},
-       {"pieces", growth.pieces},
-       {"ticks", growth.ticks},
-       {"turns", growth.turns}},
-      file,
-      [&](const ProgressCallback& progress) {
-        write_json(file, measure_growth(moving_events(recordings), plan.dataset.sensor(), growth, progress));
-      },
-      fmt::format("timing ticks at {} event rates, {} histories and {} sensor sizes", growth.rates.size(),
-                  growth.histories.size(), growth.sensors.size()));
-  if (!stage.budget.finishes([&] { stage.runner.run(step); })) return std::nullopt;
-  const json measured = read_json(file);
-  return results::JsonView(measured, file.string(), results::MissingMember::is_error).get<results::CostGrowth>();
 }
 
 }  // namespace tactile::trade

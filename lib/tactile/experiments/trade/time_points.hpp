@@ -19,8 +19,4 @@ void time_points(const Stage& stage, const std::string& step_name, std::uint64_t
 /// The time that timing this many ticks of one setting takes, as far as it is known.
 double timing_s(const Stage& stage, std::uint64_t ticks, const PointTimes& known);
 
-/// Times ticks over event rates, histories and resolutions in one step.
-/// @return  nothing if the budget ended it. @throws Error  if the step fails
-std::optional<results::CostGrowth> time_cost_growth(const Stage& stage);
-
 }  // namespace tactile::trade

@@ -19,8 +19,7 @@ class Parts {
  public:
   Parts(const TradeOptions& options, experiments::StepCallback on_step)
       : on_step_(std::move(on_step)),
-        count_(1 + (options.full ? 0 : 1) + (options.trainings > 1 ? 1 : 0) + (options.growth ? 1 : 0) +
-               (options.constraints.any() ? 1 : 0)) {}
+        count_(1 + (options.full ? 0 : 1) + (options.trainings > 1 ? 1 : 0) + (options.constraints.any() ? 1 : 0)) {}
 
   void begin(const std::string& description) { part_ = fmt::format("part {} of {}: {}", ++begun_, count_, description); }
 
@@ -81,11 +80,8 @@ TradeSummary run_trade(const TradeOptions& requested, const experiments::NewProg
   const MeasuredPoints measured = measure_design(stage, parts);
   if (options.constraints.any()) parts.begin("a setting for the constraints");
   const results::TradeRecommendation recommendation = recommend_setting(stage, measured.points);
-  if (options.growth) parts.begin("how the cost of a tick grows");
-  const std::optional<results::CostGrowth> growth = options.growth ? time_cost_growth(stage) : std::nullopt;
   const results::Trade trade = results_of(plan, {.points = measured.points,
                                                  .not_measured = measured.not_measured,
-                                                 .growth = growth,
                                                  .recommendation = recommendation,
                                                  .unfinished = trainer.unfinished(),
                                                  .steps = runner.records()});

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "tactile/evaluation/accuracy.hpp"
-#include "tactile/evaluation/crossed_figure.hpp"
 #include "tactile/evaluation/run_truth.hpp"
 #include "tactile/experiments/trade/full_runs.hpp"
 #include "tactile/experiments/trade/recommendation.hpp"
@@ -16,9 +13,6 @@
 #include "tactile/results/traded_setting.hpp"
 
 namespace tactile::trade {
-
-/// To draw from them. With fewer objects, intervals are over trainings and runs, and hold for these objects only.
-inline constexpr std::size_t fewest_objects = 3, fewest_runs = 3;
 
 /// A run that detectors are judged on.
 struct JudgedRun {
@@ -36,20 +30,10 @@ results::Cell cell_of(const JudgedRun& run, const results::FullRun& full, std::s
 /// The durations of a run's ticks.
 TimedRun timed_run(const JudgedRun& run, std::span<const TickTime> times);
 
-/// @param runs   of every training
+/// The figures of a setting. Times per tick are quantiles of all ticks of the timed runs together.
+/// @param cells  of every training
 /// @param timed  with the network of one training
-results::TradeResult result_of(std::span<const results::Cell> runs, std::span<const TimedRun> timed,
+results::TradeResult result_of(std::span<const results::Cell> cells, std::span<const TimedRun> timed,
                                const results::BootstrapOptions& options = {});
-
-/// What a difference is taken of.
-struct TradeOutcomes {
-  std::span<const results::Cell> runs;
-  std::span<const TimedRun> timed;
-};
-
-/// `b - a`, also in each draw of the bootstrap.
-/// @throws Error  if they are not of the same trainings and runs in the same order
-results::TradeDifference difference_of(const TradeOutcomes& a, const TradeOutcomes& b,
-                                       const results::BootstrapOptions& options = {});
 
 }  // namespace tactile::trade

@@ -9,10 +9,10 @@
 #include "tactile/core/csv_table.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/core/whole_file.hpp"
+#include "tactile/evaluation/run_figures.hpp"
 #include "tactile/experiments/experiment_json.hpp"
 #include "tactile/experiments/milliseconds.hpp"
 #include "tactile/experiments/run_division.hpp"
-#include "tactile/experiments/trade/usual_judgement.hpp"
 #include "tactile/results/figure_cells.hpp"
 #include "tactile/results/whole_runs_tables.hpp"
 #include "tactile/windows/dataset_settings.hpp"
@@ -28,7 +28,7 @@ std::string judged_by(const TradePlan& plan) {
   const std::size_t trainings = plan.trainings.size();
   std::string of_runs = " False alarms, delays and misses are of every run of these objects, accuracy is of those with samples.";
   of_runs += results::left_out_in_words(plan.left_out);
-  if (plan.objects() < fewest_objects)
+  if (plan.objects() < evaluation::fewest_objects)
     of_runs += " Intervals, where there are any, are over trainings and runs, and hold for these objects only.";
   if (trainings == 1) {
     const experiments::RunDivision& runs = plan.trainings.front().runs;
@@ -49,7 +49,6 @@ results::TradedSetting traded(const TradePoint& point, const TradeSetting& usual
                                 .trainings = point.networks.size(),
                                 .choice = point.choice,
                                 .reported = point.reported,
-                                .difference = point.difference,
                                 .on_accuracy_front = point.on_accuracy_front,
                                 .on_delay_front = point.on_delay_front,
                                 .front_probability = point.front_probability};
@@ -59,7 +58,7 @@ results::TradedSetting traded(const TradePoint& point, const TradeSetting& usual
 
 std::uint64_t on_a_busy_machine(std::span<const TradePoint> points) {
   return static_cast<std::uint64_t>(
-      std::count_if(points.begin(), points.end(), [](const TradePoint& point) { return point.reported.figures.is_disturbed(); }));
+      std::count_if(points.begin(), points.end(), [](const TradePoint& point) { return point.reported.is_disturbed(); }));
 }
 
 /// The share of all timed ticks in which another program had the processor.
@@ -67,7 +66,7 @@ double interrupted_share(std::span<const TradePoint> points) {
   double interrupted = 0, ticks = 0;
   for (const TradePoint& point : points) {
     ticks += static_cast<double>(point.reported.ticks);
-    interrupted += static_cast<double>(point.reported.ticks) * point.reported.figures.interrupted;
+    interrupted += static_cast<double>(point.reported.ticks) * point.reported.interrupted;
   }
   return ticks > 0 ? interrupted / ticks : 0;
 }
@@ -131,12 +130,10 @@ results::Trade results_of(const TradePlan& plan, TradeFindings findings) {
                   .settings = windows::dataset_settings_in(dataset.settings()),
                   .samples = dataset.samples().size()},
       .usual = id_of(options.usual),
-      .usual_is = judgement_of_usual(findings.points, options.usual),
       .interrupted = interrupted_share(findings.points),
       .busy = on_a_busy_machine(findings.points),
       .not_measured = not_measured_in(options, findings),
       .unfinished = std::move(findings.unfinished),
-      .growth = std::move(findings.growth),
       .recommendation = std::move(findings.recommendation),
       .steps = std::move(findings.steps)};
   for (const TradeTraining& training : plan.trainings) {
@@ -157,22 +154,23 @@ void write_trade(const results::Trade& trade, const fs::path& folder) {
 
 std::string trade_csv(const results::Trade& trade) {
   CsvTable table(
-      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,engine,precision,pass,confirm,runs,"
-      "accuracy,accuracy_low,accuracy_high,delay_us,delay_us_low,delay_us_high,delay_p90_us,missed,"
-      "episodes_per_min,episodes_per_min_low,episodes_per_min_high,us_p50,us_p50_low,us_p50_high,"
-      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay,augment");
+      "id,design,trainings,kind,th_ms,tick_ms,factor,resize,denoise,engine,precision,augment,runs,"
+      "accuracy,accuracy_low,accuracy_high,delay_ms,delay_ms_low,delay_ms_high,delay_p90_ms,missed,"
+      "alarms_per_min,alarms_per_min_low,alarms_per_min_high,us_p50,us_p50_low,us_p50_high,"
+      "us_p99,us_p99_low,us_p99_high,us_p999,front_accuracy,front_delay,probability_accuracy,probability_delay,"
+      "delay_is_lower_bound,delay_p90_is_lower_bound");
   for (const results::TradedSetting& point : trade.points) {
     for (const auto& [runs, result] : {std::pair("choice", &point.choice), std::pair("reported", &point.reported)}) {
       const results::SettingValues& values = point.values;
-      const results::TradeFigures& figures = result->figures;
-      table.add_row(point.id, point.design, point.trainings, values.kind, csv_number(values.th_ms), csv_number(values.tick_ms),
-                    csv_number(values.factor), values.resize, values.denoise, values.engine, values.precision, values.pass,
-                    values.confirm, runs, results::figure_cells(figures.accuracy), results::figure_cells(figures.delay_median_us),
-                    csv_number(figures.delay_p90_us.value), csv_number(figures.missed.value),
-                    results::figure_cells(figures.episodes_per_min), results::figure_cells(figures.us_p50),
-                    results::figure_cells(figures.us_p99), csv_number(figures.us_p999.value), point.on_accuracy_front ? 1 : 0,
-                    point.on_delay_front ? 1 : 0, csv_number(point.front_probability.accuracy),
-                    csv_number(point.front_probability.delay), values.augment);
+      const results::OperatingPoint& whole = result->whole_runs;
+      table.add_row(
+          point.id, point.design, point.trainings, values.kind, csv_number(values.th_ms), csv_number(values.tick_ms),
+          csv_number(values.factor), values.resize, values.denoise, values.engine, values.precision, values.augment, runs,
+          results::figure_cells(result->accuracy), results::figure_cells(whole.median_ms.ms), csv_number(whole.p90_ms.ms.value),
+          csv_number(whole.missed.value), results::figure_cells(whole.alarms_per_min), results::figure_cells(result->us_p50),
+          results::figure_cells(result->us_p99), csv_number(result->us_p999.value), point.on_accuracy_front ? 1 : 0,
+          point.on_delay_front ? 1 : 0, csv_number(point.front_probability.accuracy), csv_number(point.front_probability.delay),
+          whole.median_ms.is_lower_bound ? 1 : 0, whole.p90_ms.is_lower_bound ? 1 : 0);
     }
   }
   return table.text();

@@ -15,7 +15,6 @@ namespace tactile::trade {
 struct TradeFindings {
   std::span<const TradePoint> points;  ///< the usual setting first
   std::vector<results::NotMeasured> not_measured;
-  std::optional<results::CostGrowth> growth;
   results::TradeRecommendation recommendation;
   std::string unfinished;  ///< a sentence if the budget ended the work; else empty
   std::vector<results::StepRecord> steps;

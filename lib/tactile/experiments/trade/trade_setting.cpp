@@ -30,10 +30,7 @@ std::vector<SettingWords> words_of(const TradeSetting& setting) {
           {"denoise", values.denoise, "denoise " + values.denoise},
           {"augment", "", values.augment == "none" ? "no augmentation" : "augment " + values.augment},
           {"engine", values.engine, "engine " + values.engine},
-          {"precision", values.precision, values.precision},
-          {"pass", values.pass, values.pass},
-          {"confirm", fmt::format("{}of{}", setting.confirmation.needed, setting.confirmation.of), "confirm " + values.confirm,
-           true}};
+          {"precision", values.precision, values.precision}};
 }
 
 }  // namespace
@@ -44,7 +41,6 @@ TradeSetting without_idle_values(TradeSetting setting) {
   plain.kind = setting.kind;
   plain.rendering.history = plain.rendering.tick = setting.rendering.tick;
   plain.rendering.mask = setting.rendering.mask;
-  plain.confirmation = setting.confirmation;
   return plain;
 }
 
@@ -74,8 +70,6 @@ results::SettingValues values_of(const TradeSetting& setting) {
           .denoise = rendering.at("denoise"),
           .engine = std::string(name_of(setting.engine)),
           .precision = std::string(name_of(setting.precision)),
-          .pass = setting.sparse ? "sparse" : "dense",
-          .confirm = text_of(setting.confirmation),
           .augment = joined_text_of(setting.augmentation)};
 }
 
@@ -109,8 +103,8 @@ std::optional<std::string> why_impossible(const TradeSetting& setting) {
   const heatmaps::HeatmapOptions& rendering = setting.rendering;
   if (rendering.history % rendering.tick != microseconds{0})
     return fmt::format("t_h {:g} ms is no whole number of ticks of {:g} ms", in_ms(rendering.history), in_ms(rendering.tick));
-  if (setting.engine == model::EngineKind::libtorch && (setting.precision != model::Precision::fp32 || !setting.sparse))
-    return "libtorch computes all, in fp32";
+  if (setting.engine == model::EngineKind::libtorch && setting.precision != model::Precision::fp32)
+    return "libtorch computes in fp32";
   if (!(setting == without_idle_values(setting)))
     return fmt::format("a model of kind {} reads no heatmaps, and has one history, engine and precision", name_of(setting.kind));
   return std::nullopt;

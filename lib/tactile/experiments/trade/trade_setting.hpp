@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "tactile/core/confirmation.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/definition/engine_kind.hpp"
 #include "tactile/model/definition/model_settings.hpp"
@@ -21,14 +20,12 @@ struct TradeSetting {
   model::Augmentation augmentation{};    ///< in its training
   model::EngineKind engine = model::EngineKind::fast;
   model::Precision precision = model::Precision::fp32;
-  bool sparse = true;  ///< the network skips empty regions; false: it computes all, with equal logits
-  Confirmation confirmation{};
 
   friend bool operator==(const TradeSetting&, const TradeSetting&) = default;
 };
 
 /// The same with the defaults of all parameters that only LeNet has, if the kind is another: factor, resize, denoise,
-/// augmentation, engine, precision and pass. The history of a stream is its tick.
+/// augmentation, engine and precision. The history of a stream is its tick.
 TradeSetting without_idle_values(TradeSetting setting);
 
 /// "none", "flip+stress:noise:200": as `model::text_of`, but joined by +, so that commas separate values of an option.
@@ -39,11 +36,11 @@ model::Augmentation joined_augmentation_named(std::string text);  ///< @throws E
 results::SettingValues values_of(const TradeSetting& setting);
 void to_json(nlohmann::json& json, const TradeSetting& setting);  ///< as `values_of`
 
-/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32-sparse-1of1"; an augmentation adds "-flip+shift" or, with
+/// A unique name: "th40-tick2-f0.2-area-mean-fast-fp32"; an augmentation adds "-flip+shift" or, with
 /// recipes, "-augment-" and a hash, another kind than LeNet "-stream".
 std::string id_of(const TradeSetting& setting);
 
-/// Its differences from `base`: "t_h 20 ms, confirm 2/3"; "as usual" if there is none.
+/// Its differences from `base`: "t_h 20 ms, int8"; "as usual" if there is none.
 std::string text_of(const TradeSetting& setting, const TradeSetting& base = {});
 
 /// Why the setting is impossible; nothing if it is possible.

@@ -15,7 +15,7 @@ namespace {
 /// Several threads may share a module: a call changes nothing in it.
 class OwnOnTorch final : public OwnNetwork {
  public:
-  OwnOnTorch(torch::jit::Module module, NetworkPorts ports) : module_(std::move(module)), ports_(std::move(ports)) {}
+  OwnOnTorch(const torch::jit::Module& module, NetworkPorts ports) : module_(module), ports_(std::move(ports)) {}
 
   void run(std::span<const std::vector<float>> inputs, std::span<std::vector<float>> outputs) override {
     use_one_thread();

@@ -250,8 +250,9 @@ void forward(const LeNetLayers& layers, const Packed& packed, const std::uint8_t
 
 /// The second layer's answer where the first layer's is that to an empty heatmap.
 void answer_empty(Packed& packed) {
-  alignas(cache_line) std::array<float, 6 * 6 * first_channels + padded_row> field{};
-  for (std::size_t i = 0; i < 6 * 6 * first_channels; ++i) {
+  constexpr std::size_t values = 36 * first_channels;  // 6 x 6 places
+  alignas(cache_line) std::array<float, values + padded_row> field{};
+  for (std::size_t i = 0; i < values; ++i) {
     const float bias = packed.first_bias[i % first_channels];
     field[i] = bias <= 0 ? 0.0F : bias;
   }
