@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws runs of a tactile sensor with exact truth, independently of `tactile simulate`.
 
-  generate.py FOLDER [--ordinary N] [--cases all|none|NAME,...] [--repeats N] [--seed N] [--jobs N] [--tactile PATH]
+  generate.py FOLDER [--ordinary N] [--cases all|none|NAME,...] [--repeats N] [--session N] [--seed N] [--jobs N] [--tactile PATH]
 """
 import argparse
 import concurrent.futures
@@ -31,7 +31,8 @@ def signal_events(motion, numbers, rng, background):
     surface, camera = skin.Skin(numbers, rng), pixels.Pixels(numbers, rng, background)
     for t in pixels.frame_times(motion, numbers):
         at = lambda x: float(np.interp(t, motion.t, x))
-        camera.see(t, surface.render(at(motion.depth), at(motion.shear), at(motion.limit), at(motion.gross), at(motion.slid)))
+        camera.see(t, surface.render(at(motion.depth), at(motion.shear), at(motion.limit), at(motion.gross), at(motion.slid), at(motion.turn),
+                                     at(motion.sway)))
     return camera.events()
 
 
@@ -70,16 +71,39 @@ def truth_of(motion, events, epoch_us, from_us, to_us, clocks, hot, numbers, mad
                           "end_us": end, "first_event_us": None if begun else first_us, "gross_us": us(x["gross"])})
     return {"intervals": intervals, "lift_start_us": us(motion.lift_start), "clocks": {k: c and c.truth() for k, c in clocks.items()},
             "hot_pixels": [{"x": p % WIDTH, "y": p // WIDTH, "hz": hz} for p, hz in hot], "dead_pixels": [],
-            "parameters": {**{k: float(v) for k, v in numbers.items()}, **made, "press_speeds_mm_s": motion.press_speeds,
+            "parameters": {**{k: v if isinstance(v, str) else float(v) for k, v in numbers.items()}, **made, "press_speeds_mm_s": motion.press_speeds,
                            "visible_us": [visible_us(events, x["start_us"], x["end_us"]) if x["labelled"] else None for x in intervals]}}
 
 
-def make_run(folder, object_name, run, case, seed, tactile):
-    rng = seeded(seed, object_name, run)
-    numbers = draw(rng)
+def begin_of(rig, rng, run, in_session):
+    """Camera times at which the session and the run begin. Runs of a session begin 40 to 60 s after one another; all others are alone in theirs."""
+    session_us = int(1.7e15) + int(rig.integers(0, int(1e13)))
+    return session_us, session_us + (int(run) * 50_000_000 + int(rng.integers(-5_000_000, 5_000_000)) if in_session else 0)
+
+
+def host_from_camera(clock, from_us, to_us):
+    """What `tactile record` writes: for each second, camera and host time of the packet that came with the shortest delay."""
+    return [[t, int(round(clock.stamp(t)))] for t in range(int(from_us) + 1_000_000, int(to_us), 1_000_000)]
+
+
+def write_devices(folder, scene, motion, numbers, rng, epoch_us, clocks, in_session):
+    """Robot's log and film, if the scene has them. Returns the true clocks from their first stamps on."""
+    found = {"robot": None, "video": None, "host": clocks["host"], "imu": clocks["imu"] if scene.imu else None}
+    if scene.robot:
+        found["robot"] = devices.write_robot_log(folder / "robot.csv", motion, numbers, rng, epoch_us, clocks, scene.commands, scene.log)
+    if scene.film:
+        found["video"] = devices.write_film(folder / "video.mp4", folder / "video.csv", motion, numbers, rng, epoch_us, clocks, scene.film_kind,
+                                            in_session)
+    return found
+
+
+def make_run(folder, object_name, run, case, seed, tactile, session):
+    rng, rig = seeded(seed, object_name, run), seeded(seed, session or f"{object_name}/{run}", "rig")
+    numbers = draw(rng, rig=rig)
+    session_us, epoch_us = begin_of(rig, rng, run, session is not None)
+    clocks = devices.clocks_of(numbers, rig, session_us)
     scene = cases.CASES[case](numbers, rng)
     motion, numbers = scene.motion, scene.numbers
-    epoch_us = int(1.7e15) + int(rng.integers(0, int(1e13)))
     from_us = epoch_us + int(scene.begins_at * 1e6)
     to_us = epoch_us + int((scene.ends_at or motion.t[-1]) * 1e6)
     background, hot = pixels.noise(numbers, rng, motion.t[-1])
@@ -91,16 +115,15 @@ def make_run(folder, object_name, run, case, seed, tactile):
     part = target.with_name(run + ".part")
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir(parents=True)
-    clocks, kind = {"robot": None, "video": None}, "none"
-    if scene.robot:
-        clocks["robot"], kind = devices.write_robot_log(part / "robot.csv", motion, numbers, rng, epoch_us, numbers["drift_ppm"], scene.commands)
-    if scene.film:
-        clocks["video"] = devices.write_film(part / "video.mp4", part / "video.csv", motion, numbers, rng, epoch_us, rng.uniform(-60, 60),
-                                             motion.lift if scene.firm else np.zeros_like(motion.lift))
-    made = {"case": case, "seed": seed, "robot_log": kind, "imu": scene.imu, "commands": scene.commands}
-    (part / "truth.json").write_text(json.dumps(truth_of(motion, events, epoch_us, from_us, to_us, clocks, hot, numbers, made), indent=1))
-    (part / "run.json").write_text(json.dumps({"object": object_name, "run": run, "simulated": True, "complete": True,
-                                               "sensor": {"width": WIDTH, "height": HEIGHT}}))
+    found = write_devices(part, scene, motion, numbers, rng, epoch_us, clocks, session is not None)
+    made = {"case": case, "seed": seed, "imu": scene.imu, "commands": scene.commands, "log": scene.log, "film": scene.film_kind}
+    (part / "truth.json").write_text(json.dumps(truth_of(motion, events, epoch_us, from_us, to_us, found, hot, numbers, made), indent=1))
+    about = {"object": object_name, "run": run, "simulated": True, "complete": True, "sensor": {"width": WIDTH, "height": HEIGHT}}
+    if session:
+        about["session"] = session
+    if scene.robot and numbers["recorder"] == "tactile record":
+        about["host_from_camera"] = host_from_camera(clocks["host"], from_us, to_us)
+    (part / "run.json").write_text(json.dumps(about))
     devices.write_recording(part / "recording.h5", events, imu)
     subprocess.run([tactile, "convert", part / "recording.h5", part / "events.aedat4", "--quiet"], check=True, stdout=subprocess.DEVNULL)
     (part / "recording.h5").unlink()
@@ -111,7 +134,7 @@ def make_run(folder, object_name, run, case, seed, tactile):
 
 def make_and_tell(job):
     """One run in a process of its own; a run that is complete is kept."""
-    folder, object_name, run, case, seed, tactile = job
+    folder, object_name, run = job[:3]
     if (pathlib.Path(folder) / object_name / run / "events.aedat4").exists():
         return f"{object_name}/{run}: kept"
     cv2.setNumThreads(1)
@@ -125,16 +148,18 @@ def add_options(parser):
     parser.add_argument("--ordinary", type=int, default=12, help="ordinary runs, three of each object")
     parser.add_argument("--cases", default="none", help="special cases: all, none, or names with commas between")
     parser.add_argument("--repeats", type=int, default=2, help="runs of each special case")
+    parser.add_argument("--session", type=int, default=0, help="ordinary runs of one session: one camera and skin, and the same clocks")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2, help="runs that are made at the same time")
     parser.add_argument("--tactile", default="build/release/bin/tactile")
 
 
 def make_all(options):
-    wanted = [(f"ordinary-{i // 3 + 1}", f"{i % 3 + 1:02d}", "ordinary") for i in range(options.ordinary)]
+    wanted = [(f"ordinary-{i // 3 + 1}", f"{i % 3 + 1:02d}", "ordinary", None) for i in range(options.ordinary)]
     names = {"all": [c for c in cases.CASES if c != "ordinary"], "none": []}.get(options.cases, options.cases.split(","))
-    wanted += [(name, f"{k + 1:02d}", name) for name in names for k in range(options.repeats)]
-    work = [(options.folder, object_name, run, case, options.seed, options.tactile) for object_name, run, case in wanted]
+    wanted += [(name, f"{k + 1:02d}", name, None) for name in names for k in range(options.repeats)]
+    wanted += [("session", f"{k + 1:02d}", "ordinary", f"session-{options.seed}") for k in range(options.session)]
+    work = [(options.folder, object_name, run, case, options.seed, options.tactile, session) for object_name, run, case, session in wanted]
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         for line in pool.map(make_and_tell, work):
             print(line, file=sys.stderr, flush=True)

@@ -2,6 +2,7 @@
 import numpy as np
 
 from ranges import COLUMN_US, HEIGHT, WIDTH
+from skin import light
 
 PIXELS = WIDTH * HEIGHT
 
@@ -11,8 +12,9 @@ def frame_times(motion, numbers):
     t = motion.t
     step = t[1] - t[0]
     rate = lambda x: np.abs(np.gradient(x, step))
-    moving = rate(motion.depth) * numbers["px_per_mm"] + rate(motion.shear) * numbers["px_per_mm"] + rate(motion.slid) / numbers["relief_length_mm"]
-    density = moving / 0.4 + np.where(moving > 0.2, 100.0, 20.0)
+    skin = rate(motion.depth) + rate(motion.shear) + rate(motion.turn) * numbers["patch_mm"] + rate(motion.sway)
+    moving = skin * numbers["px_per_mm"] + rate(motion.slid) / numbers["relief_length_mm"]
+    density = moving / 0.4 + np.where(moving > 0.2, 100.0, 20.0) + 7 * motion.hum_hz
     begins = [x["start"] for x in motion.truths if 0 <= x["start"] < t[-1]]
     for begin in begins:
         density[(t > begin - 0.002) & (t < begin + 0.08)] += 1000
@@ -72,7 +74,7 @@ class Pixels:
 
 def noise(numbers, rng, seconds):
     """Background of all pixels, and pixels that fire at a rate of their own. Returns events and the hot pixels."""
-    weights = np.exp(numbers["noise_spread"] * rng.standard_normal(PIXELS))
+    weights = np.exp(numbers["noise_spread"] * rng.standard_normal(PIXELS) - numbers["noise_dark"] * light(numbers).ravel())
     count = rng.poisson(numbers["noise_hz_per_px"] * PIXELS * seconds)
     pixel = np.searchsorted(np.cumsum(weights), rng.random(count) * weights.sum()).clip(0, PIXELS - 1)
     hot = rng.choice(PIXELS, int(numbers["hot_pixels"]), replace=False)
