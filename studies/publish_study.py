@@ -237,8 +237,9 @@ def front_part(trade):
     rows = []
     for point in traded_settings(trade)[:MOST_TRADED_SETTINGS]:
         reported = point["reported"]
+        median = reported["whole_runs"]["median_ms"]
         rows.append((point["text"], figure(reported["accuracy"], 100), number(reported["us_p50"]["value"], 1, 0), number(reported["us_p99"]["value"], 1, 0),
-                     number(reported["whole_runs"]["median_ms"]["value"]), figure(reported["whole_runs"]["missed"], 100), figure(reported["whole_runs"]["alarms_per_min"])))
+                     ("> " if median["is_lower_bound"] else "") + number(median["value"]), figure(reported["whole_runs"]["missed"], 100), figure(reported["whole_runs"]["alarms_per_min"])))
     return table(("setting", "accuracy [%]", "time of a tick [µs]", "of 99 % of them", "median delay [ms]", "missed [%]", "alarms a minute"), rows)
 
 
@@ -273,7 +274,8 @@ def about_part(study, trade):
 
 def repeating(settings, trade):
     budget = trade["options"]["budget_minutes"]
-    return f"--preset {settings['preset']} --seed {settings['seed']}" + (f" --budget-minutes {budget:g}" if budget else "")
+    return (f"--preset {settings['preset']} --worlds {settings['worlds']} --seed {settings['seed']} --trainings {trade['options']['trainings']}"
+            + (f" --budget-minutes {budget:g}" if budget else ""))
 
 
 def page(folder):
