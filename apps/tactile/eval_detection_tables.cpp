@@ -21,10 +21,8 @@ using NamedTable = std::pair<std::string, const results::DelayTable*>;
 
 constexpr const char* quantile_legend =
     "median, 90 %: the time within which half and 90 % of all touches are detected; > the true time is longer, because misses "
-    "are "
-    "below it. early: predicted more than 10 ms ahead of the onset. In brackets: trivial detectors, which ignore the events. "
-    "They "
-    "are fast by chance, at the price of false alarms.";
+    "are below it. early: predicted more than 10 ms ahead of the onset. In brackets: trivial detectors, which ignore the "
+    "events. They are fast by chance, at the price of false alarms.";
 
 constexpr const char* delay_legend =
     "The best possible delay is one tick. Mean and median here are over detected intervals, as in the paper: misses and early "

@@ -12,16 +12,6 @@
 #include "text_table.hpp"
 
 namespace tactile::cli {
-namespace {
-
-std::string spaced(const std::string& text) { return text.empty() ? text : " " + text; }
-
-/// "94.6 % [91.3, 96.7]"
-std::string percent_of(const results::Figure& figure) {
-  return results::value_text(figure, 100, 1) + " %" + spaced(results::interval_text(figure, 100, 1));
-}
-
-}  // namespace
 
 std::string heading_of(const results::Evaluation& evaluation) {
   std::string heading = results::title_of(evaluation);
@@ -33,8 +23,9 @@ std::string heading_of(const results::Evaluation& evaluation) {
 std::string summary_of(const results::Evaluation& evaluation, const std::optional<evaluation::TickSpeed>& speed) {
   const results::Figure& accuracy = evaluation.accuracy.mean;
   auto lines = results::lines_of(evaluation.whole_runs);
-  lines.emplace_back("accuracy", fmt::format("{} on balanced samples, mean over {} objects, {} runs", percent_of(accuracy),
-                                             evaluation.accuracy.objects.size(), evaluation.test_runs().size()));
+  lines.emplace_back("accuracy",
+                     fmt::format("{} on balanced samples, mean over {} objects, {} runs", results::percent_text(accuracy),
+                                 evaluation.accuracy.objects.size(), evaluation.test_runs().size()));
   if (const auto best = results::best_baseline(evaluation.baselines)) {
     const auto& [name, point] = *best;
     lines.emplace_back("best baseline",

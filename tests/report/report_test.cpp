@@ -315,7 +315,7 @@ TEST(Report, OfAStudyHoldsItsSentencesAndHowOftenTheyAreWritten) {
                     "✗ 1 of 8</span><small>does not</small>", "? 4 of 8</span><small>cannot tell</small>",
                     "the lowest accuracy at 40 ms<small>written where it is above 95 %</small>", "a margin: below 95 %",
                     "96.50 % [96.49, 96.51]", ">unknown<", "A replicate is such a study: one training of each setting"});
-  // What was not tested is told by the command, not by the page.
+  // The command names what was not tested; the page does not.
   EXPECT_TRUE(any_tells(summary.missing, "The sentence was not tested: Fourth sentence"));
   EXPECT_FALSE(any_tells(summary.missing, "Third sentence"));
   EXPECT_FALSE(contains(page, "was not tested"));

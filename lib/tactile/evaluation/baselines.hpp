@@ -50,8 +50,8 @@ std::vector<double> event_rate_scores(std::span<const TickEvents> ticks, microse
 ///
 ///   S = max(0, S + n ln 2 - quiet)
 ///
-/// Page's sum begins anew after an alarm. Here it begins anew once the change is over, by the same sum downwards: when that of
-/// quiet - n ln 2 reaches 3 quiet, both are 0.
+/// Page's sum starts again from 0 after an alarm. Here it does once the change is over. A second sum finds that: once
+/// S' = max(0, S' + quiet - n ln 2) reaches 3 quiet, both are 0.
 /// @param quiet  median number of events in a tick without a touch, > 0
 /// Source: E. S. Page, Continuous inspection schemes, Biometrika 41 (1954) 100-115.
 std::vector<double> cusum_scores(std::span<const TickEvents> ticks, double quiet);

@@ -30,6 +30,11 @@ std::string figure_text(const Figure& figure, double scale, int decimals) {
   return interval.empty() ? value : value + " " + interval;
 }
 
+std::string percent_text(const Figure& share) {
+  const std::string value = value_text(share, 100, 1) + " %", interval = interval_text(share, 100, 1);
+  return interval.empty() ? value : value + " " + interval;
+}
+
 std::string value_text(const CensoredQuantile& quantile, int decimals) {
   return (quantile.is_lower_bound ? "> " : "") + value_text(quantile.ms, 1, decimals);
 }

@@ -18,6 +18,9 @@ std::string interval_text(const Figure& figure, double scale, int decimals);
 /// "94.6 [91.3, 96.7]", or only the value.
 std::string figure_text(const Figure& figure, double scale, int decimals);
 
+/// "94.6 % [91.3, 96.7]" of a share.
+std::string percent_text(const Figure& share);
+
 /// "6"; "> 500" where only a bound is known.
 std::string value_text(const CensoredQuantile& quantile, int decimals = 0);
 

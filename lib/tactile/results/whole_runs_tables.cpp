@@ -12,10 +12,6 @@ namespace {
 
 std::string spaced(const std::string& text) { return text.empty() ? text : " " + text; }
 
-std::string percent_text(const Figure& figure) {
-  return value_text(figure, 100, 1) + " %" + spaced(interval_text(figure, 100, 1));
-}
-
 /// Also those that were in alarm since before their onset.
 std::string missed_text(const OperatingPoint& point) {
   return fmt::format("{} of {}", point.misses + point.early, point.touches);
@@ -183,20 +179,15 @@ std::string runs_in_words(const WholeRuns& whole) {
   std::string text = fmt::format("{} whole run{}, ", all, all == 1 ? "" : "s");
   text += by_truth == all ? "judged by the truth."
           : by_truth == 0 ? "judged by their labels."
-                          : fmt::format(
-                                "{} judged by their truth, the others by their "
-                                "labels.",
-                                by_truth);
+                          : fmt::format("{} judged by their truth, the others by their labels.", by_truth);
   return text + left_out_in_words(whole.left_out);
 }
 
 std::string_view whole_runs_legend() {
   return "Every run counts, also firm lifts, those without a press or a slip, and those with flagged touches, which are left out "
          "themselves. A false alarm is an episode that begins outside of touches, whatever moves; it counts again for each "
-         "further "
-         "500 ms. Wrong class: episodes that begin in a touch of the other class. Delays are over all touches: one that is "
-         "missed, "
-         "or in alarm since before its onset (early), is later than all others.";
+         "further 500 ms. Wrong class: episodes that begin in a touch of the other class. Delays are over all touches: one that "
+         "is missed, or in alarm since before its onset (early), is later than all others.";
 }
 
 std::string left_out_in_words(std::span<const LeftOutRun> runs) {

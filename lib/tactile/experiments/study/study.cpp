@@ -10,7 +10,7 @@ namespace tactile::study {
 
 StudySummary run_study(const StudyOptions& requested, const experiments::NewProgress& new_progress,
                        const experiments::StepCallback& on_step, const WarningCallback& warn) {
-  const unsigned threads = completed(requested, false).threads;  // wrong options are said before anything is made
+  const unsigned threads = completed(requested, false).threads;  // refuses wrong options before anything is made
   const CommandLock lock(requested.out, "tactile reproduce");
   experiments::StepRunner runner({.folder = requested.out,
                                   .program = requested.program,
