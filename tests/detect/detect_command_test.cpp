@@ -84,7 +84,7 @@ TEST(DetectCommand, DecidesByTwoThresholdsUnlessAnotherDecisionIsGiven) {
     return nlohmann::json::parse(result.out, nullptr, false);
   };
   const nlohmann::json usual = summary(""), single = summary(" --confirm 1/1");
-  EXPECT_EQ(usual.at("thresholds"), "1.4:-2.6:20:3.5");
+  EXPECT_EQ(usual.at("thresholds"), "2.5:-1.5:20:3.5");
   EXPECT_TRUE(single.at("thresholds").is_null());
   EXPECT_EQ(summary(" --thresholds off").at("episodes"), single.at("episodes"));
   // A verdict holds until the log-odds were low for 20 ms: an episode ends later than by single ticks.

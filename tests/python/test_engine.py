@@ -41,7 +41,7 @@ def test_predictions_equal_those_of_detect(lab, engine):
     assert [row["verdict"] for row in rows] == decided_by_two_thresholds(probabilities, engine.tick_ms)
 
 
-def decided_by_two_thresholds(probabilities, tick_ms, on=1.4, off=-2.6, hold_ms=20):
+def decided_by_two_thresholds(probabilities, tick_ms, on=2.5, off=-1.5, hold_ms=20):
     """The verdicts of `detect` as `tactile detect --help` and docs/ tell them."""
     p = np.clip(probabilities, 1e-38, None)
     log_odds = {name: np.log(p[:, i] / np.clip(1 - p[:, i], 1e-38, None)) for i, name in enumerate(tactile.CLASSES) if name != "none"}

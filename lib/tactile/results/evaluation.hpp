@@ -88,7 +88,7 @@ struct Evaluation {
   bool simulated = false;
   microseconds sampling_guard{0}, tick{0};
   std::string confirm = "1/1";  ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
-  std::string thresholds{};     ///< "1.4:-2.6:20:3.5": of a decision by two thresholds; empty: none
+  std::string thresholds{};     ///< "2.5:-1.5:20:3.5": of a decision by two thresholds; empty: none
   BootstrapOptions bootstrap{};
   UsedEngine engine{};
 

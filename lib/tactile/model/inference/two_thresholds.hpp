@@ -12,20 +12,20 @@ namespace tactile::model {
 
 /// Settings of a decision by two thresholds with a hold.
 struct TwoThresholds {
-  double on = 1.4;            ///< log-odds from which a class is reported
-  double off = -2.6;          ///< log-odds below which it ends, <= on
+  double on = 2.5;            ///< log-odds from which a class is reported
+  double off = -1.5;          ///< log-odds below which it ends, <= on
   microseconds hold{20'000};  ///< how long they must stay below before it ends, >= 0
   double confirmed = 3.5;     ///< log-odds of slip from which it is confirmed, >= on
 
   friend bool operator==(const TwoThresholds&, const TwoThresholds&) = default;
 };
 
-/// "1.4:-2.6:20:3.5" (on, off, hold in ms, confirmed) as {1.4, -2.6, 20 ms, 3.5}. Without the fourth number it is the usual one,
+/// "2.5:-1.5:20:3.5" (on, off, hold in ms, confirmed) as {2.5, -1.5, 20 ms, 3.5}. Without the fourth number it is the usual one,
 /// or `on` if that is higher.
 /// @throws Error  unless they are finite numbers with off <= on <= confirmed and a hold from 0 to 10 000 ms
 TwoThresholds two_thresholds_in(std::string_view text);
 
-std::string text_of(const TwoThresholds& thresholds);  ///< "1.4:-2.6:20:3.5"
+std::string text_of(const TwoThresholds& thresholds);  ///< "2.5:-1.5:20:3.5"
 
 /// The same distance and hold with another `on`; what confirms a slip is at least that.
 TwoThresholds moved_to(const TwoThresholds& thresholds, double on);
