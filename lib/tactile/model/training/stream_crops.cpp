@@ -86,16 +86,32 @@ std::size_t patch_of(std::size_t pixel) {
   return row / (Layout::rows / 2) * patches_across + column / (Image::columns / patches_across);
 }
 
+/// The pixels of a patch, ascending.
+const std::vector<std::size_t>& pixels_of(std::size_t patch) {
+  static const std::array<std::vector<std::size_t>, patches> of_patch = [] {
+    std::array<std::vector<std::size_t>, patches> lists;
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) lists[patch_of(pixel)].push_back(pixel);
+    return lists;
+  }();
+  return of_patch[patch];
+}
+
+/// @param from  a whole number of ticks; where it is shorter than `to`, it comes again and again
 void copy_patch(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, std::size_t patch) {
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    if (patch_of(i % pixels) == patch) to[i] = from[i];
+  for (std::size_t first = 0; first < to.size(); first += pixels) {
+    const std::size_t source = first % from.size();
+    for (const std::size_t pixel : pixels_of(patch)) to[first + pixel] = from[source + pixel];
   }
 }
 
 /// The patches, those with the most events first.
 std::array<std::size_t, patches> by_events(std::span<const std::uint8_t> counts) {
   std::array<std::uint64_t, patches> events{};
-  for (std::size_t i = 0; i < counts.size(); ++i) events[patch_of(i % pixels)] += counts[i];
+  for (std::size_t patch = 0; patch < patches; ++patch) {
+    for (std::size_t first = 0; first < counts.size(); first += pixels) {
+      for (const std::size_t pixel : pixels_of(patch)) events[patch] += counts[first + pixel];
+    }
+  }
   std::array<std::size_t, patches> order{};
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return events[a] > events[b]; });
@@ -134,9 +150,11 @@ void change_speed(std::vector<std::uint8_t>& counts, std::vector<Touch>& truth, 
 void leave_out(std::vector<std::uint8_t>& counts, Random& random) {
   const double kept = random.uniform(0.4, 1);
   const std::array<double, 2> of_polarity{kept * random.uniform(0.7, 1), kept * random.uniform(0.7, 1)};
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const std::size_t polarity = i % pixels / (pixels / 2);
-    if (counts[i] > 0) counts[i] = thinned(counts[i], of_polarity[polarity], random);
+  constexpr std::size_t half = pixels / 2;
+  for (std::size_t first = 0; first < counts.size(); first += half) {
+    for (std::size_t i = first; i < first + half; ++i) {
+      if (counts[i] > 0) counts[i] = thinned(counts[i], of_polarity[first / half % 2], random);
+    }
   }
 }
 
@@ -258,9 +276,7 @@ void StreamCrops::place_quiet(Crop& crop, Random& random) const {
   constexpr std::size_t repeated = 60;
   const std::vector<std::uint8_t> piece = quiet(repeated, random);
   if (piece.empty()) return;
-  std::vector<std::uint8_t> instead(crop.counts.size());
-  for (std::size_t i = 0; i < instead.size(); ++i) instead[i] = piece[i % piece.size()];
-  for (std::size_t i = within(random, 1, 6); i > 0; --i) copy_patch(instead, crop.counts, random.below(patches));
+  for (std::size_t i = within(random, 1, 6); i > 0; --i) copy_patch(piece, crop.counts, random.below(patches));
 }
 
 void StreamCrops::change(Crop& crop, Random& random) const {
