@@ -39,6 +39,7 @@ struct LabelArguments {
   bool strict = false;
   bool no_pictures = false;
   bool camera_time = false;
+  std::string method = "stages";
   std::string roi;
   std::string robot_columns;
   std::string mask;
@@ -96,6 +97,7 @@ CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
 
 Outcome label_all(const CommonArguments& common, const LabelArguments& arguments, const std::vector<RunFolder>& runs) {
   labels::LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
+  if (arguments.method == "model") options.label.method = labels::LabelMethod::model;
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   options.label.signals.robot.columns = arguments.robot_columns;
   if (!arguments.mask.empty()) options.label.signals.rate.mask = events::read_mask(arguments.mask);
@@ -258,6 +260,11 @@ void add_label_command(CLI::App& app) {
       "--summary", arguments->summary, "Only print tables of the existing labels and of the differences between their sources");
   command.add_flag("--strict", arguments->strict, "Exit with 2 if a run has an unconfirmed flag");
   command.add_flag("--no-pictures", arguments->no_pictures, "Do not draw labels.png").excludes(summary);
+  command.add_option("--method", arguments->method, "stages: step by step; model: all at once, with probabilities; in trial")
+      .type_name("NAME")
+      .check(one_of({"stages", "model"}))
+      .show_default()
+      .excludes(summary);
   command.add_option("--roi", arguments->roi, "Part of the video that shows press and slip")
       .type_name("X,Y,W,H")
       .check(is_region())

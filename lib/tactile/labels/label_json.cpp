@@ -104,6 +104,7 @@ LabelledInterval interval_in(const json& object, const std::string& where) {
                             .source = member<std::string>(object, "source", where),
                             .evidence = {},
                             .confirmed = member<bool>(object, "confirmed", where)};
+  if (object.contains("probability")) interval.probability = member<double>(object, "probability", where);
   const auto evidence = member<json>(object, "evidence", where);
   interval.evidence = {time_in(evidence, "events_us", where), time_in(evidence, "robot_us", where),
                        time_in(evidence, "video_us", where), time_in(evidence, "imu_us", where)};
@@ -120,6 +121,7 @@ json json_of(const LabelledInterval& interval) {
                   {"robot_us", json_of(interval.evidence.robot)},
                   {"video_us", json_of(interval.evidence.video)},
                   {"imu_us", json_of(interval.evidence.imu)}}}};
+  if (interval.probability) entry["probability"] = *interval.probability;
   add_time(entry, "start", interval.start);
   add_time(entry, "end", interval.end);
   return entry;

@@ -13,6 +13,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
   const alignment::AnchorOptions& anchors = options.clocks.anchors;
   const alignment::ClockFitOptions& fit = options.clocks.fit;
   nlohmann::json settings = {
+      {"method", options.method == LabelMethod::model ? "model" : "stages"},
       {"rate",
        {{"bin_us", options.signals.rate.bin.count()},
         {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},

@@ -11,7 +11,11 @@
 
 namespace tactile::labels {
 
+/// How labels are found: stage by stage, or all at once by a model of the run.
+enum class LabelMethod { stages, model };
+
 struct LabelOptions {
+  LabelMethod method = LabelMethod::stages;
   alignment::RunSignalsOptions signals{};
   alignment::RobotClocksOptions clocks{};
   TouchesOptions touches{};

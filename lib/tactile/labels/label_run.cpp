@@ -11,6 +11,7 @@
 #include "tactile/core/duration_units.hpp"
 #include "tactile/labels/arm_moves.hpp"
 #include "tactile/labels/film_clock.hpp"
+#include "tactile/labels/posterior/posterior_labels.hpp"
 #include "tactile/labels/run_bursts.hpp"
 #include "tactile/labels/stage_presses.hpp"
 #include "tactile/labels/unlabelled_bursts.hpp"
@@ -401,7 +402,10 @@ class Labeller {
 }  // namespace
 
 Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options) {
-  return Labeller(signals, clocks, options).labels();
+  if (options.method == LabelMethod::stages) return Labeller(signals, clocks, options).labels();
+  Labels labels = posterior_labels(signals);
+  labels.provenance["settings"] = settings_of(options);
+  return labels;
 }
 
 Labels label_run(const RunFolder& run, const LabelOptions& options) {

@@ -1,0 +1,113 @@
+#include "tactile/labels/posterior/motion_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tactile::labels {
+namespace {
+
+constexpr double shape = 0.5;          // of the gamma distribution of a place's motion
+constexpr double spread_evenly = 0.1;  // part of the shares that is the same for all places
+
+void normalise(std::vector<double>& share) {
+  const double sum = std::accumulate(share.begin(), share.end(), 0.0);
+  for (double& one : share)
+    one = (1 - spread_evenly) * (sum > 0 ? one / sum : 1.0 / PlaceCounts::places) + spread_evenly / PlaceCounts::places;
+}
+
+/// The negative binomial of one place and level, relative to the quiet Poisson distribution.
+class PlaceLevel {
+ public:
+  PlaceLevel(double quiet, double motion) : quiet_(quiet), mean_(quiet + motion) {
+    r_ = std::min(mean_ * mean_ * shape / (motion * motion), 1e6);
+    base_ = r_ * std::log(r_ / (r_ + mean_)) + quiet;
+    per_event_ = std::log(mean_ / (r_ + mean_)) - std::log(quiet);
+    double sum = base_;
+    for (std::size_t n = 0; n < known_.size(); ++n) {
+      known_[n] = sum;
+      sum += std::log(r_ + static_cast<double>(n)) + per_event_;
+    }
+  }
+
+  double of(std::uint16_t n) const {
+    if (n < known_.size()) return known_[n];
+    return base_ + std::lgamma(n + r_) - std::lgamma(r_) + n * per_event_;
+  }
+
+ private:
+  double quiet_, mean_, r_ = 0, base_ = 0, per_event_ = 0;
+  std::array<double, 32> known_{};  ///< lgamma(n + r) - lgamma(r) is a sum of logarithms
+};
+
+}  // namespace
+
+PlaceRates first_rates(const PlaceCounts& counts) {
+  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 100ms / counts.bin));
+  const std::size_t blocks = std::max<std::size_t>(1, counts.bins() / width);
+  std::vector<double> sums(blocks, 0.0);
+  std::vector<std::size_t> order(blocks);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t block = 0; block < blocks; ++block) {
+    for (std::size_t b = block * width; b < std::min(counts.bins(), (block + 1) * width); ++b) {
+      for (const std::uint16_t n : counts.at(b)) sums[block] += n;
+    }
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sums[a] < sums[b]; });
+  const std::size_t calm = std::max<std::size_t>(std::min<std::size_t>(3, blocks), blocks / 3);
+  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.0), std::vector<double>(PlaceCounts::places, 1.0)};
+  double bins = 0;
+  for (std::size_t i = 0; i < calm; ++i) {
+    for (std::size_t b = order[i] * width; b < std::min(counts.bins(), (order[i] + 1) * width); ++b, ++bins) {
+      const auto row = counts.at(b);
+      for (std::size_t place = 0; place < PlaceCounts::places; ++place) rates.quiet[place] += row[place];
+    }
+  }
+  double sum = 0;
+  for (double& rate : rates.quiet) rate = (rate + 0.5) / std::max(bins, 1.0), sum += rate;
+  const double correction = 1 + 1.09 / std::sqrt(sum * static_cast<double>(width));
+  for (double& rate : rates.quiet) rate *= correction;
+  normalise(rates.share);
+  return rates;
+}
+
+PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet, std::span<const double> moves) {
+  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.5), std::vector<double>(PlaceCounts::places, 0.0)};
+  double bins = 0, moving = 0;
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    const auto row = counts.at(b);
+    bins += quiet[b];
+    moving += moves[b];
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+      rates.quiet[place] += quiet[b] * row[place];
+      rates.share[place] += moves[b] * row[place];
+    }
+  }
+  for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+    rates.quiet[place] /= std::max(bins, 1.0);
+    rates.share[place] = std::max(0.0, rates.share[place] - moving * rates.quiet[place]);
+  }
+  normalise(rates.share);
+  return rates;
+}
+
+std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates& rates) {
+  constexpr double least = -200;
+  const double bin_ms = 1e-3 * static_cast<double>(counts.bin.count());
+  std::vector<double> evidence(counts.bins() * motion_levels.size(), 0.0);
+  for (std::size_t level = 1; level < motion_levels.size(); ++level) {
+    std::vector<PlaceLevel> of_place;
+    of_place.reserve(PlaceCounts::places);
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place)
+      of_place.emplace_back(rates.quiet[place], motion_levels[level] * bin_ms * rates.share[place]);
+    for (std::size_t b = 0; b < counts.bins(); ++b) {
+      const auto row = counts.at(b);
+      double sum = 0;
+      for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += of_place[place].of(row[place]);
+      evidence[b * motion_levels.size() + level] = std::max(sum, least);
+    }
+  }
+  return evidence;
+}
+
+}  // namespace tactile::labels

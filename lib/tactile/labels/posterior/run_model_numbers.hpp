@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+/// The numbers of the model of a run, with units and sources. docs/numerics/labels.md has the formulas that they stand in.
+namespace tactile::labels::numbers {
+
+inline constexpr double slack_mm = 0.12;  ///< way of the arm until it shears the skin, mean: play and compliance of the mount
+inline constexpr double without_slack_hz = 30;  ///< more often while the arm is slower than 5 mm/s: many mounts have no play
+inline constexpr double gain_grows_s = 0.020;   ///< until more of the skin follows: a factor of three in events
+inline constexpr double follows_arm_s = 0.03;   ///< shear follows the arm for this long, mean; then tips begin to slip
+inline constexpr double slips = 0.9;            ///< share of the lifts in which the object slips
+
+/// Of the level at which a motion begins, in the order of `motion_levels`: a third is not seen at first.
+inline constexpr std::array<double, 9> first_level{0.20, 0.08, 0.10, 0.11, 0.12, 0.13, 0.12, 0.09, 0.05};
+inline constexpr double rise_s = 0.0025;  ///< from one level to the next while a motion begins
+/// How long a motion stays at a level, lowest first; the last one is of all others.
+inline constexpr std::array<double, 5> level_lasts_s{0.002, 0.004, 0.005, 0.006, 0.010};
+inline constexpr double slides_s = 0.3;  ///< the same while an object slides evenly
+
+inline constexpr std::size_t creep_levels = 3;                             ///< highest level of a skin that creeps after a motion
+inline constexpr std::array<double, 4> creep_after{0.5, 0.15, 0.2, 0.15};  ///< of the level right after it
+inline constexpr double creep_s = 0.1;                                     ///< until it falls to the next level
+
+inline constexpr double sure = 0.9;            ///< a touch that is less probable is flagged
+inline constexpr double widest_onset_ms = 60;  ///< an onset whose 95 % interval is wider is flagged
+
+}  // namespace tactile::labels::numbers

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tactile/core/time.hpp"
+
+namespace tactile::labels {
+
+/// What happens to the skin.
+enum class Happening : std::uint8_t {
+  untouched,    ///< at rest, nothing touches it
+  press,        ///< an object comes, or comes closer
+  held,         ///< an object rests on it
+  carried,      ///< an object rests on it and comes along with the arm
+  slip,         ///< the object slides along it, or begins to
+  release,      ///< the object leaves
+  firm_shear,   ///< the start of a lift that takes the object along
+  knock,        ///< any other short motion while nothing touches it
+  disturbance,  ///< any other short motion while an object touches it: micro-slip, turn, vibration
+};
+constexpr std::size_t happenings = 9;
+
+/// How much moves: the events of the motion, all places together [per ms].
+constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750};
+
+/// What the arm does in a bin, as far as it is known.
+enum class ArmState : std::uint8_t { still, moves, stopped, unknown };
+
+/// The arm's speeds that are told apart [mm/s]: each is the middle of a range.
+constexpr std::array<double, 7> arm_speeds{0.5, 1.5, 4, 10, 25, 60, 150};
+/// `ArmState` with its speed as one number: still, the speeds, stopped, unknown.
+constexpr std::size_t arm_conditions = arm_speeds.size() + 3;
+constexpr std::uint8_t arm_still = 0, arm_stopped = arm_speeds.size() + 1, arm_unknown = arm_speeds.size() + 2;
+
+/// Probabilities of going from each state to each other within a bin, for one condition of the arm; most are 0.
+struct StateTransitions {
+  std::vector<std::uint32_t> first_to;  ///< [state + 1], of `to` and `to_probability`
+  std::vector<std::uint16_t> to;
+  std::vector<double> to_probability;
+  std::vector<std::uint32_t> first_from;  ///< [state + 1], of `from` and `from_probability`: the same by target
+  std::vector<std::uint16_t> from;
+  std::vector<double> from_probability;
+};
+
+/// The states of the hidden Markov chain: what happens, in which phase, at which level of motion.
+///
+/// A happening with motion first rises: its level only grows. Or, in half of the shears by an arm, the events follow the arm's
+/// speed: such a state has a gain instead of a level, and its level is higher by one for each step of `arm_speeds`. Then the level
+/// wanders. A slip may also stick, or slide smoothly without events; press, slip and release may last long with few.
+class RunStates {
+ public:
+  explicit RunStates(microseconds bin);
+
+  std::size_t count() const { return happening_of_.size(); }
+  Happening happening_of(std::size_t state) const { return happening_of_[state]; }
+  std::size_t level_of(std::size_t state, std::uint8_t arm_condition) const {
+    return level_of_[state * arm_conditions + arm_condition];
+  }
+  microseconds bin() const { return bin_; }
+  const std::vector<double>& at_start() const { return at_start_; }
+  const StateTransitions& transitions(std::uint8_t arm_condition) const { return transitions_[arm_condition]; }
+
+ private:
+  microseconds bin_;
+  std::vector<Happening> happening_of_;
+  std::vector<std::uint8_t> level_of_;  ///< [state, arm condition]
+  std::vector<double> at_start_;
+  std::array<StateTransitions, arm_conditions> transitions_;
+};
+
+}  // namespace tactile::labels

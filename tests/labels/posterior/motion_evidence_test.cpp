@@ -1,0 +1,84 @@
+#include "tactile/labels/posterior/motion_evidence.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "tactile/core/random.hpp"
+
+namespace tactile::labels {
+namespace {
+
+PlaceCounts counts_of(std::size_t bins, std::uint16_t each = 0) {
+  PlaceCounts counts{.begin = camera_time(0), .bin = 1000us};
+  counts.counts.assign(bins * PlaceCounts::places, each);
+  return counts;
+}
+
+/// The formula of the header in long double.
+long double expected(const PlaceCounts& counts, const PlaceRates& rates, std::size_t bin, std::size_t level) {
+  long double sum = 0;
+  for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+    const auto n = static_cast<long double>(counts.at(bin)[place]), q = static_cast<long double>(rates.quiet[place]);
+    const long double motion = motion_levels[level] * static_cast<long double>(rates.share[place]), mean = q + motion;
+    const long double variance = mean + 2 * motion * motion, r = mean * mean / (variance - mean);
+    sum += std::lgamma(n + r) - std::lgamma(r) + r * std::log(r / (r + mean)) + n * std::log(mean / (r + mean)) -
+           (n * std::log(q) - q);
+  }
+  return std::max(sum, -200.0L);
+}
+
+TEST(MotionEvidence, IsTheNegativeBinomialRelativeToTheQuietRate) {
+  PlaceCounts counts = counts_of(40);
+  Random random(1);
+  for (std::size_t i = 0; i < counts.counts.size(); ++i)
+    counts.counts[i] = static_cast<std::uint16_t>(random.poisson(i / PlaceCounts::places < 20 ? 0.4 : 6));
+  counts.counts[25 * PlaceCounts::places] = 65535;
+  counts.counts[26 * PlaceCounts::places + 3] = 31;
+  counts.counts[26 * PlaceCounts::places + 4] = 32;
+  std::vector<double> quiet(40, 0.0), moves(40, 0.0);
+  std::fill_n(quiet.begin(), 20, 1.0);
+  std::fill_n(moves.begin() + 20, 20, 1.0);
+  const PlaceRates rates = rates_given(counts, quiet, moves);
+  const std::vector<double> evidence = motion_evidence(counts, rates);
+  for (std::size_t bin = 0; bin < 40; ++bin) {
+    EXPECT_EQ(evidence[bin * motion_levels.size()], 0);
+    for (std::size_t level = 1; level < motion_levels.size(); ++level) {
+      const auto right = static_cast<double>(expected(counts, rates, bin, level));
+      EXPECT_NEAR(evidence[bin * motion_levels.size() + level], right, 1e-6 * (1 + std::abs(right))) << bin << ", " << level;
+    }
+  }
+}
+
+TEST(MotionEvidence, OfSilenceSpeaksAgainstMotion) {
+  const PlaceCounts counts = counts_of(500);
+  const std::vector<double> evidence = motion_evidence(counts, first_rates(counts));
+  for (std::size_t level = 1; level < motion_levels.size(); ++level) EXPECT_LT(evidence[level], 0);
+}
+
+TEST(MotionEvidence, FindsTheQuietRateBesideMotion) {
+  PlaceCounts counts = counts_of(4000);
+  Random random(2);
+  for (std::size_t i = 0; i < counts.counts.size(); ++i) {
+    const bool moves = i / PlaceCounts::places > 2500;
+    counts.counts[i] = static_cast<std::uint16_t>(random.poisson(moves ? 2 : 0.5));
+  }
+  const PlaceRates rates = first_rates(counts);
+  EXPECT_NEAR(std::accumulate(rates.quiet.begin(), rates.quiet.end(), 0.0) / PlaceCounts::places, 0.5, 0.003);
+  EXPECT_NEAR(std::accumulate(rates.share.begin(), rates.share.end(), 0.0), 1, 1e-12);
+}
+
+TEST(MotionEvidence, GivesThePlacesOfAMotionTheirShare) {
+  PlaceCounts counts = counts_of(200);
+  for (std::size_t bin = 100; bin < 200; ++bin) counts.counts[bin * PlaceCounts::places + 7] = 30;
+  std::vector<double> quiet(200, 0.0), moves(200, 0.0);
+  std::fill_n(quiet.begin(), 100, 1.0);
+  std::fill_n(moves.begin() + 100, 100, 1.0);
+  const PlaceRates rates = rates_given(counts, quiet, moves);
+  EXPECT_GT(rates.share[7], 0.85);
+  EXPECT_GT(rates.share[8], 0) << "every place has some";
+}
+
+}  // namespace
+}  // namespace tactile::labels
