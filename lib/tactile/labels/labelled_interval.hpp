@@ -23,7 +23,7 @@ struct LabelledInterval {
   alignment::UncertainTime start, end;
   std::string source;  ///< of the onset: "events", or "person" if a person made or moved it
   Evidence evidence;
-  bool confirmed = false;  ///< a person has looked at it
+  bool confirmed = false;                  ///< a person has looked at it
   std::optional<double> probability = {};  ///< that it is a touch of this class, where the labels are from a model of the run
 
   TouchInterval interval() const { return {touch, start.at, end.at}; }

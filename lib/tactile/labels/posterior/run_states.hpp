@@ -48,8 +48,8 @@ struct StateTransitions {
 /// The states of the hidden Markov chain: what happens, in which phase, at which level of motion.
 ///
 /// A happening with motion first rises: its level only grows. Or, in half of the shears by an arm, the events follow the arm's
-/// speed: such a state has a gain instead of a level, and its level is higher by one for each step of `arm_speeds`. Then the level
-/// wanders. A slip may also stick, or slide smoothly without events; press, slip and release may last long with few.
+/// speed: such a state has a gain instead of a level, and its level is higher by one for each step of `arm_speeds`. Then the
+/// level wanders. A slip may also stick, or slide smoothly without events; press, slip and release may last long with few.
 class RunStates {
  public:
   explicit RunStates(microseconds bin);
