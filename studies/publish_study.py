@@ -247,7 +247,7 @@ def first_sentence(text):
     return re.split(r"(?<=\.) (?=[A-Z])", text)[0]
 
 
-def speed_sentences(trade):
+def speed_sentences(study, trade):
     hidden = len(trade["front"]) - MOST_TRADED_SETTINGS
     texts = [f"{counted(trade['settings'], 'setting')} were measured on the first world. The table has the usual setting and those on a front: no other one has a higher accuracy in a "
              "shorter time, or fewer false alarms with a shorter delay and fewer misses."]
@@ -255,6 +255,8 @@ def speed_sentences(trade):
         texts.append(f"{hidden} more, with fewer trainings, are in [trade.json](study/trade.json).")
     texts.append(f"Other programs interrupted {100 * trade['interrupted']:.2g} % of the timed ticks." if trade["interrupted"] is not None else "")
     texts.append(first_sentence(trade["recommendation"]["sentence"]))
+    if trade["software"]["revision"] != study["software"]["revision"]:
+        texts.append(f"The trade is of revision {trade['software']['revision']}: where a later one decides otherwise, its false alarms differ from those above.")
     return " ".join(filter(None, texts)) + "\n"
 
 
@@ -307,7 +309,7 @@ def page(folder):
         unseen_sentences(study),
         "".join(picture(name, f"Accuracy on objects seen and never seen, {text}") for name, text in study["pictures"]["unseen"]),
         "## What speed costs\n",
-        speed_sentences(trade),
+        speed_sentences(study, trade),
         front_part(trade),
         "".join(picture(name, words) for name, words in zip(TRADE_PICTURES, ("Accuracy against time per tick", "Delay against false alarms of the traded settings"))),
         "## To repeat it\n",
