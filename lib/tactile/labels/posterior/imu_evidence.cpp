@@ -17,8 +17,9 @@ std::vector<double> along_main_direction(const std::vector<alignment::Vector3>& 
     squares += one * one.transpose();
   }
   const Eigen::Vector3d direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares).eigenvectors().col(2);
-  std::vector<double> along;
-  for (const alignment::Vector3& v : values) along.push_back(direction.dot(Eigen::Vector3d(v[0], v[1], v[2])));
+  std::vector<double> along(values.size());
+  std::transform(values.begin(), values.end(), along.begin(),
+                 [&](const alignment::Vector3& v) { return direction.dot(Eigen::Vector3d(v[0], v[1], v[2])); });
   return along;
 }
 

@@ -19,7 +19,7 @@ void normalise(std::vector<double>& share) {
 /// The negative binomial of one place and level, relative to the quiet Poisson distribution.
 class PlaceLevel {
  public:
-  PlaceLevel(double quiet, double motion) : quiet_(quiet), mean_(quiet + motion) {
+  PlaceLevel(double quiet, double motion) : mean_(quiet + motion) {
     r_ = std::min(mean_ * mean_ * shape / (motion * motion), 1e6);
     base_ = r_ * std::log(r_ / (r_ + mean_)) + quiet;
     per_event_ = std::log(mean_ / (r_ + mean_)) - std::log(quiet);
@@ -36,7 +36,7 @@ class PlaceLevel {
   }
 
  private:
-  double quiet_, mean_, r_ = 0, base_ = 0, per_event_ = 0;
+  double mean_, r_ = 0, base_ = 0, per_event_ = 0;
   std::array<double, 32> known_{};  ///< lgamma(n + r) - lgamma(r) is a sum of logarithms
 };
 

@@ -138,8 +138,8 @@ class Inference {
   }
 
   std::vector<Offset> imu_only(const std::vector<std::int64_t>& offsets) const {
-    std::vector<Offset> weighed;
-    for (const std::int64_t us : offsets) weighed.push_back({us, imu_at(us)});
+    std::vector<Offset> weighed(offsets.size());
+    std::transform(offsets.begin(), offsets.end(), weighed.begin(), [this](std::int64_t us) { return Offset{us, imu_at(us)}; });
     return weighed;
   }
 
