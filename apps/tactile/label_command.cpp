@@ -16,6 +16,7 @@
 #include "label_pictures.hpp"
 #include "label_tables.hpp"
 #include "labelled_run.hpp"
+#include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "robot_columns.hpp"
 #include "run_places.hpp"

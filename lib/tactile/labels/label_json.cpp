@@ -1,6 +1,7 @@
 #include "tactile/labels/label_json.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -155,14 +156,14 @@ TouchInterval rejected_in(const json& object, const std::string& where) {
 json json_of(const EditHistory& history) {
   std::vector<json> newest_first;
   std::size_t bytes = 0;
-  for (auto entry = history.entries.rbegin(); entry != history.entries.rend(); ++entry) {
-    json object = json_of(*entry);
+  for (const HistoryEntry& entry : std::views::reverse(history.entries)) {
+    json object = json_of(entry);
     bytes += object.dump(-1, ' ', false, json::error_handler_t::replace).size();
     if (bytes > most_history_bytes || newest_first.size() == most_history_entries) break;
     newest_first.push_back(std::move(object));
   }
   json entries = json::array();
-  for (auto entry = newest_first.rbegin(); entry != newest_first.rend(); ++entry) entries.push_back(std::move(*entry));
+  for (json& entry : std::views::reverse(newest_first)) entries.push_back(std::move(entry));
   return {{"undone", std::min(history.undone, entries.size())}, {"entries", std::move(entries)}};
 }
 

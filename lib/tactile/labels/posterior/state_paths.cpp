@@ -91,7 +91,7 @@ Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, st
 }
 
 std::vector<std::uint16_t> drawn_path(const RunStates& states, const Filtered& filtered,
-                                      std::span<const std::uint8_t> arm_conditions, Random& random) {
+                                      std::span<const std::uint8_t> arm_conditions_of, Random& random) {
   const std::size_t count = states.count(), bins = filtered.states.size() / count;
   std::vector<std::uint16_t> path(bins);
   double left = random.uniform();
@@ -101,7 +101,7 @@ std::vector<std::uint16_t> drawn_path(const RunStates& states, const Filtered& f
     if ((left -= last[s]) < 0) break;
   }
   for (std::size_t bin = bins - 1; bin > 0; --bin) {
-    const StateTransitions& moves = states.transitions(arm_conditions[bin]);
+    const StateTransitions& moves = states.transitions(arm_conditions_of[bin]);
     const float* before = &filtered.states[(bin - 1) * count];
     const std::uint16_t to = path[bin];
     double sum = 0;

@@ -34,11 +34,11 @@ struct Filtered {
 };
 
 /// The forward pass (Rabiner 1989). States below 1e-11 are left out.
-Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, std::span<const std::uint8_t> arm_conditions,
+Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, std::span<const std::uint8_t> arm_conditions_of,
                   bool keep);
 
 /// A path of states drawn from its posterior, by the backward pass over what `filtered` kept.
 std::vector<std::uint16_t> drawn_path(const RunStates& states, const Filtered& filtered,
-                                      std::span<const std::uint8_t> arm_conditions, Random& random);
+                                      std::span<const std::uint8_t> arm_conditions_of, Random& random);
 
 }  // namespace tactile::labels
