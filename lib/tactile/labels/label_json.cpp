@@ -1,7 +1,6 @@
 #include "tactile/labels/label_json.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "tactile/core/error.hpp"
@@ -156,14 +155,14 @@ TouchInterval rejected_in(const json& object, const std::string& where) {
 json json_of(const EditHistory& history) {
   std::vector<json> newest_first;
   std::size_t bytes = 0;
-  for (const HistoryEntry& entry : std::views::reverse(history.entries)) {
-    json object = json_of(entry);
+  for (std::size_t left = history.entries.size(); left > 0; --left) {
+    json object = json_of(history.entries[left - 1]);
     bytes += object.dump(-1, ' ', false, json::error_handler_t::replace).size();
     if (bytes > most_history_bytes || newest_first.size() == most_history_entries) break;
     newest_first.push_back(std::move(object));
   }
   json entries = json::array();
-  for (json& entry : std::views::reverse(newest_first)) entries.push_back(std::move(entry));
+  for (std::size_t left = newest_first.size(); left > 0; --left) entries.push_back(std::move(newest_first[left - 1]));
   return {{"undone", std::min(history.undone, entries.size())}, {"entries", std::move(entries)}};
 }
 
