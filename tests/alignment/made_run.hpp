@@ -29,6 +29,7 @@ struct MadeRun {
 };
 
 inline constexpr std::int64_t made_camera_begin_us = 1'700'000'000'000'000;
+inline double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - made_camera_begin_us) / 1000.0; }
 
 /// In the place of a recording that is there.
 inline void write_made_events(const std::filesystem::path& file, const MadeRun& made) {

@@ -17,10 +17,9 @@ namespace {
 using test::lift_after_press;
 using test::made_camera_begin_us;
 using test::made_lift;
+using test::ms_from_begin;
 using test::press_and_slip;
 using test::write_made_run;
-
-double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - test::made_camera_begin_us) / 1000.0; }
 
 TEST(LabelRun, FindsPressAndSlipInCameraTime) {
   const test::TemporaryFolder data;

@@ -32,12 +32,11 @@ const ArmMove* lift_of(const ArmMoves& moves, const LabelledInterval& slip) {
   return nearest == moves.lifts.end() ? nullptr : &*nearest;
 }
 
-void cut_overlaps(std::vector<LabelledInterval>& intervals) {
-  for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
-    alignment::UncertainTime& end = intervals[i].end;
-    const CameraTime next = intervals[i + 1].start.at;
-    end = {std::min(end.at, next), std::min(end.low, next), std::min(end.high, next)};
-  }
+/// The source of the arm's motions.
+nlohmann::json robot_log_json(const alignment::RunSignals& signals) {
+  if (!signals.has_robot) return nullptr;
+  return {{"speeds_from", name_of(signals.speed_from)},
+          {"arm_model", signals.arm ? nlohmann::json(name_of(*signals.arm)) : nlohmann::json(nullptr)}};
 }
 
 /// Makes the labels of a run, step by step.
@@ -67,12 +66,6 @@ class Labeller {
     std::ranges::move(unlikely_presses(labels_), std::back_inserter(labels_.flags));
     std::ranges::move(missing_presses(signals_, clocks_, labels_), std::back_inserter(labels_.flags));
     name_intervals(labels_.intervals);
-    labels_.provenance = {{"made_by", "tactile label"},
-                          {"settings", settings_of(options_)},
-                          {"robot_log", robot_log_json()},
-                          {"first_event_us", us_of(signals_.rate.begin)},
-                          {"hot_pixels", signals_.rate.hot_pixels},
-                          {"quiet_events_per_s", signals_.quiet.mean * 1e6 / static_cast<double>(signals_.rate.bin.count())}};
     return std::move(labels_);
   }
 
@@ -88,13 +81,6 @@ class Labeller {
       if (!clocks_.pieces[i] && !(piece.phases.empty() && piece.log.output_changes.empty())) return true;
     }
     return false;
-  }
-
-  /// The source of the arm's motions.
-  nlohmann::json robot_log_json() const {
-    if (!signals_.has_robot) return nullptr;
-    return {{"speeds_from", name_of(signals_.speed_from)},
-            {"arm_model", signals_.arm ? nlohmann::json(name_of(*signals_.arm)) : nlohmann::json(nullptr)}};
   }
 
   microseconds recorded() const { return between(signals_.rate.begin, signals_.rate.last); }
@@ -402,9 +388,13 @@ class Labeller {
 }  // namespace
 
 Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options) {
-  if (options.method == LabelMethod::stages) return Labeller(signals, clocks, options).labels();
-  Labels labels = posterior_labels(signals);
-  labels.provenance["settings"] = settings_of(options);
+  Labels labels = options.method == LabelMethod::model ? posterior_labels(signals) : Labeller(signals, clocks, options).labels();
+  labels.provenance = {{"made_by", "tactile label"},
+                       {"settings", settings_of(options)},
+                       {"robot_log", robot_log_json(signals)},
+                       {"first_event_us", us_of(signals.rate.begin)},
+                       {"hot_pixels", signals.rate.hot_pixels},
+                       {"quiet_events_per_s", signals.quiet.mean * 1e6 / static_cast<double>(signals.rate.bin.count())}};
   return labels;
 }
 

@@ -201,6 +201,14 @@ std::string touches_sha256(const Labels& labels) {
   return sha256_of(json_text({{"flagged", labels.run_is_flagged()}, {"intervals", intervals}, {"releases", releases}}));
 }
 
+void cut_overlaps(std::vector<LabelledInterval>& intervals) {
+  for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
+    alignment::UncertainTime& end = intervals[i].end;
+    const CameraTime next = intervals[i + 1].start.at;
+    end = {std::min(end.at, next), std::min(end.low, next), std::min(end.high, next)};
+  }
+}
+
 void name_intervals(std::vector<LabelledInterval>& intervals) {
   std::set<std::string> taken;
   for (const LabelledInterval& interval : intervals) taken.insert(interval.id);

@@ -42,6 +42,9 @@ std::vector<TouchInterval> unclear_motion(const Labels& labels);
 /// same, whoever found them, and whatever edits led to them.
 std::string touches_sha256(const Labels& labels);
 
+/// A later touch ends the one before it. @param intervals  by start
+void cut_overlaps(std::vector<LabelledInterval>& intervals);
+
 /// Gives every interval without an id one: its class and the least free number from 1, in order.
 void name_intervals(std::vector<LabelledInterval>& intervals);
 

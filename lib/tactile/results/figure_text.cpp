@@ -13,6 +13,10 @@ std::string rounded(double value, int decimals) {
   return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
 }
 
+std::string with_interval(const std::string& value, const std::string& interval) {
+  return interval.empty() ? value : value + " " + interval;
+}
+
 }  // namespace
 
 std::string value_text(const Figure& figure, double scale, int decimals) {
@@ -26,13 +30,11 @@ std::string interval_text(const Figure& figure, double scale, int decimals) {
 }
 
 std::string figure_text(const Figure& figure, double scale, int decimals) {
-  const std::string value = value_text(figure, scale, decimals), interval = interval_text(figure, scale, decimals);
-  return interval.empty() ? value : value + " " + interval;
+  return with_interval(value_text(figure, scale, decimals), interval_text(figure, scale, decimals));
 }
 
 std::string percent_text(const Figure& share) {
-  const std::string value = value_text(share, 100, 1) + " %", interval = interval_text(share, 100, 1);
-  return interval.empty() ? value : value + " " + interval;
+  return with_interval(value_text(share, 100, 1) + " %", interval_text(share, 100, 1));
 }
 
 std::string value_text(const CensoredQuantile& quantile, int decimals) {

@@ -13,11 +13,10 @@ namespace tactile::labels {
 namespace {
 
 using test::lift_after_press;
+using test::ms_from_begin;
 using test::MadeRun;
 using test::press_and_slip;
 using test::write_made_run;
-
-double ms_from_begin(CameraTime t) { return static_cast<double>(us_of(t) - test::made_camera_begin_us) / 1000.0; }
 
 TEST(RunPosterior, FindsPressSlipAndTheRobotsClock) {
   const test::TemporaryFolder data;

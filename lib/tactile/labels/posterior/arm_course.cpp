@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tactile/alignment/arm_motion.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::labels {
@@ -23,14 +22,10 @@ std::uint8_t condition_of_speed(double mm_per_s) {
 
 }  // namespace
 
-ArmCourse::ArmCourse(const alignment::RobotPiece& piece) {
-  const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece.log);
-  if (!motion) return;
-  begin_ = motion->begin;
-  step_ = motion->step;
-  end_ = motion->time_of(motion->velocity.size() - 1);
+ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
+    : begin_(motion.begin), end_(motion.time_of(motion.velocity.size() - 1)), step_(motion.step) {
   std::vector<double> speed;
-  for (const alignment::Vector3& velocity : motion->velocity) speed.push_back(1000 * alignment::length_of(velocity));
+  for (const alignment::Vector3& velocity : motion.velocity) speed.push_back(1000 * alignment::length_of(velocity));
   speed_.assign(speed.size(), 0.0F);
   const double moving = std::max(least_speed, 5 * median(speed));
   const auto pause = static_cast<std::size_t>(longest_pause_us / step_.count());
@@ -62,12 +57,6 @@ void ArmCourse::add_move(const std::vector<double>& speed, std::size_t first, st
   for (std::size_t i = first; i <= last; ++i) speed_[i] = static_cast<float>(speed[i]);
   const auto at_us = [&](double step) { return us_of(begin_) + std::llround(step * static_cast<double>(step_.count())); };
   moves_.push_back({at_us(static_cast<double>(first) - steps_before), at_us(static_cast<double>(last))});
-}
-
-double ArmCourse::moving_s() const {
-  double sum = 0;
-  for (const Move& move : moves_) sum += 1e-6 * static_cast<double>(move.end_us - move.start_us);
-  return sum;
 }
 
 std::vector<std::uint8_t> ArmCourse::conditions(CameraTime first, microseconds bin, std::size_t bins,

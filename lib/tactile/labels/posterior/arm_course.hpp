@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tactile/alignment/run_signals.hpp"
+#include "tactile/alignment/arm_motion.hpp"
 #include "tactile/labels/posterior/run_states.hpp"
 
 namespace tactile::labels {
@@ -11,12 +11,11 @@ namespace tactile::labels {
 /// The speed of the arm against time on the robot's clock, 0 where it rests.
 class ArmCourse {
  public:
-  explicit ArmCourse(const alignment::RobotPiece& piece);
+  explicit ArmCourse(const alignment::ArmMotion& motion);
 
   RobotTime begin() const { return begin_; }  ///< of what is known
   RobotTime end() const { return end_; }
   bool moves_at_all() const { return !moves_.empty(); }
-  double moving_s() const;
 
   /// The arm's condition in each of `bins` bins from `first` on, if the camera's clock is ahead of the robot's by `offset`.
   std::vector<std::uint8_t> conditions(CameraTime first, microseconds bin, std::size_t bins, std::int64_t offset_us) const;

@@ -12,7 +12,7 @@ namespace tactile::labels {
 /// How well the camera's accelerations fit the arm's in its log, for an offset of the robot's clock.
 ///
 /// Both are means over bins of 4 ms, the arm's along the direction of most of its acceleration. Each axis of the IMU is fitted by
-/// it and a constant, because nobody knows how the camera is mounted. With the correlation r of an axis,
+/// it and a constant, because the camera may be mounted in any direction. With the correlation r of an axis,
 ///
 ///   ln p(IMU | offset) = -n / 2 * sum over axes of ln(1 - r^2)
 ///

@@ -11,15 +11,6 @@ namespace {
 
 constexpr microseconds at_the_beginning = 20ms;
 
-/// A later touch ends the one before it.
-void end_before_next(std::vector<LabelledInterval>& intervals) {
-  for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
-    alignment::UncertainTime& end = intervals[i].end;
-    const CameraTime next = intervals[i + 1].start.at;
-    end = {std::min(end.at, next), std::min(end.low, next), std::min(end.high, next)};
-  }
-}
-
 LabelledInterval interval_of(const LikelyTouch& touch) {
   return {.id = {},
           .touch = touch.touch,
@@ -52,9 +43,9 @@ LabelFlag flag_of_unlabelled(const LikelyTouch& touch, CameraTime recorded_from)
                        1e-3 * in_ms(between(recorded_from, touch.start.at)), 100 * touch.probability));
 }
 
-alignment::FittedClock clock_of(const LikelyOffset& offset, RobotTime first_stamp) {
+alignment::FittedClock clock_of(const LikelyOffset& offset) {
   alignment::FittedClock clock;
-  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = us_of(first_stamp)};
+  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = us_of(offset.first_stamp)};
   clock.offset_low_us = offset.low_us;
   clock.offset_high_us = offset.high_us;
   clock.anchors = 1;
@@ -77,14 +68,10 @@ Labels posterior_labels(const alignment::RunSignals& signals) {
       labels.flags.push_back(flag_of_unlabelled(touch, signals.rate.begin));
     }
   }
-  end_before_next(labels.intervals);
+  cut_overlaps(labels.intervals);
   name_intervals(labels.intervals);
   labels.releases = posterior.releases;
-  if (posterior.robot) labels.robot_clocks.push_back(clock_of(*posterior.robot, posterior.robot->first_stamp));
-  labels.provenance = {{"made_by", "tactile label"},
-                       {"first_event_us", us_of(signals.rate.begin)},
-                       {"hot_pixels", signals.rate.hot_pixels},
-                       {"quiet_events_per_s", signals.quiet.mean * 1e6 / static_cast<double>(signals.rate.bin.count())}};
+  if (posterior.robot) labels.robot_clocks.push_back(clock_of(*posterior.robot));
   return labels;
 }
 

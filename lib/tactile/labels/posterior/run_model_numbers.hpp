@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-/// The numbers of the model of a run, with units and sources. docs/numerics/labels.md has the formulas that they stand in.
+/// The numbers of the model of a run, with units and sources. docs/numerics/run-model.md has the formulas that they stand in.
 namespace tactile::labels::numbers {
 
 inline constexpr double slack_mm = 0.12;  ///< way of the arm until it shears the skin, mean: play and compliance of the mount
@@ -12,7 +12,7 @@ inline constexpr double gain_grows_s = 0.020;   ///< until more of the skin foll
 inline constexpr double follows_arm_s = 0.03;   ///< shear follows the arm for this long, mean; then tips begin to slip
 inline constexpr double slips = 0.9;            ///< share of the lifts in which the object slips
 
-/// Of the level at which a motion begins, in the order of `motion_levels`: a third is not seen at first.
+/// Of the level at which a motion begins, in the order of `motion_levels`: a fifth causes no event at first.
 inline constexpr std::array<double, 9> first_level{0.20, 0.08, 0.10, 0.11, 0.12, 0.13, 0.12, 0.09, 0.05};
 inline constexpr double rise_s = 0.0025;  ///< from one level to the next while a motion begins
 /// How long a motion stays at a level, lowest first; the last one is of all others.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
+#include "tactile/core/robust_statistics.hpp"
 #include "tactile/labels/posterior/arm_course.hpp"
 #include "tactile/labels/posterior/imu_evidence.hpp"
 #include "tactile/labels/posterior/motion_evidence.hpp"
@@ -18,17 +18,18 @@ constexpr microseconds fine_bin = 1000us;
 constexpr std::size_t coarse_bins = 8, paths_of_round = 60, paths_at_end = 400;
 constexpr double negligible = 12;  // [nats] below the likeliest offset
 
-const RunStates& states_of(microseconds bin) {
-  static thread_local std::map<std::int64_t, RunStates> known;
-  const auto found = known.find(bin.count());
-  return found != known.end() ? found->second : known.emplace(bin.count(), RunStates(bin)).first->second;
-}
-
 using Path = std::vector<std::uint16_t>;
 
 struct Offset {
   std::int64_t us = 0;
   double log_evidence = 0;
+};
+
+/// Paths that were drawn with one offset of the robot's clock.
+struct DrawnPaths {
+  std::int64_t offset_us = 0;            ///< without a log: 0
+  std::vector<std::uint8_t> conditions;  ///< of the arm, in each bin
+  std::vector<Path> paths;
 };
 
 /// A stretch of one happening in a path, in bins.
@@ -49,16 +50,21 @@ std::vector<Stretch> stretches_of(const Path& path, const RunStates& states) {
 
 class Inference {
  public:
-  explicit Inference(const alignment::RunSignals& signals) : signals_(signals) {
-    events::RecordingReader recording(signals.run.events());
-    counts_ = place_counts(recording, signals.event_stream, signals.rate, fine_bin);
-    rates_ = first_rates(counts_);
-    if (const alignment::RobotPiece* piece = longest_piece()) {
-      arm_.emplace(*piece);
-      if (!arm_->moves_at_all()) arm_.reset();
-      const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece->log);
-      if (arm_ && motion && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+  explicit Inference(const alignment::RunSignals& signals)
+      : signals_(signals),
+        counts_(counts_in(signals)),
+        states_(counts_.bin),
+        coarse_states_(counts_.bin * static_cast<std::int64_t>(coarse_bins)),
+        rates_(first_rates(counts_)) {
+    for (const alignment::RobotPiece& piece : signals.robot) {
+      if (piece_ == nullptr || piece.log.states.size() > piece_->log.states.size()) piece_ = &piece;
     }
+    const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt;
+    if (!motion) return;
+    arm_.emplace(*motion);
+    if (!arm_->moves_at_all()) arm_.reset();
+    if (arm_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+    if (imu_ && imu_->empty()) imu_.reset();
   }
 
   RunPosterior posterior() {
@@ -69,20 +75,14 @@ class Inference {
       evidence_ = motion_evidence(counts_, rates_);
     }
     draw(paths_at_end, false);
-    RunPosterior result{.touches = touches(), .releases = releases(), .robot = offset()};
-    return result;
+    return {.touches = touches(), .releases = releases(), .robot = offset()};
   }
 
  private:
-  const alignment::RobotPiece* longest_piece() const {
-    const alignment::RobotPiece* longest = nullptr;
-    for (const alignment::RobotPiece& piece : signals_.robot) {
-      if (longest == nullptr || piece.log.states.size() > longest->log.states.size()) longest = &piece;
-    }
-    return longest;
+  static PlaceCounts counts_in(const alignment::RunSignals& signals) {
+    events::RecordingReader recording(signals.run.events());
+    return place_counts(recording, signals.event_stream, signals.rate, fine_bin);
   }
-
-  BinLikelihoods fine() const { return {evidence_, pattern_}; }
 
   /// The evidence of several bins together.
   std::vector<double> joined(const std::vector<double>& values, std::size_t width) const {
@@ -97,19 +97,15 @@ class Inference {
   /// Offsets that the log may have before its content is looked at.
   std::pair<std::int64_t, std::int64_t> possible_offsets() const {
     constexpr std::int64_t recorders_apart_us = 3'000'000;
-    for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
-      if (&signals_.robot[i] == longest_piece() && signals_.coarse_offsets[i]) {
-        const alignment::CoarseOffset& known = *signals_.coarse_offsets[i];
-        return {known.offset_us - known.within.count(), known.offset_us + known.within.count()};
-      }
-    }
+    if (const auto& known = signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())])
+      return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
     const std::int64_t at_begin = us_of(signals_.rate.begin) - us_of(arm_->begin());
     const std::int64_t longer =
         (us_of(arm_->end()) - us_of(arm_->begin())) - (us_of(signals_.rate.last) - us_of(signals_.rate.begin));
     return {at_begin - std::max(recorders_apart_us, longer + 1'000'000), at_begin + recorders_apart_us};
   }
 
-  /// The same offsets more finely, within `around` of those that are likely.
+  /// A finer grid, within `around` of the likely offsets.
   static std::vector<std::int64_t> refined(const std::vector<Offset>& offsets, std::int64_t around_us, std::int64_t step_us,
                                            std::size_t most) {
     std::vector<Offset> likely = offsets;
@@ -128,11 +124,11 @@ class Inference {
   double imu_at(std::int64_t offset_us) const { return imu_ ? imu_->of(offset_us) : 0; }
 
   std::vector<Offset> weighed(const std::vector<std::int64_t>& offsets, const BinLikelihoods& likelihoods,
-                              microseconds bin) const {
-    std::vector<Offset> weighed;
-    for (const std::int64_t us : offsets) {
-      const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), us);
-      weighed.push_back({us, filtered(states_of(bin), likelihoods, conditions, false).log_evidence + imu_at(us)});
+                              const RunStates& states, microseconds bin) const {
+    std::vector<Offset> weighed = imu_only(offsets);
+    for (Offset& one : weighed) {
+      const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
+      one.log_evidence += filtered(states, likelihoods, conditions, false).log_evidence;
     }
     return weighed;
   }
@@ -143,7 +139,7 @@ class Inference {
     return weighed;
   }
 
-  /// The IMU tells offsets apart that lie between those of the grid.
+  /// The IMU distinguishes offsets that lie between those of the grid.
   std::vector<Offset> with_imu_between(const std::vector<Offset>& grid, std::int64_t step) const {
     std::vector<Offset> finer;
     for (const Offset& one : grid) {
@@ -158,43 +154,37 @@ class Inference {
     const auto all = joined(evidence_, motion_levels.size());
     const auto patterns = pattern_.empty() ? std::vector<double>() : joined(pattern_, happenings);
     const BinLikelihoods coarse(all, patterns);
-    const microseconds bin = counts_.bin * static_cast<std::int64_t>(coarse_bins);
+    const auto weighed_coarsely = [&](const std::vector<std::int64_t>& us) {
+      return weighed(us, coarse, coarse_states_, counts_.bin * static_cast<std::int64_t>(coarse_bins));
+    };
     std::vector<Offset> offsets = offsets_;
     if (anywhere || offsets.empty()) {
       const auto [low, high] = possible_offsets();
       std::vector<std::int64_t> grid;
       const std::int64_t step = std::min<std::int64_t>(32'000, std::max<std::int64_t>(8'000, (high - low) / 8));
       for (std::int64_t us = low; us <= high; us += step) grid.push_back(us);
-      offsets = weighed(grid, coarse, bin);
+      offsets = weighed_coarsely(grid);
       if (imu_) offsets = with_imu_between(offsets, step);
-      offsets = weighed(refined(offsets, imu_ ? 8'000 : step - 8'000, 8'000, 12), coarse, bin);
+      offsets = weighed_coarsely(refined(offsets, imu_ ? 8'000 : step - 8'000, 8'000, 12));
     } else {
-      for (Offset& one : offsets) one.us = one.us / 8000 * 8000;
-      offsets = weighed(refined(offsets, 24'000, 8'000, 6), coarse, bin);
+      for (Offset& one : offsets) one.us = one.us / 8'000 * 8'000;
+      offsets = weighed_coarsely(refined(offsets, 24'000, 8'000, 6));
     }
-    const bool is_sharp = imu_ && !imu_->empty();
-    if (is_sharp) offsets = imu_only(refined(offsets, 8'000, 1'000, 5));
-    return weighed(is_sharp ? refined(offsets, 0, 1'000, 15) : refined(offsets, 4'000, 4'000, 12), likelihoods, counts_.bin);
+    if (imu_) offsets = imu_only(refined(offsets, 8'000, 1'000, 5));
+    return weighed(imu_ ? refined(offsets, 0, 1'000, 15) : refined(offsets, 4'000, 4'000, 12), likelihoods, states_, counts_.bin);
   }
 
   /// Draws paths from the posterior, with an offset of the clock each.
   void draw(std::size_t count, bool anywhere) {
     Random random(1);
-    const RunStates& states = states_of(counts_.bin);
-    const BinLikelihoods likelihoods = fine();
-    paths_.clear();
-    drawn_offsets_.clear();
-    conditions_.clear();
-    conditions_of_path_.clear();
-    const auto draw_from = [&](const std::vector<std::uint8_t>& conditions, std::size_t drawn) {
-      const Filtered kept = filtered(states, likelihoods, conditions, true);
-      conditions_.push_back(conditions);
-      for (std::size_t i = 0; i < drawn; ++i) {
-        paths_.push_back(drawn_path(states, kept, conditions, random));
-        conditions_of_path_.push_back(conditions_.size() - 1);
-      }
+    const BinLikelihoods likelihoods(evidence_, pattern_);
+    drawn_.clear();
+    const auto draw_from = [&](std::int64_t offset_us, std::vector<std::uint8_t> conditions, std::size_t times) {
+      const Filtered kept = filtered(states_, likelihoods, conditions, true);
+      DrawnPaths& drawn = drawn_.emplace_back(DrawnPaths{offset_us, std::move(conditions), {}});
+      for (std::size_t i = 0; i < times; ++i) drawn.paths.push_back(drawn_path(states_, kept, drawn.conditions, random));
     };
-    if (!arm_) return draw_from(std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
+    if (!arm_) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
     offsets_ = likely_offsets(anywhere, likelihoods);
     double most = -1e300, sum = 0;
     for (const Offset& one : offsets_) most = std::max(most, one.log_evidence);
@@ -207,27 +197,37 @@ class Inference {
       ++times[k];
     }
     for (std::size_t k = 0; k < offsets_.size(); ++k) {
-      if (times[k] == 0) continue;
-      draw_from(arm_->conditions(counts_.begin, counts_.bin, counts_.bins(), offsets_[k].us), times[k]);
-      drawn_offsets_.insert(drawn_offsets_.end(), times[k], offsets_[k].us);
+      const std::int64_t us = offsets_[k].us;
+      if (times[k] > 0) draw_from(us, arm_->conditions(counts_.begin, counts_.bin, counts_.bins(), us), times[k]);
     }
+  }
+
+  template <class Use>
+  void for_all_paths(Use use) const {
+    for (const DrawnPaths& drawn : drawn_) {
+      for (const Path& path : drawn.paths) use(path, drawn);
+    }
+  }
+
+  double share_of_path() const {
+    std::size_t count = 0;
+    for (const DrawnPaths& drawn : drawn_) count += drawn.paths.size();
+    return 1.0 / static_cast<double>(count);
   }
 
   /// Rates of noise and motion, and the pattern of the first press, from the drawn paths.
   void learn() {
-    const RunStates& states = states_of(counts_.bin);
-    const double each = 1.0 / static_cast<double>(paths_.size());
+    const double each = share_of_path();
     std::vector<double> quiet(counts_.bins(), 0.0), moves(counts_.bins(), 0.0), strong(counts_.bins(), 0.0);
-    for (std::size_t i = 0; i < paths_.size(); ++i) {
-      const Path& path = paths_[i];
+    for_all_paths([&](const Path& path, const DrawnPaths& drawn) {
       for (std::size_t b = 0; b < path.size(); ++b) {
-        const std::size_t level = states.level_of(path[b], conditions_[conditions_of_path_[i]][b]);
-        const Happening happening = states.happening_of(path[b]);
+        const std::size_t level = states_.level_of(path[b], drawn.conditions[b]);
+        const Happening happening = states_.happening_of(path[b]);
         if (level == 0 && happening != Happening::slip) quiet[b] += each;
         if (level >= 3) strong[b] += each;
         if (level > 0 && happening != Happening::held && happening != Happening::carried) moves[b] += each;
       }
-    }
+    });
     if (std::accumulate(quiet.begin(), quiet.end(), 0.0) > 200) rates_ = rates_given(counts_, quiet, strong);
     const std::vector<LikelyTouch> found = touches();
     const auto press = std::find_if(found.begin(), found.end(),
@@ -237,31 +237,29 @@ class Inference {
     pattern_ = pattern_evidence(counts_, bin_of(press->start.at), std::min(counts_.bins(), bin_of(press->end.at) + 1), moves);
   }
 
-  /// The presses and slips of each path. A slip that sticks for less than 150 ms goes on.
+  /// The presses and slips of each path. Slips with less than 150 ms between them are one slip that sticks.
   std::vector<std::vector<Stretch>> touches_of_paths() const {
     const auto sticks = static_cast<std::size_t>(150ms / counts_.bin);
-    const RunStates& states = states_of(counts_.bin);
     std::vector<std::vector<Stretch>> all;
-    for (const Path& path : paths_) {
-      all.emplace_back();
-      for (const Stretch& stretch : stretches_of(path, states)) {
+    for_all_paths([&](const Path& path, const DrawnPaths&) {
+      std::vector<Stretch>& touches = all.emplace_back();
+      for (const Stretch& stretch : stretches_of(path, states_)) {
         if (stretch.happening != Happening::press && stretch.happening != Happening::slip) continue;
-        if (!all.back().empty() && stretch.happening == Happening::slip && all.back().back().happening == Happening::slip &&
-            stretch.begin < all.back().back().end + sticks)
-          all.back().back().end = stretch.end;
+        const bool goes_on = !touches.empty() && stretch.happening == Happening::slip &&
+                             touches.back().happening == Happening::slip && stretch.begin < touches.back().end + sticks;
+        if (goes_on)
+          touches.back().end = stretch.end;
         else
-          all.back().push_back(stretch);
+          touches.push_back(stretch);
       }
-    }
+    });
     return all;
   }
 
   /// A touch that begins elsewhere is another one.
   void keep_near_median(std::vector<double>& starts, std::vector<double>& ends) const {
     const double near = 100'000.0 / static_cast<double>(counts_.bin.count());
-    std::vector<double> sorted = starts;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double middle = sorted[sorted.size() / 2];
+    const double middle = value_of_rank(starts, starts.size() / 2);
     std::vector<double> kept_starts, kept_ends;
     for (std::size_t i = 0; i < starts.size(); ++i) {
       if (std::abs(starts[i] - middle) > near) continue;
@@ -272,13 +270,9 @@ class Inference {
     ends.swap(kept_ends);
   }
 
-  alignment::UncertainTime time_of(std::vector<double>& bins) const {
-    std::sort(bins.begin(), bins.end());
+  alignment::UncertainTime time_of(std::span<const double> bins) const {
     const auto at = [&](double share) {
-      const double place = share * static_cast<double>(bins.size() - 1);
-      const auto i = static_cast<std::size_t>(place);
-      const double value = bins[i] + (place - static_cast<double>(i)) * (bins[std::min(i + 1, bins.size() - 1)] - bins[i]);
-      return after(counts_.begin, microseconds{std::llround(value * static_cast<double>(counts_.bin.count()))});
+      return after(counts_.begin, microseconds{std::llround(quantile(bins, share) * static_cast<double>(counts_.bin.count()))});
     };
     return {at(0.5), at(0.025), at(0.975)};
   }
@@ -286,7 +280,7 @@ class Inference {
   std::vector<LikelyTouch> touches() const {
     constexpr double least = 0.05;
     const auto of_paths = touches_of_paths();
-    const double each = 1.0 / static_cast<double>(paths_.size());
+    const double each = share_of_path();
     std::vector<LikelyTouch> found;
     Random random(2);
     for (const Happening happening : {Happening::press, Happening::slip}) {
@@ -327,14 +321,14 @@ class Inference {
   }
 
   std::vector<TouchInterval> releases() const {
-    const RunStates& states = states_of(counts_.bin);
-    std::vector<std::size_t> times(counts_.bins(), 0);
-    for (const Path& path : paths_) {
-      for (std::size_t b = 0; b < path.size(); ++b) times[b] += states.happening_of(path[b]) == Happening::release ? 1 : 0;
-    }
+    std::vector<double> probability(counts_.bins(), 0.0);
+    for_all_paths([&, each = share_of_path()](const Path& path, const DrawnPaths&) {
+      for (std::size_t b = 0; b < path.size(); ++b)
+        probability[b] += states_.happening_of(path[b]) == Happening::release ? each : 0;
+    });
     std::vector<TouchInterval> found;
-    for (std::size_t b = 0; b < times.size(); ++b) {
-      if (2 * times[b] <= paths_.size()) continue;
+    for (std::size_t b = 0; b < probability.size(); ++b) {
+      if (probability[b] <= 0.5) continue;
       if (found.empty() || found.back().end != counts_.begin_of(b))
         found.push_back({Touch::none, counts_.begin_of(b), counts_.begin_of(b)});
       found.back().end = counts_.begin_of(b + 1);
@@ -343,26 +337,25 @@ class Inference {
   }
 
   std::optional<LikelyOffset> offset() const {
-    if (drawn_offsets_.empty()) return std::nullopt;
-    std::vector<std::int64_t> sorted = drawn_offsets_;
-    std::sort(sorted.begin(), sorted.end());
+    if (!arm_) return std::nullopt;
+    std::vector<std::int64_t> sorted;
+    for_all_paths([&](const Path&, const DrawnPaths& drawn) { sorted.push_back(drawn.offset_us); });
     const auto at = [&](double share) {
       return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
     };
-    return LikelyOffset{at(0.5), at(0.025) - 1000, at(0.975) + 1000, longest_piece()->log.states.front().t};
+    return LikelyOffset{at(0.5), at(0.025) - 1000, at(0.975) + 1000, piece_->log.states.front().t};
   }
 
   const alignment::RunSignals& signals_;
   PlaceCounts counts_;
+  RunStates states_, coarse_states_;
   PlaceRates rates_;
-  std::optional<ArmCourse> arm_;
+  const alignment::RobotPiece* piece_ = nullptr;  ///< the longest of the robot's log
+  std::optional<ArmCourse> arm_;                  ///< nothing if the arm rests, or there is no log
   std::optional<ImuEvidence> imu_;
   std::vector<double> evidence_, pattern_;
   std::vector<Offset> offsets_;
-  std::vector<Path> paths_;
-  std::vector<std::vector<std::uint8_t>> conditions_;  ///< of the arm, for each offset that was drawn
-  std::vector<std::size_t> conditions_of_path_;        ///< of each path, the index of its conditions
-  std::vector<std::int64_t> drawn_offsets_;            ///< of each path, if there is a log
+  std::vector<DrawnPaths> drawn_;  ///< by offset
 };
 
 }  // namespace

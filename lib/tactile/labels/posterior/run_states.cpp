@@ -33,7 +33,7 @@ bool follows_arm(const State& state) { return state.phase == Phase::following; }
 /// Of a state whose `level` is a gain: the level at 25 mm/s.
 std::size_t level_at(const State& state, std::size_t arm_condition) {
   constexpr std::size_t at_gain = 5;
-  if (!follows_arm(state) || arm_condition == arm_still || arm_condition > arm_speeds.size()) return state.level;
+  if (!follows_arm(state) || !arm_moves(arm_condition)) return state.level;
   const std::size_t raised = state.level + arm_condition;
   return raised < at_gain ? 0 : std::min(raised - at_gain, motion_levels.size() - 1);
 }
@@ -62,27 +62,13 @@ std::vector<State> all_states() {
   return states;
 }
 
-/// The arm's condition in words.
-struct Arm {
-  std::size_t condition;
-  ArmState state;
-  double speed;  ///< [mm/s]
-};
-
-Arm arm_of(std::size_t condition) {
-  if (condition == arm_still) return {condition, ArmState::still, 0};
-  if (condition == arm_stopped) return {condition, ArmState::stopped, 0};
-  if (condition == arm_unknown) return {condition, ArmState::unknown, 0};
-  return {condition, ArmState::moves, arm_speeds[condition - 1]};
-}
-
 using Rates = std::map<H, double>;  ///< [1/s]
 
 /// How often per second one happening ends in another.
-Rates rates_from(const State& from, const Arm& arm) {
-  const bool calm = from.level <= 2, moves = arm.state == ArmState::moves, stopped = arm.state == ArmState::stopped;
-  const bool unknown = arm.state == ArmState::unknown;
-  const double sheared = moves ? arm.speed / numbers::slack_mm + (arm.speed < 5 ? numbers::without_slack_hz : 0) : 0;
+Rates rates_from(const State& from, std::size_t arm) {
+  const bool calm = from.level <= 2, moves = arm_moves(arm), stopped = arm == arm_stopped, unknown = arm == arm_unknown;
+  const double speed = moves ? arm_speeds[arm - 1] : 0;
+  const double sheared = moves ? speed / numbers::slack_mm + (speed < 5 ? numbers::without_slack_hz : 0) : 0;
   switch (from.happening) {
     case H::untouched:
       return {{H::press, moves ? 0.02 : 0.5}, {H::knock, moves || stopped ? 0.5 : 0.04}};
@@ -131,7 +117,7 @@ class Builder {
   Builder(microseconds bin, std::vector<State> states)
       : bin_s_(1e-6 * static_cast<double>(bin.count())), states_(std::move(states)) {}
 
-  StateTransitions transitions(const Arm& arm) const {
+  StateTransitions transitions(std::size_t arm) const {
     const std::size_t count = states_.size();
     std::vector<double> all(count * count, 0.0);
     for (std::size_t from = 0; from < count; ++from) {
@@ -158,13 +144,13 @@ class Builder {
 
   /// To other happenings and phases. @param stays  what remains
   template <class Go>
-  void leave(const State& from, const Arm& arm, double& stays, Go go) const {
+  void leave(const State& from, std::size_t arm, double& stays, Go go) const {
     std::vector<std::pair<State, double>> rates;
     const auto add = [&](const State& to, double rate) { rates.emplace_back(to, rate); };
-    const bool moves = arm.state == ArmState::moves;
+    const bool moves = arm_moves(arm);
     if (from.phase == Phase::rising || from.phase == Phase::following) {
       if (follows_arm(from))
-        add({from.happening, Phase::moving, level_at(from, arm.condition)}, 1 / numbers::follows_arm_s);
+        add({from.happening, Phase::moving, level_at(from, arm)}, 1 / numbers::follows_arm_s);
       else
         add({from.happening, Phase::moving, from.level}, from.level >= 3 ? 100 : 5);
       const bool touches = from.happening != H::press && from.happening != H::knock;
@@ -198,8 +184,8 @@ class Builder {
   }
 
   template <class Add>
-  void rise(H happening, Phase phase, double rate, bool arm_moves, Add add) const {
-    const bool may_follow = phase == Phase::rising && is_shear(happening) && arm_moves;
+  void rise(H happening, Phase phase, double rate, bool while_arm_moves, Add add) const {
+    const bool may_follow = phase == Phase::rising && is_shear(happening) && while_arm_moves;
     const double follows = may_follow ? 0.5 : 0;
     for (std::size_t level = 0; level < motion_levels.size(); ++level) {
       const double sharp = level < 3 ? 0 : 1.0 / (motion_levels.size() - 3);
@@ -209,9 +195,9 @@ class Builder {
   }
 
   template <class Add>
-  void enter(H happening, double rate, bool arm_moves, Add add) const {
+  void enter(H happening, double rate, bool while_arm_moves, Add add) const {
     if (happening == H::untouched) return add({happening, Phase::rest, 0}, rate);
-    if (has_motion(happening)) return rise(happening, Phase::rising, rate, arm_moves, add);
+    if (has_motion(happening)) return rise(happening, Phase::rising, rate, while_arm_moves, add);
     for (std::size_t level = 0; level <= numbers::creep_levels; ++level)
       add({happening, Phase::rest, level}, rate * numbers::creep_after[level]);
   }
@@ -277,14 +263,14 @@ class Builder {
 
 }  // namespace
 
-RunStates::RunStates(microseconds bin) : bin_(bin) {
+RunStates::RunStates(microseconds bin) {
   const std::vector<State> states = all_states();
   for (const State& state : states) {
     happening_of_.push_back(state.happening);
     for (std::size_t arm = 0; arm < arm_conditions; ++arm) level_of_.push_back(static_cast<std::uint8_t>(level_at(state, arm)));
   }
   const Builder builder(bin, states);
-  for (std::size_t arm = 0; arm < arm_conditions; ++arm) transitions_[arm] = builder.transitions(arm_of(arm));
+  for (std::size_t arm = 0; arm < arm_conditions; ++arm) transitions_[arm] = builder.transitions(arm);
   at_start_.assign(states.size(), 0.0);
   const auto begins = [&](H happening, Phase phase, std::size_t level, double probability) {
     at_start_[builder.index_of({happening, phase, level})] = probability;

@@ -26,14 +26,12 @@ constexpr std::size_t happenings = 9;
 /// How much moves: the events of the motion, all places together [per ms].
 constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750};
 
-/// What the arm does in a bin, as far as it is known.
-enum class ArmState : std::uint8_t { still, moves, stopped, unknown };
-
-/// The arm's speeds that are told apart [mm/s]: each is the middle of a range.
+/// The classes of the arm's speed [mm/s], each by its middle.
 constexpr std::array<double, 7> arm_speeds{0.5, 1.5, 4, 10, 25, 60, 150};
-/// `ArmState` with its speed as one number: still, the speeds, stopped, unknown.
+/// What the arm does in a bin, as one number: it is still, moves at a speed from 1 to 7, has just stopped, or is not known.
 constexpr std::size_t arm_conditions = arm_speeds.size() + 3;
 constexpr std::uint8_t arm_still = 0, arm_stopped = arm_speeds.size() + 1, arm_unknown = arm_speeds.size() + 2;
+constexpr bool arm_moves(std::size_t condition) { return condition != arm_still && condition <= arm_speeds.size(); }
 
 /// Probabilities of going from each state to each other within a bin, for one condition of the arm; most are 0.
 struct StateTransitions {
@@ -59,12 +57,10 @@ class RunStates {
   std::size_t level_of(std::size_t state, std::uint8_t arm_condition) const {
     return level_of_[state * arm_conditions + arm_condition];
   }
-  microseconds bin() const { return bin_; }
   const std::vector<double>& at_start() const { return at_start_; }
   const StateTransitions& transitions(std::uint8_t arm_condition) const { return transitions_[arm_condition]; }
 
  private:
-  microseconds bin_;
   std::vector<Happening> happening_of_;
   std::vector<std::uint8_t> level_of_;  ///< [state, arm condition]
   std::vector<double> at_start_;

@@ -4,10 +4,7 @@
 #include <cmath>
 
 namespace tactile::labels {
-
 namespace {
-
-bool is_moving(std::uint8_t condition) { return condition != arm_still && condition != arm_stopped && condition != arm_unknown; }
 
 /// How likely an arm begins to move, relative to an object that is held.
 double arm_begins(Happening happening) {
@@ -78,7 +75,7 @@ Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, st
     const double* relative = likelihoods.at(bin);
     double sum = 0;
     const std::size_t* class_of = &classes[arm_conditions_of[bin] * count];
-    const bool begins = bin > 0 && is_moving(arm_conditions_of[bin]) && !is_moving(arm_conditions_of[bin - 1]);
+    const bool begins = bin > 0 && arm_moves(arm_conditions_of[bin]) && !arm_moves(arm_conditions_of[bin - 1]);
     if (begins) {
       for (std::size_t s = 0; s < count; ++s) now[s] *= arm_begins(states.happening_of(s));
     }
