@@ -13,8 +13,8 @@ namespace tactile::labels {
 namespace {
 
 using test::lift_after_press;
-using test::ms_from_begin;
 using test::MadeRun;
+using test::ms_from_begin;
 using test::press_and_slip;
 using test::write_made_run;
 
@@ -53,7 +53,7 @@ TEST(RunPosterior, IsTheSameInEveryThread) {
 
 TEST(RunPosterior, FindsNoTouchInNoise) {
   const test::TemporaryFolder data;
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     const RunFolder run =
         write_made_run(data.path() / std::to_string(seed), MadeRun{.bursts = {}, .seed = seed}, lift_after_press);
     for (const LikelyTouch& touch : run_posterior(alignment::read_run_signals(run)).touches)

@@ -59,7 +59,7 @@ double slips_from_held(const RunStates& states, std::uint8_t arm) {
 TEST(RunStates, SlipSoonerTheFasterTheArm) {
   const RunStates states(1000us);
   EXPECT_LT(slips_from_held(states, arm_still), 1e-4);
-  for (std::uint8_t faster = 4; faster <= arm_speeds.size(); ++faster)
+  for (std::uint8_t faster = 4; arm_moves(faster); ++faster)
     EXPECT_GT(slips_from_held(states, faster), slips_from_held(states, faster - 1));
   EXPECT_NEAR(slips_from_held(states, 5), 0.9 * (1 - std::exp(-25 / 0.12 / 1000)), 0.002)
       << "25 mm/s for 1 ms, of a slack of 0.12 mm";

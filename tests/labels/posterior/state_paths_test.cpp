@@ -86,7 +86,7 @@ struct Dense {
 
 TEST(StatePaths, HaveTheEvidenceOfADenseForwardPass) {
   const RunStates states(1000us);
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const auto of_level = drawn_evidence(60, motion_levels.size(), seed), of_pattern = drawn_evidence(60, happenings, seed + 10);
     const BinLikelihoods likelihoods(of_level, of_pattern);
     const auto arm = moving_arm(60);
