@@ -308,8 +308,9 @@ TEST(JudgedAlongCurve, HasConfirmedSlipsAlone) {
   const auto probabilities = three_peaks(Touch::slip);
   const std::vector<Touch> verdicts(300, Touch::none);
   const RunJudge judge(ticks_of(verdicts), course_with({interval_ms(Touch::press, 3, 20), interval_ms(Touch::slip, 491, 590)}));
+  const model::TwoThresholds thresholds{.on = 1.4, .off = -2.6};
   std::size_t confirmed = 0;
-  for (const results::Cell& cell : judged_along_curve(judge, 2ms, verdicts, probabilities, model::TwoThresholds{})) {
+  for (const results::Cell& cell : judged_along_curve(judge, 2ms, verdicts, probabilities, thresholds)) {
     if (!cell.confirmed) continue;
     ++confirmed;
     const double from = cell.threshold.value_or(3.5);
