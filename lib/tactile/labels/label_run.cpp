@@ -385,10 +385,7 @@ class Labeller {
   Labels labels_;
 };
 
-}  // namespace
-
-Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options) {
-  Labels labels = options.method == LabelMethod::model ? posterior_labels(signals) : Labeller(signals, clocks, options).labels();
+Labels with_provenance(Labels labels, const alignment::RunSignals& signals, const LabelOptions& options) {
   labels.provenance = {{"made_by", "tactile label"},
                        {"settings", settings_of(options)},
                        {"robot_log", robot_log_json(signals)},
@@ -398,10 +395,22 @@ Labels label_signals(const alignment::RunSignals& signals, const alignment::Robo
   return labels;
 }
 
+}  // namespace
+
+Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks, const LabelOptions& options) {
+  return with_provenance(Labeller(signals, clocks, options).labels(), signals, options);
+}
+
+Labels label_signals(const alignment::RunSignals& signals, const RunPosterior& posterior, const LabelOptions& options) {
+  return with_provenance(posterior_labels(signals, posterior, options.video_clock), signals, options);
+}
+
 Labels label_run(const RunFolder& run, const LabelOptions& options) {
   const alignment::RunSignals signals = alignment::read_run_signals(run, options.signals);
   const alignment::RunSignals* const alone = &signals;
-  Labels labels = label_signals(signals, alignment::robot_clocks_of({&alone, 1}, options.clocks).front(), options);
+  Labels labels = options.method == LabelMethod::model
+                      ? label_signals(signals, run_posterior(signals), options)
+                      : label_signals(signals, alignment::robot_clocks_of({&alone, 1}, options.clocks).front(), options);
   labels.provenance["inputs"] = alignment::hashes_of_inputs(run);
   return labels;
 }

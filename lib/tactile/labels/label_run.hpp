@@ -3,6 +3,7 @@
 #include "tactile/core/run_folder.hpp"
 #include "tactile/labels/label_options.hpp"
 #include "tactile/labels/labels.hpp"
+#include "tactile/labels/posterior/run_posterior.hpp"
 
 namespace tactile::labels {
 
@@ -20,6 +21,9 @@ namespace tactile::labels {
 /// Source: Faris et al., arXiv:2403.10120, section IV.
 Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
                      const LabelOptions& options = {});
+
+/// The same by a model of the run.
+Labels label_signals(const alignment::RunSignals& signals, const RunPosterior& posterior, const LabelOptions& options = {});
 
 /// The labels of one run by itself, from its events, robot log, film and run.json.
 /// @throws Error  if events or robot log cannot be read

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "tactile/core/robust_statistics.hpp"
 
@@ -13,6 +14,8 @@ constexpr std::int64_t longest_pause_us = 50'000;  // within a move
 constexpr std::int64_t longest_start_us = 60'000;  // before the speed stands out of the log's noise
 constexpr std::size_t shortest_steps = 3;
 constexpr double least_speed = 0.3;  // [mm/s]
+constexpr double clearly = 0.1;      // of the highest speed
+constexpr double rings = 0.08;       // of the highest speed: an arm that has stopped may be so fast
 
 std::uint8_t condition_of_speed(double mm_per_s) {
   std::uint8_t condition = 1;
@@ -20,14 +23,46 @@ std::uint8_t condition_of_speed(double mm_per_s) {
   return condition;
 }
 
+/// The speed [mm/s] of the mean velocity over an odd number of steps.
+std::vector<double> smoothed_speed(const std::vector<alignment::Vector3>& velocity, std::size_t steps) {
+  const std::size_t half = steps / 2;
+  std::vector<double> speed(velocity.size());
+  for (std::size_t i = 0; i < velocity.size(); ++i) {
+    alignment::Vector3 sum{};
+    const std::size_t first = i - std::min(i, half), end = std::min(velocity.size(), i + half + 1);
+    for (std::size_t k = first; k < end; ++k) {
+      for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += velocity[k][axis];
+    }
+    speed[i] = 1000 * alignment::length_of(sum) / static_cast<double>(end - first);
+  }
+  return speed;
+}
+
+/// The last step of a motion. Then the arm rings on.
+std::size_t stop_of(std::span<const double> speed, double moving) {
+  const double highest = *std::max_element(speed.begin(), speed.end());
+  std::size_t stop = speed.size() - 1;
+  while (stop > 0 && speed[stop] < 0.3 * highest) --stop;
+  while (stop + 1 < speed.size() && speed[stop + 1] > std::max(moving, rings * highest)) ++stop;
+  return stop;
+}
+
+/// An arm that moves is faster than this [mm/s]. A fifth of the log shows it at rest.
+double least_of_motion(const std::vector<double>& speed) { return std::max(least_speed, 7.5 * quantile(speed, 0.2)); }
+
 }  // namespace
 
 ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
     : begin_(motion.begin), end_(motion.time_of(motion.velocity.size() - 1)), step_(motion.step) {
+  // A slow arm stands out of a noisy log only in means over more rows.
   std::vector<double> speed;
-  for (const alignment::Vector3& velocity : motion.velocity) speed.push_back(1000 * alignment::length_of(velocity));
+  double moving = 0;
+  for (const std::size_t steps : {1U, 3U, 7U, 15U}) {
+    speed = smoothed_speed(motion.velocity, steps);
+    moving = least_of_motion(speed);
+    if (moving < clearly * *std::max_element(speed.begin(), speed.end())) break;
+  }
   speed_.assign(speed.size(), 0.0F);
-  const double moving = std::max(least_speed, 5 * median(speed));
   const auto pause = static_cast<std::size_t>(longest_pause_us / step_.count());
   for (std::size_t first = 0; first < speed.size(); ++first) {
     if (speed[first] <= moving) continue;
@@ -35,28 +70,55 @@ ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
     for (std::size_t i = first + 1; i < std::min(speed.size(), last + pause); ++i) {
       if (speed[i] > moving) last = i;
     }
-    if (last - first >= shortest_steps) add_move(speed, first, last, moving);
+    const std::size_t stop = stop_of(std::span(speed).subspan(first, last - first + 1), moving) + first;
+    if (stop - first >= shortest_steps) add_move(std::span(speed).subspan(first, stop - first + 1), first, moving);
     first = last;
   }
 }
 
 /// From rest, an arm speeds up about as t^2, because its acceleration is smoothed: the root of the speed is a line to its start.
-void ArmCourse::add_move(const std::vector<double>& speed, std::size_t first, std::size_t last, double moving) {
-  const double highest = *std::max_element(speed.begin() + static_cast<std::ptrdiff_t>(first),
-                                           speed.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  std::size_t faster = first;
-  while (faster < last && speed[faster] < std::min(0.3 * highest, 4 * moving)) ++faster;
-  const double rise = std::sqrt(std::max(speed[faster], speed[first] + 1e-9)) - std::sqrt(speed[first]);
-  const double steps_before = std::min(static_cast<double>(longest_start_us) / static_cast<double>(step_.count()),
-                                       std::max(1.0, static_cast<double>(faster - first) * std::sqrt(speed[first]) / rise));
-  const auto before = std::min(first, static_cast<std::size_t>(std::ceil(steps_before)));
-  for (std::size_t i = 1; i <= before; ++i) {
-    const double part = std::max(0.0, 1 - static_cast<double>(i) / steps_before);
-    speed_[first - i] = static_cast<float>(std::max(least_speed, speed[first] * part * part));
-  }
-  for (std::size_t i = first; i <= last; ++i) speed_[i] = static_cast<float>(speed[i]);
+/// @param speed  from where it stands out of the log's noise. @return  the steps from the start to there
+double ArmCourse::steps_unseen(std::span<const double> speed, double moving) const {
+  const double highest = *std::max_element(speed.begin(), speed.end());
+  std::size_t faster = 0;
+  while (faster + 1 < speed.size() && speed[faster] < std::min(0.3 * highest, 4 * moving)) ++faster;
+  const double rise = std::sqrt(std::max(speed[faster], speed[0] + 1e-9)) - std::sqrt(speed[0]);
+  return std::min(static_cast<double>(longest_start_us) / static_cast<double>(step_.count()),
+                  std::max(1.0, static_cast<double>(faster) * std::sqrt(speed[0]) / rise));
+}
+
+void ArmCourse::add_move(std::span<const double> speed, std::size_t first, double moving) {
+  const auto part_at = [](std::size_t i, double steps) {
+    const double part = std::max(0.0, 1 - static_cast<double>(i) / steps);
+    return part * part;
+  };
+  const std::size_t last = first + speed.size() - 1;
+  const double before = steps_unseen(speed, moving);
+  for (std::size_t i = 1; i <= std::min(first, static_cast<std::size_t>(std::ceil(before))); ++i)
+    speed_[first - i] = static_cast<float>(std::max(least_speed, speed.front() * part_at(i, before)));
+  const std::vector<double> backwards(speed.rbegin(), speed.rend());
+  const double after = steps_unseen(backwards, moving);
+  for (std::size_t i = 1; i <= std::min(speed_.size() - 1 - last, static_cast<std::size_t>(std::ceil(after))); ++i)
+    speed_[last + i] = static_cast<float>(std::max(least_speed, speed.back() * part_at(i, after)));
+  for (std::size_t i = 0; i < speed.size(); ++i) speed_[first + i] = static_cast<float>(speed[i]);
   const auto at_us = [&](double step) { return us_of(begin_) + std::llround(step * static_cast<double>(step_.count())); };
-  moves_.push_back({at_us(static_cast<double>(first) - steps_before), at_us(static_cast<double>(last))});
+  moves_.push_back({at_us(static_cast<double>(first) - before), at_us(static_cast<double>(last) + after)});
+}
+
+std::vector<alignment::CameraSpan> ArmCourse::moves_at(std::int64_t offset_us) const {
+  std::vector<alignment::CameraSpan> moves(moves_.size());
+  std::transform(moves_.begin(), moves_.end(), moves.begin(), [offset_us](const Move& move) {
+    return alignment::CameraSpan{camera_time(move.start_us + offset_us), camera_time(move.end_us + offset_us)};
+  });
+  return moves;
+}
+
+double ArmCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
+  double count = 0;
+  for (const Move& move : moves_) {
+    for (const std::int64_t at : {move.start_us + offset_us, move.end_us + offset_us}) count += at < us_of(first) || at > us_of(last);
+  }
+  return count;
 }
 
 std::vector<std::uint8_t> ArmCourse::conditions(CameraTime first, microseconds bin, std::size_t bins,
@@ -79,6 +141,8 @@ std::vector<std::uint8_t> ArmCourse::conditions(CameraTime first, microseconds b
           std::clamp<std::int64_t>(since / step_.count(), 0, static_cast<std::int64_t>(speed_.size()) - 1));
       conditions[b] = condition_of_speed(speed_[i]);
     }
+    const std::int64_t begins = bin_at(move.start_us);
+    if (begins >= 0 && begins < static_cast<std::int64_t>(bins)) conditions[static_cast<std::size_t>(begins)] = arm_starts;
   }
   return conditions;
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tactile/alignment/arm_motion.hpp"
+#include "tactile/alignment/run_signals.hpp"
 #include "tactile/labels/posterior/run_states.hpp"
 
 namespace tactile::labels {
@@ -17,6 +19,12 @@ class ArmCourse {
   RobotTime end() const { return end_; }
   bool moves_at_all() const { return !moves_.empty(); }
 
+  /// In camera time, by time.
+  std::vector<alignment::CameraSpan> moves_at(std::int64_t offset_us) const;
+
+  /// How many starts and stops lie outside [first, last], if the camera's clock is ahead of the robot's by `offset`.
+  double changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const;
+
   /// The arm's condition in each of `bins` bins from `first` on, if the camera's clock is ahead of the robot's by `offset`.
   std::vector<std::uint8_t> conditions(CameraTime first, microseconds bin, std::size_t bins, std::int64_t offset_us) const;
 
@@ -24,7 +32,8 @@ class ArmCourse {
   struct Move {
     std::int64_t start_us, end_us;  ///< on the robot's clock
   };
-  void add_move(const std::vector<double>& speed, std::size_t first, std::size_t last, double moving);
+  double steps_unseen(std::span<const double> speed, double moving) const;
+  void add_move(std::span<const double> speed, std::size_t first, double moving);
 
   RobotTime begin_{}, end_{};
   microseconds step_{};

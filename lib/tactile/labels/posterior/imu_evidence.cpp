@@ -9,6 +9,10 @@ namespace {
 
 constexpr std::int64_t step_us = 4'000;
 constexpr double independent_part = 0.2;
+constexpr double farther = 2;     // the camera moves more than the arm where its mount rings; what moves still more is not the arm
+constexpr double gravity = 9.81;  // [m/s^2]
+
+bool less_in_size(double a, double b) { return std::abs(a) < std::abs(b); }
 
 std::vector<double> along_main_direction(const std::vector<alignment::Vector3>& values) {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -51,8 +55,9 @@ ImuEvidence::ImuEvidence(std::span<const events::ImuSample> samples, const align
       mean[k] += imu_[bin][k] / static_cast<double>(bins);
     }
   }
+  const double most_g = farther * *std::max_element(arm_.begin(), arm_.end(), less_in_size) / gravity;
   for (alignment::Vector3& one : imu_) {
-    for (std::size_t k = 0; k < 3; ++k) one[k] -= mean[k];
+    for (std::size_t k = 0; k < 3; ++k) one[k] = std::clamp(one[k] - mean[k], -std::abs(most_g), std::abs(most_g));
   }
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "tactile/alignment/film_motions.hpp"
 #include "tactile/core/duration_units.hpp"
+#include "tactile/labels/film_clock.hpp"
 #include "tactile/labels/posterior/run_model_numbers.hpp"
-#include "tactile/labels/posterior/run_posterior.hpp"
+#include "tactile/labels/stage_presses.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -53,17 +55,80 @@ alignment::FittedClock clock_of(const LikelyOffset& offset) {
   return clock;
 }
 
+/// What the other witnesses say of the touches that the model has found.
+class Witnesses {
+ public:
+  Witnesses(const alignment::RunSignals& signals, const RunPosterior& posterior, Labels& labels)
+      : signals_(signals), posterior_(posterior), labels_(labels) {
+    clocks_.pieces.resize(signals.robot.size());
+    clocks_.anchors.resize(signals.robot.size());
+    if (!posterior.robot) return;
+    labels.robot_clocks.push_back(clock_of(*posterior.robot));
+    for (std::size_t i = 0; i < signals.robot.size(); ++i) {
+      if (signals.robot[i].log.states.front().t == posterior.robot->first_stamp) clocks_.pieces[i] = labels.robot_clocks.front();
+    }
+  }
+
+  void relate_film(const alignment::VideoClockOptions& options) {
+    if (!signals_.video) return;
+    alignment::VideoClockFit fit = fit_film_clock(signals_, clocks_, options);
+    if (!fit.contradiction.empty()) {
+      labels_.flags.push_back(flag_of(fit.contradiction));
+    } else if (!fit.clock) {
+      labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
+    } else {
+      labels_.video_clock = std::move(fit.clock);
+      if (!fit.remark.empty()) labels_.remarks.push_back(std::move(fit.remark));
+      motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
+    }
+  }
+
+  void testify(LabelledInterval& interval) const {
+    const bool is_press = interval.touch == Touch::press;
+    interval.evidence.robot = is_press ? stage_command(signals_, clocks_, interval.start.at) : start_of_lift(interval);
+    const auto filmed = is_press ? filmed_stage(interval.start)
+                                 : alignment::video_start_near(motions_, interval.start, longest_disagreement);
+    if (filmed) interval.evidence.video = filmed->at;
+  }
+
+ private:
+  static constexpr microseconds longest_disagreement = 100ms;
+
+  std::optional<CameraTime> start_of_lift(const LabelledInterval& slip) const {
+    for (const alignment::CameraSpan& move : posterior_.arm_moves) {
+      if (move.begin <= after(slip.start.high, longest_disagreement) && move.end >= slip.start.low) return move.begin;
+    }
+    return std::nullopt;
+  }
+
+  /// The start of the motion in the film during which the press starts: that of the stage.
+  std::optional<alignment::UncertainTime> filmed_stage(const alignment::UncertainTime& onset) const {
+    const auto motion = std::find_if(motions_.begin(), motions_.end(), [&](const alignment::VideoMotion& one) {
+      return !one.start_cut && one.start.low <= onset.high && one.end.high >= onset.low;
+    });
+    return motion == motions_.end() ? std::nullopt : std::optional(motion->start);
+  }
+
+  const alignment::RunSignals& signals_;
+  const RunPosterior& posterior_;
+  Labels& labels_;
+  alignment::RobotClocks clocks_;
+  std::vector<alignment::VideoMotion> motions_;
+};
+
 }  // namespace
 
-Labels posterior_labels(const alignment::RunSignals& signals) {
-  const RunPosterior posterior = run_posterior(signals);
+Labels posterior_labels(const alignment::RunSignals& signals, const RunPosterior& posterior,
+                        const alignment::VideoClockOptions& film) {
   Labels labels;
   for (const Doubt& problem : signals.problems) labels.flags.push_back(flag_of(problem));
   labels.remarks = signals.remarks;
+  Witnesses witnesses(signals, posterior, labels);
+  witnesses.relate_film(film);
   for (const LikelyTouch& touch : posterior.touches) {
     if (touch.probability >= 0.5) {
       std::ranges::move(flags_of(touch, labels.intervals.size(), signals.rate.begin), std::back_inserter(labels.flags));
-      labels.intervals.push_back(interval_of(touch));
+      witnesses.testify(labels.intervals.emplace_back(interval_of(touch)));
     } else if (touch.probability > 1 - numbers::sure) {
       labels.flags.push_back(flag_of_unlabelled(touch, signals.rate.begin));
     }
@@ -71,7 +136,6 @@ Labels posterior_labels(const alignment::RunSignals& signals) {
   cut_overlaps(labels.intervals);
   name_intervals(labels.intervals);
   labels.releases = posterior.releases;
-  if (posterior.robot) labels.robot_clocks.push_back(clock_of(*posterior.robot));
   return labels;
 }
 

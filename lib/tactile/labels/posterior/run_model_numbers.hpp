@@ -7,7 +7,8 @@
 namespace tactile::labels::numbers {
 
 inline constexpr double slack_mm = 0.12;  ///< way of the arm until it shears the skin, mean: play and compliance of the mount
-inline constexpr double without_slack_hz = 30;  ///< more often while the arm is slower than 5 mm/s: many mounts have no play
+inline constexpr double without_slack = 0.25;  ///< of the mounts: they have no play, and the skin shears at once
+inline constexpr double start_shakes = 0.2;  ///< of the lifts, those whose start shakes the skin before it shears
 inline constexpr double gain_grows_s = 0.020;   ///< until more of the skin follows: a factor of three in events
 inline constexpr double follows_arm_s = 0.03;   ///< shear follows the arm for this long, mean; then tips begin to slip
 inline constexpr double slips = 0.9;            ///< share of the lifts in which the object slips
@@ -23,7 +24,12 @@ inline constexpr std::size_t creep_levels = 3;                             ///< 
 inline constexpr std::array<double, 4> creep_after{0.5, 0.15, 0.2, 0.15};  ///< of the level right after it
 inline constexpr double creep_s = 0.1;                                     ///< until it falls to the next level
 
+inline constexpr double changes_unrecorded = 0.05;  ///< of the starts and stops of an arm, those outside the recording
+inline constexpr double counted = 0.5;  ///< part of the evidence on the robot's clock: the model's motions are not exact
+inline constexpr double imu_lag_us = 2'000;  ///< most that the IMU's own filter delays it
+
+inline constexpr double end_known_ms = 6;  ///< standard deviation of what is the end of a motion that fades
 inline constexpr double sure = 0.9;            ///< a touch that is less probable is flagged
-inline constexpr double widest_onset_ms = 60;  ///< an onset whose 95 % interval is wider is flagged
+inline constexpr double widest_onset_ms = 80;  ///< an onset whose 95 % interval is wider is flagged
 
 }  // namespace tactile::labels::numbers

@@ -1,20 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/alignment/run_signals.hpp"
-#include "tactile/core/touch.hpp"
+#include "tactile/labels/posterior/likely_touches.hpp"
 
 namespace tactile::labels {
-
-/// A touch that may have happened.
-struct LikelyTouch {
-  Touch touch = Touch::none;
-  double probability = 0;               ///< that it did, and is of this class
-  alignment::UncertainTime start, end;  ///< medians and 95 % intervals, if it did
-};
 
 /// An offset of a clock, the camera's time less the other one's [us].
 struct LikelyOffset {
@@ -27,10 +20,15 @@ struct RunPosterior {
   std::vector<LikelyTouch> touches;     ///< those with a probability of at least 0.05, by start
   std::vector<TouchInterval> releases;  ///< more likely than not, by start
   std::optional<LikelyOffset> robot;    ///< of the longest piece of the log
+  std::vector<alignment::CameraSpan> arm_moves;  ///< of that piece, by time
 };
 
 /// Draws from the posterior of a hidden Markov chain of what happens (`RunStates`), given the events and, for each possible
 /// offset of its clock, the robot's log. @throws Error  if the recording cannot be read
 RunPosterior run_posterior(const alignment::RunSignals& signals);
+
+/// The same of the runs of a session, which share the robot's clock (`offsets_by_others`). It does not depend on the number of
+/// threads. @return  in the order of the runs
+std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSignals* const> runs, unsigned threads);
 
 }  // namespace tactile::labels

@@ -34,7 +34,7 @@ bool follows_arm(const State& state) { return state.phase == Phase::following; }
 std::size_t level_at(const State& state, std::size_t arm_condition) {
   constexpr std::size_t at_gain = 5;
   if (!follows_arm(state) || !arm_moves(arm_condition)) return state.level;
-  const std::size_t raised = state.level + arm_condition;
+  const std::size_t raised = state.level + speed_of_arm(arm_condition);
   return raised < at_gain ? 0 : std::min(raised - at_gain, motion_levels.size() - 1);
 }
 
@@ -64,11 +64,20 @@ std::vector<State> all_states() {
 
 using Rates = std::map<H, double>;  ///< [1/s]
 
+/// The rate [1/s] of what happens in a bin with a probability.
+double of_bin(double probability, double bin_s) { return -std::log(1 - probability) / bin_s; }
+
+/// How often per second the arm's motion begins to shear the skin.
+double shear_rate(std::size_t arm, double bin_s) {
+  if (!arm_moves(arm)) return 0;
+  if (arm == arm_starts) return of_bin(numbers::without_slack, bin_s);
+  return arm_speeds[arm - 1] / numbers::slack_mm;
+}
+
 /// How often per second one happening ends in another.
-Rates rates_from(const State& from, std::size_t arm) {
+Rates rates_from(const State& from, std::size_t arm, double bin_s) {
   const bool calm = from.level <= 2, moves = arm_moves(arm), stopped = arm == arm_stopped, unknown = arm == arm_unknown;
-  const double speed = moves ? arm_speeds[arm - 1] : 0;
-  const double sheared = moves ? speed / numbers::slack_mm + (speed < 5 ? numbers::without_slack_hz : 0) : 0;
+  const double sheared = shear_rate(arm, bin_s);
   switch (from.happening) {
     case H::untouched:
       return {{H::press, moves ? 0.02 : 0.5}, {H::knock, moves || stopped ? 0.5 : 0.04}};
@@ -80,14 +89,14 @@ Rates rates_from(const State& from, std::size_t arm) {
       if (moves)
         return {{H::slip, numbers::slips * sheared},
                 {H::firm_shear, (1 - numbers::slips) * sheared},
-                {H::disturbance, 0.3},
+                {H::disturbance, arm == arm_starts ? of_bin(numbers::start_shakes, bin_s) : 0.03},
                 {H::press, 0.01},
                 {H::release, 0.02},
                 {H::untouched, 0.02}};
       if (unknown)
         return {{H::slip, 0.4},   {H::firm_shear, 0.1}, {H::disturbance, 0.1},
                 {H::press, 0.05}, {H::release, 0.25},   {H::untouched, 0.02}};
-      return {{H::slip, 0.02}, {H::disturbance, stopped ? 1 : 0.15}, {H::press, 0.05}, {H::release, 0.25}, {H::untouched, 0.02}};
+      return {{H::slip, 0.02}, {H::disturbance, stopped ? 1 : 0.15}, {H::press, 0.01}, {H::release, 0.25}, {H::untouched, 0.02}};
     case H::carried:
       if (moves) return {{H::slip, 0.05}, {H::disturbance, 0.2}, {H::press, 0.005}, {H::release, 0.02}, {H::untouched, 0.1}};
       if (unknown) return {{H::slip, 0.2}, {H::disturbance, 0.1}, {H::release, 0.2}, {H::untouched, 0.05}, {H::held, 1}};
@@ -97,7 +106,7 @@ Rates rates_from(const State& from, std::size_t arm) {
               {H::untouched, 0.02},
               {H::held, stopped ? 50 : 2}};
     case H::slip: {
-      const double ends = moves ? 0.03 : stopped ? 150 : unknown ? 2 : 6;
+      const double ends = moves ? 0.03 : stopped ? 400 : unknown ? 2 : 6;
       return {{H::carried, calm ? ends : 0.3 * ends}, {H::untouched, 0.1}, {H::release, moves ? 0.02 : 0.2}};
     }
     case H::release:
@@ -107,7 +116,7 @@ Rates rates_from(const State& from, std::size_t arm) {
     case H::knock:
       return {{H::untouched, calm ? 15 : 8}, {H::press, 0.05}};
     case H::disturbance:
-      return {{H::held, calm ? 15 : 8}, {H::slip, moves ? 0.1 : 0.05}, {H::release, 0.05}};
+      return {{H::held, calm ? 15 : 8}, {H::slip, moves ? numbers::slips * sheared : 0.05}, {H::release, 0.05}};
   }
   return {};
 }
@@ -156,19 +165,19 @@ class Builder {
       const bool touches = from.happening != H::press && from.happening != H::knock;
       enter(touches ? H::held : H::untouched, 0.5, moves, add);
     } else {
-      for (const auto& [happening, rate] : rates_from(from, arm)) enter(happening, rate, moves, add);
+      for (const auto& [happening, rate] : rates_from(from, arm, bin_s_)) enter(happening, rate, moves, add);
       const bool calm = from.level <= 2;
       if (from.phase == Phase::moving && may_be_even(from.happening))
         even_out(from.happening, (from.happening == H::press ? 0.3 : 1) * (calm ? 4 : 0.3), add);
       if (from.phase == Phase::moving && from.happening == H::slip)
-        add({H::slip, Phase::stuck, 0}, calm ? 4 : 0.3), add({H::slip, Phase::smooth, 0}, calm ? 2 : 0.15);
+        add({H::slip, Phase::stuck, 0}, calm ? 12 : 0.5), add({H::slip, Phase::smooth, 0}, calm ? 8 : 0.3);
       if (from.phase == Phase::smooth) rise(H::slip, Phase::moving, 0.3, moves, add);
       if (from.phase == Phase::even) {
         rise(from.happening, Phase::moving, 2, moves, add);
         if (from.happening == H::slip) add({H::slip, Phase::stuck, 0}, 1);
       }
       if (from.phase == Phase::stuck) {
-        rise(H::slip, Phase::moving, 3, moves, add);
+        rise(H::slip, Phase::moving, 8, moves, add);
         even_out(H::slip, 0.5, add);
       }
     }

@@ -28,10 +28,13 @@ constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750
 
 /// The classes of the arm's speed [mm/s], each by its middle.
 constexpr std::array<double, 7> arm_speeds{0.5, 1.5, 4, 10, 25, 60, 150};
-/// What the arm does in a bin, as one number: it is still, moves at a speed from 1 to 7, has just stopped, or is not known.
-constexpr std::size_t arm_conditions = arm_speeds.size() + 3;
-constexpr std::uint8_t arm_still = 0, arm_stopped = arm_speeds.size() + 1, arm_unknown = arm_speeds.size() + 2;
-constexpr bool arm_moves(std::size_t condition) { return condition != arm_still && condition <= arm_speeds.size(); }
+/// What the arm does in a bin, as one number: it is still, moves at a speed from 1 to 7, begins to move, has just stopped, or is
+/// not known.
+constexpr std::size_t arm_conditions = arm_speeds.size() + 4;
+constexpr std::uint8_t arm_still = 0, arm_starts = arm_speeds.size() + 1, arm_stopped = arm_starts + 1, arm_unknown = arm_starts + 2;
+constexpr bool arm_moves(std::size_t condition) { return condition != arm_still && condition <= arm_starts; }
+/// Of an arm that moves. It begins with the lowest speed.
+constexpr std::size_t speed_of_arm(std::size_t condition) { return condition == arm_starts ? 1 : condition; }
 
 /// Probabilities of going from each state to each other within a bin, for one condition of the arm; most are 0.
 struct StateTransitions {

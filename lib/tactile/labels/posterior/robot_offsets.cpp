@@ -1,0 +1,163 @@
+#include "tactile/labels/posterior/robot_offsets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tactile/labels/posterior/run_model_numbers.hpp"
+
+namespace tactile::labels {
+namespace {
+
+constexpr std::size_t coarse_bins = 8;
+constexpr double negligible = 12;  // [nats] below the likeliest offset
+
+/// The evidence of several bins together.
+std::vector<double> joined(std::span<const double> values, std::size_t width) {
+  const std::size_t bins = values.size() / width / coarse_bins;
+  std::vector<double> sums(bins * width, 0.0);
+  for (std::size_t b = 0; b < bins * coarse_bins; ++b) {
+    for (std::size_t k = 0; k < width; ++k) sums[b / coarse_bins * width + k] += values[b * width + k];
+  }
+  return sums;
+}
+
+/// A finer grid, within `around` of the likely offsets.
+std::vector<std::int64_t> refined(std::vector<WeighedOffset> likely, std::int64_t around_us, std::int64_t step_us,
+                                  std::size_t most) {
+  std::stable_sort(likely.begin(), likely.end(),
+                   [](const WeighedOffset& a, const WeighedOffset& b) { return a.log_weight > b.log_weight; });
+  std::vector<std::int64_t> finer;
+  for (std::size_t i = 0; i < std::min(most, likely.size()); ++i) {
+    if (likely[i].log_weight < likely.front().log_weight - negligible) break;
+    for (std::int64_t d = -around_us; d <= around_us; d += step_us) finer.push_back(likely[i].us + d);
+  }
+  std::sort(finer.begin(), finer.end());
+  finer.erase(std::unique(finer.begin(), finer.end()), finer.end());
+  return finer;
+}
+
+}  // namespace
+
+void normalise(std::vector<WeighedOffset>& offsets) {
+  double most = -1e300, sum = 0;
+  for (const WeighedOffset& one : offsets) most = std::max(most, one.log_weight);
+  for (const WeighedOffset& one : offsets) sum += std::exp(one.log_weight - most);
+  for (WeighedOffset& one : offsets) one.log_weight -= most + std::log(sum);
+}
+
+double log_density(std::span<const WeighedOffset> offsets, double us) {
+  constexpr double width_us = 4'000, elsewhere = 0.05, possible_us = 6e6;
+  double density = 0;
+  for (const WeighedOffset& one : offsets) {
+    const double z = (us - static_cast<double>(one.us)) / width_us;
+    density += std::exp(one.log_weight - 0.5 * z * z);
+  }
+  density /= width_us * std::sqrt(2 * std::numbers::pi);
+  return std::log((1 - elsewhere) * density + elsewhere / possible_us);
+}
+
+RobotOffsets::RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states)
+    : signals_(signals),
+      counts_(counts),
+      states_(states),
+      coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)) {
+  for (const alignment::RobotPiece& piece : signals.robot) {
+    if (piece_ == nullptr || piece.log.states.size() > piece_->log.states.size()) piece_ = &piece;
+  }
+  const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt;
+  if (!motion) return;
+  arm_.emplace(*motion);
+  if (!arm_->moves_at_all()) arm_.reset();
+  if (arm_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+  if (imu_ && imu_->empty()) imu_.reset();
+}
+
+std::vector<std::uint8_t> RobotOffsets::conditions_at(std::int64_t offset_us) const {
+  return arm_->conditions(counts_.begin, counts_.bin, counts_.bins(), offset_us);
+}
+
+/// Offsets that the log may have before its content is looked at.
+std::pair<std::int64_t, std::int64_t> RobotOffsets::possible() const {
+  constexpr std::int64_t recorders_apart_us = 3'000'000;
+  if (const auto& known = signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())])
+    return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
+  const std::int64_t at_begin = us_of(signals_.rate.begin) - us_of(arm_->begin());
+  const std::int64_t longer =
+      (us_of(arm_->end()) - us_of(arm_->begin())) - (us_of(signals_.rate.last) - us_of(signals_.rate.begin));
+  return {at_begin - std::max(recorders_apart_us, longer + 1'000'000), at_begin + recorders_apart_us};
+}
+
+std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
+  std::vector<WeighedOffset> weighed(offsets.size());
+  std::transform(offsets.begin(), offsets.end(), weighed.begin(),
+                 [this](std::int64_t us) { return WeighedOffset{us, imu_at(us)}; });
+  return weighed;
+}
+
+std::vector<WeighedOffset> RobotOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
+                                                 const RunStates& states, microseconds bin) const {
+  std::vector<WeighedOffset> weighed = by_imu(offsets);
+  for (WeighedOffset& one : weighed) {
+    const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
+    one.log_weight += arm_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
+    one.log_weight += numbers::counted * filtered(states, likelihoods, conditions, false).log_evidence;
+  }
+  return weighed;
+}
+
+/// The IMU distinguishes offsets that lie between those of the grid.
+std::vector<WeighedOffset> RobotOffsets::with_imu_between(const std::vector<WeighedOffset>& grid, std::int64_t step) const {
+  std::vector<WeighedOffset> finer;
+  for (const WeighedOffset& one : grid) {
+    const double events = one.log_weight - imu_at(one.us);
+    for (std::int64_t us = one.us - step / 2; us < one.us + step / 2; us += 8'000) finer.push_back({us, events + imu_at(us)});
+  }
+  return finer;
+}
+
+void RobotOffsets::search(std::span<const double> evidence, std::span<const double> pattern) {
+  const BinLikelihoods likelihoods(evidence, pattern);
+  const BinLikelihoods coarse(joined(evidence, motion_levels.size()),
+                              pattern.empty() ? std::vector<double>() : joined(pattern, happenings));
+  const auto weighed_coarsely = [&](const Offsets& us) {
+    return weighed(us, coarse, coarse_states_, counts_.bin * static_cast<std::int64_t>(coarse_bins));
+  };
+  std::vector<WeighedOffset> offsets = likely_;
+  if (offsets.empty()) {
+    const auto [low, high] = possible();
+    Offsets grid;
+    const std::int64_t step = std::min<std::int64_t>(32'000, std::max<std::int64_t>(8'000, (high - low) / 8));
+    for (std::int64_t us = low; us <= high; us += step) grid.push_back(us);
+    offsets = weighed_coarsely(grid);
+    if (imu_) offsets = with_imu_between(offsets, step);
+    offsets = weighed_coarsely(refined(std::move(offsets), imu_ ? 8'000 : step - 8'000, 8'000, 12));
+  } else {
+    for (WeighedOffset& one : offsets) one.us = one.us / 8'000 * 8'000;
+    offsets = weighed_coarsely(refined(std::move(offsets), 24'000, 8'000, 6));
+  }
+  if (imu_) offsets = by_imu(refined(std::move(offsets), 8'000, 1'000, 5));
+  likely_ = weighed(imu_ ? refined(std::move(offsets), 0, 1'000, 15) : refined(std::move(offsets), 4'000, 4'000, 12), likelihoods,
+                    states_, counts_.bin);
+}
+
+void RobotOffsets::consider(std::span<const WeighedOffset> prior, std::span<const double> evidence,
+                            std::span<const double> pattern) {
+  if (prior.empty() || !arm_) return;
+  const BinLikelihoods likelihoods(evidence, pattern);
+  const std::int64_t step = imu_ ? 1'000 : 4'000;
+  const auto on_grid = [&](std::int64_t us) { return likely_.front().us + (us - likely_.front().us) / step * step; };
+  Offsets others;
+  for (const WeighedOffset& one : prior) others.push_back(on_grid(one.us));
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  std::erase_if(others, [&](std::int64_t us) {
+    return std::any_of(likely_.begin(), likely_.end(), [us](const WeighedOffset& one) { return one.us == us; });
+  });
+  const std::vector<WeighedOffset> more = weighed(others, likelihoods, states_, counts_.bin);
+  likely_.insert(likely_.end(), more.begin(), more.end());
+  for (WeighedOffset& one : likely_) one.log_weight += log_density(prior, static_cast<double>(one.us));
+  std::sort(likely_.begin(), likely_.end(), [](const WeighedOffset& a, const WeighedOffset& b) { return a.us < b.us; });
+}
+
+}  // namespace tactile::labels

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tactile/alignment/run_signals.hpp"
+#include "tactile/labels/posterior/arm_course.hpp"
+#include "tactile/labels/posterior/imu_evidence.hpp"
+#include "tactile/labels/posterior/place_counts.hpp"
+#include "tactile/labels/posterior/run_states.hpp"
+#include "tactile/labels/posterior/state_paths.hpp"
+
+namespace tactile::labels {
+
+/// An offset of the robot's clock (the camera's time less the robot's) and the logarithm of its weight.
+struct WeighedOffset {
+  std::int64_t us = 0;
+  double log_weight = 0;
+};
+
+/// Looks for the offsets of the robot's clock that fit events and IMU, on a grid that becomes finer: 32 ms (bins of 8 ms), 8 ms,
+/// and 4 ms, or 1 ms with an IMU. Of a log in pieces, the longest one is used.
+class RobotOffsets {
+ public:
+  /// @param signals, counts, states  of the run; they must live as long
+  RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states);
+
+  /// Nothing if there is no log, or the arm rests.
+  const std::optional<ArmCourse>& arm() const { return arm_; }
+  const alignment::RobotPiece* piece() const { return piece_; }
+  bool has_imu() const { return imu_.has_value(); }
+  const std::vector<WeighedOffset>& likely() const { return likely_; }
+  std::vector<std::uint8_t> conditions_at(std::int64_t offset_us) const;
+
+  /// Sets `likely`: by all possible offsets the first time, then near those that were likely.
+  /// @param evidence, pattern  as for `BinLikelihoods`
+  void search(std::span<const double> evidence, std::span<const double> pattern);
+  /// Adds offsets that other runs make likely, and multiplies all weights by what these runs say.
+  /// @param prior  densities of 4 ms standard deviation, normalised
+  void consider(std::span<const WeighedOffset> prior, std::span<const double> evidence, std::span<const double> pattern);
+
+ private:
+  using Offsets = std::vector<std::int64_t>;
+  std::pair<std::int64_t, std::int64_t> possible() const;
+  double imu_at(std::int64_t offset_us) const { return imu_ ? imu_->of(offset_us) : 0; }
+  std::vector<WeighedOffset> by_imu(const Offsets& offsets) const;
+  std::vector<WeighedOffset> with_imu_between(const std::vector<WeighedOffset>& grid, std::int64_t step) const;
+  std::vector<WeighedOffset> weighed(const Offsets& offsets, const BinLikelihoods& likelihoods, const RunStates& states,
+                                     microseconds bin) const;
+
+  const alignment::RunSignals& signals_;
+  const PlaceCounts& counts_;
+  const RunStates& states_;
+  RunStates coarse_states_;
+  const alignment::RobotPiece* piece_ = nullptr;
+  std::optional<ArmCourse> arm_;
+  std::optional<ImuEvidence> imu_;
+  std::vector<WeighedOffset> likely_;
+};
+
+/// The logarithm of a density of offsets [1/us]: of normal distributions with a standard deviation of 4 ms each, and with a
+/// probability of 5 % of none of them.
+double log_density(std::span<const WeighedOffset> offsets, double us);
+
+/// The logarithms of weights that sum to 1.
+void normalise(std::vector<WeighedOffset>& offsets);
+
+}  // namespace tactile::labels

@@ -1,0 +1,117 @@
+#include "tactile/labels/posterior/run_inference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tactile/core/random.hpp"
+#include "tactile/labels/posterior/press_pattern.hpp"
+#include "tactile/labels/posterior/run_model_numbers.hpp"
+
+namespace tactile::labels {
+namespace {
+
+constexpr microseconds fine_bin = 1000us;
+constexpr std::size_t paths_of_round = 60, paths_at_end = 400;
+
+PlaceCounts counts_in(const alignment::RunSignals& signals) {
+  events::RecordingReader recording(signals.run.events());
+  return place_counts(recording, signals.event_stream, signals.rate, fine_bin);
+}
+
+/// How many of `count` draws each offset gets, by its weight.
+std::vector<std::size_t> draws_of(const std::vector<WeighedOffset>& offsets, std::size_t count, Random& random) {
+  std::vector<WeighedOffset> normal = offsets;
+  normalise(normal);
+  std::vector<std::size_t> times(offsets.size(), 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    double left = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count);
+    std::size_t k = 0;
+    while (k + 1 < normal.size() && (left -= std::exp(normal[k].log_weight)) >= 0) ++k;
+    ++times[k];
+  }
+  return times;
+}
+
+}  // namespace
+
+RunInference::RunInference(const alignment::RunSignals& signals)
+    : signals_(signals),
+      counts_(counts_in(signals)),
+      states_(counts_.bin),
+      robot_(signals, counts_, states_),
+      rates_(first_rates(counts_)),
+      evidence_(motion_evidence(counts_, rates_)),
+      sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
+  for (int round = 0; round < 2; ++round) {
+    if (robot_.arm()) robot_.search(evidence_, pattern_);
+    draw(paths_of_round);
+    learn();
+    evidence_ = motion_evidence(counts_, rates_);
+  }
+  if (robot_.arm()) robot_.search(evidence_, pattern_);
+}
+
+RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
+  robot_.consider(prior, evidence_, pattern_);
+  draw(paths_at_end);
+  RunPosterior posterior{.touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = offset(), .arm_moves = {}};
+  if (posterior.robot) posterior.arm_moves = robot_.arm()->moves_at(posterior.robot->median_us);
+  return posterior;
+}
+
+/// Draws paths from the posterior, with an offset of the clock each.
+void RunInference::draw(std::size_t count) {
+  Random random(1);
+  const BinLikelihoods likelihoods(evidence_, pattern_);
+  sample_.drawn.clear();
+  const auto draw_from = [&](std::int64_t offset_us, std::vector<std::uint8_t> conditions, std::size_t times) {
+    const Filtered kept = filtered(states_, likelihoods, conditions, true);
+    DrawnPaths& drawn = sample_.drawn.emplace_back(DrawnPaths{offset_us, std::move(conditions), {}});
+    for (std::size_t i = 0; i < times; ++i) drawn.paths.push_back(drawn_path(states_, kept, drawn.conditions, random));
+  };
+  if (!robot_.arm()) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
+  const std::vector<WeighedOffset>& offsets = robot_.likely();
+  const std::vector<std::size_t> times = draws_of(offsets, count, random);
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    if (times[k] > 0) draw_from(offsets[k].us, robot_.conditions_at(offsets[k].us), times[k]);
+  }
+}
+
+/// Rates of noise and motion, and the pattern of the first press, from the drawn paths.
+void RunInference::learn() {
+  const double each = sample_.share_of_path();
+  std::vector<double> quiet(counts_.bins(), 0.0), moves(counts_.bins(), 0.0), strong(counts_.bins(), 0.0);
+  sample_.for_all_paths([&](const Path& path, const DrawnPaths& drawn) {
+    for (std::size_t b = 0; b < path.size(); ++b) {
+      const std::size_t level = states_.level_of(path[b], drawn.conditions[b]);
+      const Happening happening = states_.happening_of(path[b]);
+      if (level == 0 && happening != Happening::slip) quiet[b] += each;
+      if (level >= 3) strong[b] += each;
+      if (level > 0 && happening != Happening::held && happening != Happening::carried) moves[b] += each;
+    }
+  });
+  if (std::accumulate(quiet.begin(), quiet.end(), 0.0) > 200) rates_ = rates_given(counts_, quiet, strong);
+  const std::vector<LikelyTouch> found = likely_touches(sample_);
+  const auto press = std::find_if(found.begin(), found.end(),
+                                  [](const LikelyTouch& one) { return one.touch == Touch::press && one.probability > 0.3; });
+  if (press == found.end()) return;
+  const auto bin_of = [&](CameraTime t) {
+    return std::min(counts_.bins(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(counts_.begin, t) / counts_.bin)));
+  };
+  pattern_ = pattern_evidence(counts_, bin_of(press->start.at), std::min(counts_.bins(), bin_of(press->end.at) + 1), moves);
+}
+
+std::optional<LikelyOffset> RunInference::offset() const {
+  if (!robot_.arm()) return std::nullopt;
+  std::vector<std::int64_t> sorted;
+  Random random(3);
+  sample_.for_all_paths([&](const Path&, const DrawnPaths& drawn) {
+    sorted.push_back(drawn.offset_us - (robot_.has_imu() ? std::llround(numbers::imu_lag_us * random.uniform()) : 0));
+  });
+  std::sort(sorted.begin(), sorted.end());
+  const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
+  return LikelyOffset{at(0.5), at(0.025) - 1000, at(0.975) + 1000, robot_.piece()->log.states.front().t};
+}
+
+}  // namespace tactile::labels
