@@ -14,6 +14,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
   const alignment::ClockFitOptions& fit = options.clocks.fit;
   nlohmann::json settings = {
       {"method", options.method == LabelMethod::model ? "model" : "stages"},
+      {"doubt", {{"least_probability", options.doubt.least_probability}, {"widest_onset_ms", options.doubt.widest_onset_ms}}},
       {"rate",
        {{"bin_us", options.signals.rate.bin.count()},
         {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},

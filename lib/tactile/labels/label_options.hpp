@@ -6,6 +6,7 @@
 #include "tactile/alignment/session_clocks.hpp"
 #include "tactile/alignment/video_clock.hpp"
 #include "tactile/labels/onset.hpp"
+#include "tactile/labels/posterior/posterior_labels.hpp"
 #include "tactile/labels/touch_end.hpp"
 #include "tactile/labels/touches.hpp"
 
@@ -16,6 +17,7 @@ enum class LabelMethod { stages, model };
 
 struct LabelOptions {
   LabelMethod method = LabelMethod::stages;
+  DoubtLimits doubt{};  ///< of the model
   alignment::RunSignalsOptions signals{};
   alignment::RobotClocksOptions clocks{};
   TouchesOptions touches{};

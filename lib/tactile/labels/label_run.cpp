@@ -402,7 +402,7 @@ Labels label_signals(const alignment::RunSignals& signals, const alignment::Robo
 }
 
 Labels label_signals(const alignment::RunSignals& signals, const RunPosterior& posterior, const LabelOptions& options) {
-  return with_provenance(posterior_labels(signals, posterior, options.video_clock), signals, options);
+  return with_provenance(posterior_labels(signals, posterior, options.doubt, options.video_clock), signals, options);
 }
 
 Labels label_run(const RunFolder& run, const LabelOptions& options) {

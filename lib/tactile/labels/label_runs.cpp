@@ -137,7 +137,8 @@ class GroupLabeller {
       if (run.signals) readable.push_back(&*run.signals);
     }
     const bool by_model = options_.label.method == LabelMethod::model;
-    const auto clocks = by_model ? std::vector<alignment::RobotClocks>() : alignment::robot_clocks_of(readable, options_.label.clocks);
+    const auto clocks =
+        by_model ? std::vector<alignment::RobotClocks>() : alignment::robot_clocks_of(readable, options_.label.clocks);
     const auto posteriors = by_model ? session_posteriors(readable, options_.threads) : std::vector<RunPosterior>();
     parallel_for(to_label.size(), options_.threads, [&](std::size_t n) {
       const std::size_t i = group.requested[to_label[n]];

@@ -5,33 +5,34 @@
 #include <cmath>
 #include <numeric>
 
+#include "labels/posterior/dense_transitions.hpp"
+#include "tactile/labels/posterior/run_model_numbers.hpp"
+
 namespace tactile::labels {
 namespace {
 
 TEST(RunStates, GoSomewhereFromEachStateForEachConditionOfTheArm) {
   const RunStates states(1000us);
   for (std::uint8_t arm = 0; arm < arm_conditions; ++arm) {
-    const StateTransitions& moves = states.transitions(arm);
+    const auto all = test::dense_transitions(states, arm);
     for (std::size_t from = 0; from < states.count(); ++from) {
-      const double sum = std::accumulate(moves.to_probability.begin() + moves.first_to[from],
-                                         moves.to_probability.begin() + moves.first_to[from + 1], 0.0);
+      const double sum = std::accumulate(all[from].begin(), all[from].end(), 0.0);
       EXPECT_NEAR(sum, 1, 1e-12) << "from " << from << ", arm " << int{arm};
     }
   }
 }
 
-TEST(RunStates, AreTheSameByOriginAndByTarget) {
+TEST(RunStates, AreTheSameForwardsAndBackwards) {
   const RunStates states(2000us);
-  const StateTransitions& moves = states.transitions(3);
-  ASSERT_EQ(moves.to.size(), moves.from.size());
-  std::vector<double> by_origin(states.count() * states.count(), 0.0), by_target = by_origin;
-  for (std::size_t s = 0; s < states.count(); ++s) {
-    for (std::uint32_t k = moves.first_to[s]; k < moves.first_to[s + 1]; ++k)
-      by_origin[s * states.count() + moves.to[k]] = moves.to_probability[k];
-    for (std::uint32_t k = moves.first_from[s]; k < moves.first_from[s + 1]; ++k)
-      by_target[moves.from[k] * states.count() + s] = moves.from_probability[k];
+  for (std::uint8_t arm = 0; arm < arm_conditions; ++arm) {
+    const auto all = test::dense_transitions(states, arm);
+    for (std::size_t to = 0; to < states.count(); ++to) {
+      std::vector<double> backwards(states.count(), 0.0);
+      for (const StateTransitions::Step& step : states.transitions(arm).backwards.of(to)) backwards[step.to] = step.probability;
+      for (std::size_t from = 0; from < states.count(); ++from)
+        EXPECT_NEAR(backwards[from], all[from][to], 1e-15) << from << ", " << to;
+    }
   }
-  EXPECT_EQ(by_origin, by_target);
 }
 
 TEST(RunStates, BeginUntouchedMostOften) {
@@ -46,12 +47,10 @@ TEST(RunStates, BeginUntouchedMostOften) {
 /// How likely what is held begins to slip within a bin.
 double slips_from_held(const RunStates& states, std::uint8_t arm) {
   double sum = 0;
-  const StateTransitions& moves = states.transitions(arm);
+  const auto all = test::dense_transitions(states, arm);
   for (std::size_t s = 0; s < states.count(); ++s) {
     if (states.happening_of(s) != Happening::held || states.level_of(s, arm) != 0) continue;
-    for (std::uint32_t k = moves.first_to[s]; k < moves.first_to[s + 1]; ++k) {
-      if (states.happening_of(moves.to[k]) == Happening::slip) sum += moves.to_probability[k];
-    }
+    for (std::size_t to = 0; to < states.count(); ++to) sum += states.happening_of(to) == Happening::slip ? all[s][to] : 0;
   }
   return sum;
 }
@@ -59,10 +58,22 @@ double slips_from_held(const RunStates& states, std::uint8_t arm) {
 TEST(RunStates, SlipSoonerTheFasterTheArm) {
   const RunStates states(1000us);
   EXPECT_LT(slips_from_held(states, arm_still), 1e-4);
-  for (std::uint8_t faster = 4; arm_moves(faster); ++faster)
+  for (std::uint8_t faster = 2; faster <= arm_speeds.size(); ++faster)
     EXPECT_GT(slips_from_held(states, faster), slips_from_held(states, faster - 1));
-  EXPECT_NEAR(slips_from_held(states, 5), 0.9 * (1 - std::exp(-25 / 0.12 / 1000)), 0.002)
-      << "25 mm/s for 1 ms, of a slack of 0.12 mm";
+  EXPECT_NEAR(slips_from_held(states, 5), numbers::slips * (1 - std::exp(-25 / numbers::slack_mm / 1000)), 0.002)
+      << "25 mm/s for 1 ms";
+}
+
+TEST(RunStates, SlipAtOnceWithoutSlackWhateverTheBin) {
+  for (const microseconds bin : {1000us, 8000us}) {
+    const double slips = slips_from_held(RunStates(bin), arm_starts);
+    EXPECT_NEAR(slips, numbers::slips * numbers::without_slack, 0.05) << bin.count();
+  }
+}
+
+TEST(RunStates, SlipWhereAFilmShowsMotion) {
+  const RunStates states(1000us);
+  EXPECT_GT(slips_from_held(states, film_moves), 50 * slips_from_held(states, film_still));
 }
 
 TEST(RunStates, FollowTheArmsSpeedWhileTheSkinIsSheared) {

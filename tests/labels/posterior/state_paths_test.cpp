@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "labels/posterior/dense_transitions.hpp"
+
 namespace tactile::labels {
 namespace {
 
@@ -46,11 +48,9 @@ struct Dense {
     };
     const auto matrix = [&](std::size_t b) {
       std::vector<long double> all(count * count, 0.0L);
-      const StateTransitions& moves = states.transitions(arm[b]);
-      for (std::size_t s = 0; s < count; ++s) {
-        for (std::uint32_t k = moves.first_to[s]; k < moves.first_to[s + 1]; ++k)
-          all[s * count + moves.to[k]] = moves.to_probability[k];
-      }
+      const auto dense = test::dense_transitions(states, arm[b]);
+      for (std::size_t s = 0; s < count; ++s)
+        std::copy(dense[s].begin(), dense[s].end(), all.begin() + static_cast<std::ptrdiff_t>(s * count));
       return all;
     };
     std::vector<std::vector<long double>> forward(bins, std::vector<long double>(count, 0.0L));

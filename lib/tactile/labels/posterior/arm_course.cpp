@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "tactile/alignment/film_motions.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::labels {
@@ -15,7 +16,7 @@ constexpr std::int64_t longest_start_us = 60'000;  // before the speed stands ou
 constexpr std::size_t shortest_steps = 3;
 constexpr double least_speed = 0.3;  // [mm/s]
 constexpr double clearly = 0.1;      // of the highest speed
-constexpr double rings = 0.08;       // of the highest speed: an arm that has stopped may be so fast
+constexpr double rings = 0.02;       // of the highest speed: an arm that has stopped may be so fast
 
 std::uint8_t condition_of_speed(double mm_per_s) {
   std::uint8_t condition = 1;
@@ -71,33 +72,40 @@ ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
       if (speed[i] > moving) last = i;
     }
     const std::size_t stop = stop_of(std::span(speed).subspan(first, last - first + 1), moving) + first;
-    if (stop - first >= shortest_steps) add_move(std::span(speed).subspan(first, stop - first + 1), first, moving);
+    if (stop - first >= shortest_steps) add_move(std::span(speed).subspan(first, stop - first + 1), first);
     first = last;
   }
 }
 
+ArmCourse::ArmCourse(const alignment::MotionEnergy& film)
+    : begin_(microseconds{us_of(film.begin())}), end_(microseconds{us_of(film.end())}), step_(film.median_step) {
+  constexpr std::size_t most = 64;
+  for (const alignment::FilmedMotion& motion : alignment::filmed_motions(film, most))
+    moves_.push_back({us_of(motion.start.low), us_of(motion.end.high)});
+}
+
 /// From rest, an arm speeds up about as t^2, because its acceleration is smoothed: the root of the speed is a line to its start.
 /// @param speed  from where it stands out of the log's noise. @return  the steps from the start to there
-double ArmCourse::steps_unseen(std::span<const double> speed, double moving) const {
+double ArmCourse::steps_unseen(std::span<const double> speed) const {
   const double highest = *std::max_element(speed.begin(), speed.end());
   std::size_t faster = 0;
-  while (faster + 1 < speed.size() && speed[faster] < std::min(0.3 * highest, 4 * moving)) ++faster;
+  while (faster + 1 < speed.size() && speed[faster] < std::min(0.3 * highest, 4 * speed[0])) ++faster;
   const double rise = std::sqrt(std::max(speed[faster], speed[0] + 1e-9)) - std::sqrt(speed[0]);
   return std::min(static_cast<double>(longest_start_us) / static_cast<double>(step_.count()),
                   std::max(1.0, static_cast<double>(faster) * std::sqrt(speed[0]) / rise));
 }
 
-void ArmCourse::add_move(std::span<const double> speed, std::size_t first, double moving) {
+void ArmCourse::add_move(std::span<const double> speed, std::size_t first) {
   const auto part_at = [](std::size_t i, double steps) {
     const double part = std::max(0.0, 1 - static_cast<double>(i) / steps);
     return part * part;
   };
   const std::size_t last = first + speed.size() - 1;
-  const double before = steps_unseen(speed, moving);
+  const double before = steps_unseen(speed);
   for (std::size_t i = 1; i <= std::min(first, static_cast<std::size_t>(std::ceil(before))); ++i)
     speed_[first - i] = static_cast<float>(std::max(least_speed, speed.front() * part_at(i, before)));
   const std::vector<double> backwards(speed.rbegin(), speed.rend());
-  const double after = steps_unseen(backwards, moving);
+  const double after = steps_unseen(backwards);
   for (std::size_t i = 1; i <= std::min(speed_.size() - 1 - last, static_cast<std::size_t>(std::ceil(after))); ++i)
     speed_[last + i] = static_cast<float>(std::max(least_speed, speed.back() * part_at(i, after)));
   for (std::size_t i = 0; i < speed.size(); ++i) speed_[first + i] = static_cast<float>(speed[i]);
@@ -116,7 +124,8 @@ std::vector<alignment::CameraSpan> ArmCourse::moves_at(std::int64_t offset_us) c
 double ArmCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   double count = 0;
   for (const Move& move : moves_) {
-    for (const std::int64_t at : {move.start_us + offset_us, move.end_us + offset_us}) count += at < us_of(first) || at > us_of(last);
+    for (const std::int64_t at : {move.start_us + offset_us, move.end_us + offset_us})
+      count += at < us_of(first) || at > us_of(last);
   }
   return count;
 }
@@ -127,19 +136,25 @@ std::vector<std::uint8_t> ArmCourse::conditions(CameraTime first, microseconds b
   // The middle of bin 0 on the robot's clock.
   const std::int64_t at_0 = saturating_subtract(us_of(first), offset_us) + bin.count() / 2;
   const auto bin_at = [&](std::int64_t robot_us) { return (robot_us - at_0 + bin.count() - 1) / bin.count(); };
-  const auto limited = [&](std::int64_t b) {
-    return static_cast<std::size_t>(std::clamp<std::int64_t>(b, 0, static_cast<std::int64_t>(bins)));
-  };
-  for (const Move& move : moves_) {
-    for (std::size_t b = limited(bin_at(move.end_us)); b < limited(bin_at(move.end_us + stopped_for_us)); ++b)
-      conditions[b] = arm_stopped;
+  const auto limited = [&](std::int64_t b) { return std::clamp<std::int64_t>(b, 0, static_cast<std::int64_t>(bins)); };
+  if (is_of_film()) {
+    std::fill(conditions.begin(), conditions.end(), arm_unknown);
+    std::fill(conditions.begin() + limited(bin_at(us_of(begin_))), conditions.begin() + limited(bin_at(us_of(end_))), film_still);
+    for (const Move& move : moves_)
+      std::fill(conditions.begin() + limited(bin_at(move.start_us)), conditions.begin() + limited(bin_at(move.end_us)),
+                film_moves);
+    return conditions;
   }
   for (const Move& move : moves_) {
-    for (std::size_t b = limited(bin_at(move.start_us)); b < limited(bin_at(move.end_us)); ++b) {
-      const std::int64_t since = at_0 + static_cast<std::int64_t>(b) * bin.count() - us_of(begin_);
+    std::fill(conditions.begin() + limited(bin_at(move.end_us)),
+              conditions.begin() + limited(bin_at(move.end_us + stopped_for_us)), arm_stopped);
+  }
+  for (const Move& move : moves_) {
+    for (std::int64_t b = limited(bin_at(move.start_us)); b < limited(bin_at(move.end_us)); ++b) {
+      const std::int64_t since = at_0 + b * bin.count() - us_of(begin_);
       const auto i = static_cast<std::size_t>(
           std::clamp<std::int64_t>(since / step_.count(), 0, static_cast<std::int64_t>(speed_.size()) - 1));
-      conditions[b] = condition_of_speed(speed_[i]);
+      conditions[static_cast<std::size_t>(b)] = condition_of_speed(speed_[i]);
     }
     const std::int64_t begins = bin_at(move.start_us);
     if (begins >= 0 && begins < static_cast<std::int64_t>(bins)) conditions[static_cast<std::size_t>(begins)] = arm_starts;

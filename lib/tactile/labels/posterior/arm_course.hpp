@@ -10,11 +10,14 @@
 
 namespace tactile::labels {
 
-/// The speed of the arm against time on the robot's clock, 0 where it rests.
+/// The speed of the arm against time on the robot's clock, 0 where it rests. Or, without a log, when a film shows any motion, on
+/// the film's clock.
 class ArmCourse {
  public:
   explicit ArmCourse(const alignment::ArmMotion& motion);
+  explicit ArmCourse(const alignment::MotionEnergy& film);
 
+  bool is_of_film() const { return speed_.empty(); }
   RobotTime begin() const { return begin_; }  ///< of what is known
   RobotTime end() const { return end_; }
   bool moves_at_all() const { return !moves_.empty(); }
@@ -30,10 +33,10 @@ class ArmCourse {
 
  private:
   struct Move {
-    std::int64_t start_us, end_us;  ///< on the robot's clock
+    std::int64_t start_us, end_us;  ///< on the course's own clock
   };
-  double steps_unseen(std::span<const double> speed, double moving) const;
-  void add_move(std::span<const double> speed, std::size_t first, double moving);
+  double steps_unseen(std::span<const double> speed) const;
+  void add_move(std::span<const double> speed, std::size_t first);
 
   RobotTime begin_{}, end_{};
   microseconds step_{};

@@ -107,11 +107,11 @@ std::optional<LikelyTouch> take_likeliest(std::vector<std::vector<Stretch>>& of_
   const std::size_t from = most - std::min(most, 2 * near);
   const auto until = std::max(most + near, static_cast<std::size_t>(std::max(0.0, value_of_rank(ends, ends.size() / 2))));
   for (std::vector<Stretch>& touches : of_paths) {
-    std::erase_if(touches, [&](const Stretch& one) {
-      return one.happening == happening && one.begin >= from && one.begin <= until;
-    });
+    std::erase_if(touches,
+                  [&](const Stretch& one) { return one.happening == happening && one.begin >= from && one.begin <= until; });
   }
-  return LikelyTouch{happening == Happening::press ? Touch::press : Touch::slip, share, time_of(starts, sample), time_of(ends, sample)};
+  return LikelyTouch{happening == Happening::press ? Touch::press : Touch::slip, share, time_of(starts, sample),
+                     time_of(ends, sample)};
 }
 
 }  // namespace

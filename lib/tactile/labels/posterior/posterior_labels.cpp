@@ -5,7 +5,6 @@
 #include "tactile/alignment/film_motions.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/labels/film_clock.hpp"
-#include "tactile/labels/posterior/run_model_numbers.hpp"
 #include "tactile/labels/stage_presses.hpp"
 
 namespace tactile::labels {
@@ -24,9 +23,10 @@ LabelledInterval interval_of(const LikelyTouch& touch) {
           .probability = touch.probability};
 }
 
-std::vector<LabelFlag> flags_of(const LikelyTouch& touch, std::size_t index, CameraTime recorded_from) {
+std::vector<LabelFlag> flags_of(const LikelyTouch& touch, std::size_t index, CameraTime recorded_from,
+                                const DoubtLimits& limits) {
   std::vector<LabelFlag> flags;
-  if (touch.probability < numbers::sure) {
+  if (touch.probability < limits.least_probability) {
     flags.push_back(
         flag_of(doubt("class-unsure", "it is a {} with a probability of {:.0f} %", name_of(touch.touch), 100 * touch.probability),
                 index));
@@ -34,7 +34,7 @@ std::vector<LabelFlag> flags_of(const LikelyTouch& touch, std::size_t index, Cam
   if (touch.start.at < after(recorded_from, at_the_beginning)) {
     flags.push_back(
         flag_of(doubt("onset-unrecorded", "the recording begins within it: its onset lies before the first event"), index));
-  } else if (const double width_ms = in_ms(between(touch.start.low, touch.start.high)); width_ms > numbers::widest_onset_ms) {
+  } else if (const double width_ms = in_ms(between(touch.start.low, touch.start.high)); width_ms > limits.widest_onset_ms) {
     flags.push_back(flag_of(doubt("onset-wide", "its onset is known within {:.0f} ms", width_ms), index));
   }
   return flags;
@@ -47,7 +47,7 @@ LabelFlag flag_of_unlabelled(const LikelyTouch& touch, CameraTime recorded_from)
 
 alignment::FittedClock clock_of(const LikelyOffset& offset) {
   alignment::FittedClock clock;
-  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = us_of(offset.first_stamp)};
+  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = offset.first_stamp_us};
   clock.offset_low_us = offset.low_us;
   clock.offset_high_us = offset.high_us;
   clock.anchors = 1;
@@ -65,12 +65,18 @@ class Witnesses {
     if (!posterior.robot) return;
     labels.robot_clocks.push_back(clock_of(*posterior.robot));
     for (std::size_t i = 0; i < signals.robot.size(); ++i) {
-      if (signals.robot[i].log.states.front().t == posterior.robot->first_stamp) clocks_.pieces[i] = labels.robot_clocks.front();
+      if (us_of(signals.robot[i].log.states.front().t) == posterior.robot->first_stamp_us)
+        clocks_.pieces[i] = labels.robot_clocks.front();
     }
   }
 
   void relate_film(const alignment::VideoClockOptions& options) {
     if (!signals_.video) return;
+    if (posterior_.film) {
+      labels_.video_clock = clock_of(*posterior_.film);
+      motions_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
+      return;
+    }
     alignment::VideoClockFit fit = fit_film_clock(signals_, clocks_, options);
     if (!fit.contradiction.empty()) {
       labels_.flags.push_back(flag_of(fit.contradiction));
@@ -86,8 +92,8 @@ class Witnesses {
   void testify(LabelledInterval& interval) const {
     const bool is_press = interval.touch == Touch::press;
     interval.evidence.robot = is_press ? stage_command(signals_, clocks_, interval.start.at) : start_of_lift(interval);
-    const auto filmed = is_press ? filmed_stage(interval.start)
-                                 : alignment::video_start_near(motions_, interval.start, longest_disagreement);
+    const auto filmed =
+        is_press ? filmed_stage(interval.start) : alignment::video_start_near(motions_, interval.start, longest_disagreement);
     if (filmed) interval.evidence.video = filmed->at;
   }
 
@@ -118,7 +124,7 @@ class Witnesses {
 
 }  // namespace
 
-Labels posterior_labels(const alignment::RunSignals& signals, const RunPosterior& posterior,
+Labels posterior_labels(const alignment::RunSignals& signals, const RunPosterior& posterior, const DoubtLimits& limits,
                         const alignment::VideoClockOptions& film) {
   Labels labels;
   for (const Doubt& problem : signals.problems) labels.flags.push_back(flag_of(problem));
@@ -127,9 +133,9 @@ Labels posterior_labels(const alignment::RunSignals& signals, const RunPosterior
   witnesses.relate_film(film);
   for (const LikelyTouch& touch : posterior.touches) {
     if (touch.probability >= 0.5) {
-      std::ranges::move(flags_of(touch, labels.intervals.size(), signals.rate.begin), std::back_inserter(labels.flags));
+      std::ranges::move(flags_of(touch, labels.intervals.size(), signals.rate.begin, limits), std::back_inserter(labels.flags));
       witnesses.testify(labels.intervals.emplace_back(interval_of(touch)));
-    } else if (touch.probability > 1 - numbers::sure) {
+    } else if (touch.probability > 1 - limits.least_probability) {
       labels.flags.push_back(flag_of_unlabelled(touch, signals.rate.begin));
     }
   }

@@ -10,7 +10,7 @@ namespace tactile::labels {
 namespace {
 
 constexpr std::size_t coarse_bins = 8;
-constexpr double negligible = 12;  // [nats] below the likeliest offset
+constexpr double negligible = 12, negligible_at_end = 7;  // [nats] below the likeliest offset
 
 /// The evidence of several bins together.
 std::vector<double> joined(std::span<const double> values, std::size_t width) {
@@ -22,15 +22,20 @@ std::vector<double> joined(std::span<const double> values, std::size_t width) {
   return sums;
 }
 
-/// A finer grid, within `around` of the likely offsets.
+/// A finer grid, within `around` of the likely offsets: of at most `most`, and at most a third of them within 100 ms, since where
+/// all offsets are alike they must not hide another possibility.
 std::vector<std::int64_t> refined(std::vector<WeighedOffset> likely, std::int64_t around_us, std::int64_t step_us,
-                                  std::size_t most) {
+                                  std::size_t most, double less = negligible) {
+  constexpr std::int64_t near_us = 100'000;
   std::stable_sort(likely.begin(), likely.end(),
                    [](const WeighedOffset& a, const WeighedOffset& b) { return a.log_weight > b.log_weight; });
-  std::vector<std::int64_t> finer;
-  for (std::size_t i = 0; i < std::min(most, likely.size()); ++i) {
-    if (likely[i].log_weight < likely.front().log_weight - negligible) break;
-    for (std::int64_t d = -around_us; d <= around_us; d += step_us) finer.push_back(likely[i].us + d);
+  std::vector<std::int64_t> chosen, finer;
+  for (const WeighedOffset& one : likely) {
+    if (chosen.size() == most || one.log_weight < likely.front().log_weight - less) break;
+    const auto is_near = [&](std::int64_t us) { return std::abs(us - one.us) <= near_us; };
+    if (3 * static_cast<std::size_t>(std::count_if(chosen.begin(), chosen.end(), is_near)) >= most) continue;
+    chosen.push_back(one.us);
+    for (std::int64_t d = -around_us; d <= around_us; d += step_us) finer.push_back(one.us + d);
   }
   std::sort(finer.begin(), finer.end());
   finer.erase(std::unique(finer.begin(), finer.end()), finer.end());
@@ -58,19 +63,20 @@ double log_density(std::span<const WeighedOffset> offsets, double us) {
 }
 
 RobotOffsets::RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states)
-    : signals_(signals),
-      counts_(counts),
-      states_(states),
-      coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)) {
+    : signals_(signals), counts_(counts), states_(states), coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)) {
   for (const alignment::RobotPiece& piece : signals.robot) {
     if (piece_ == nullptr || piece.log.states.size() > piece_->log.states.size()) piece_ = &piece;
   }
-  const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt;
-  if (!motion) return;
-  arm_.emplace(*motion);
-  if (!arm_->moves_at_all()) arm_.reset();
-  if (arm_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
-  if (imu_ && imu_->empty()) imu_.reset();
+  if (const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt) {
+    arm_.emplace(*motion);
+    if (!arm_->moves_at_all()) arm_.reset();
+    if (arm_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+    if (imu_ && imu_->empty()) imu_.reset();
+  }
+  if (!arm_ && signals.video && !signals.video->steps.empty()) {
+    arm_.emplace(*signals.video);
+    if (!arm_->moves_at_all()) arm_.reset();
+  }
 }
 
 std::vector<std::uint8_t> RobotOffsets::conditions_at(std::int64_t offset_us) const {
@@ -80,8 +86,9 @@ std::vector<std::uint8_t> RobotOffsets::conditions_at(std::int64_t offset_us) co
 /// Offsets that the log may have before its content is looked at.
 std::pair<std::int64_t, std::int64_t> RobotOffsets::possible() const {
   constexpr std::int64_t recorders_apart_us = 3'000'000;
-  if (const auto& known = signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())])
-    return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
+  const auto known =
+      arm_->is_of_film() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
+  if (known) return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
   const std::int64_t at_begin = us_of(signals_.rate.begin) - us_of(arm_->begin());
   const std::int64_t longer =
       (us_of(arm_->end()) - us_of(arm_->begin())) - (us_of(signals_.rate.last) - us_of(signals_.rate.begin));
@@ -90,8 +97,9 @@ std::pair<std::int64_t, std::int64_t> RobotOffsets::possible() const {
 
 std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
   std::vector<WeighedOffset> weighed(offsets.size());
-  std::transform(offsets.begin(), offsets.end(), weighed.begin(),
-                 [this](std::int64_t us) { return WeighedOffset{us, imu_at(us)}; });
+  std::transform(offsets.begin(), offsets.end(), weighed.begin(), [this](std::int64_t us) {
+    return WeighedOffset{us, imu_at(us)};
+  });
   return weighed;
 }
 
@@ -101,7 +109,7 @@ std::vector<WeighedOffset> RobotOffsets::weighed(const Offsets& offsets, const B
   for (WeighedOffset& one : weighed) {
     const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
     one.log_weight += arm_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
-    one.log_weight += numbers::counted * filtered(states, likelihoods, conditions, false).log_evidence;
+    one.log_weight += (imu_ ? numbers::counted : 1) * filtered(states, likelihoods, conditions, false).log_evidence;
   }
   return weighed;
 }
@@ -116,8 +124,7 @@ std::vector<WeighedOffset> RobotOffsets::with_imu_between(const std::vector<Weig
   return finer;
 }
 
-void RobotOffsets::search(std::span<const double> evidence, std::span<const double> pattern) {
-  const BinLikelihoods likelihoods(evidence, pattern);
+void RobotOffsets::search(std::span<const double> evidence, std::span<const double> pattern, bool is_last) {
   const BinLikelihoods coarse(joined(evidence, motion_levels.size()),
                               pattern.empty() ? std::vector<double>() : joined(pattern, happenings));
   const auto weighed_coarsely = [&](const Offsets& us) {
@@ -131,21 +138,23 @@ void RobotOffsets::search(std::span<const double> evidence, std::span<const doub
     for (std::int64_t us = low; us <= high; us += step) grid.push_back(us);
     offsets = weighed_coarsely(grid);
     if (imu_) offsets = with_imu_between(offsets, step);
-    offsets = weighed_coarsely(refined(std::move(offsets), imu_ ? 8'000 : step - 8'000, 8'000, 12));
+    offsets = weighed_coarsely(refined(std::move(offsets), imu_ ? 8'000 : step - 8'000, 8'000, 15));
   } else {
     for (WeighedOffset& one : offsets) one.us = one.us / 8'000 * 8'000;
-    offsets = weighed_coarsely(refined(std::move(offsets), 24'000, 8'000, 6));
+    offsets = weighed_coarsely(refined(std::move(offsets), 24'000, 8'000, 12));
   }
-  if (imu_) offsets = by_imu(refined(std::move(offsets), 8'000, 1'000, 5));
-  likely_ = weighed(imu_ ? refined(std::move(offsets), 0, 1'000, 15) : refined(std::move(offsets), 4'000, 4'000, 12), likelihoods,
-                    states_, counts_.bin);
+  likely_ = std::move(offsets);
+  if (!is_last) return;
+  const auto fine = imu_ ? refined(by_imu(refined(std::move(likely_), 8'000, 1'000, 5)), 0, 1'000, 15)
+                         : refined(std::move(likely_), 0, 8'000, 60, negligible_at_end);
+  likely_ = weighed(fine, BinLikelihoods(evidence, pattern), states_, counts_.bin);
 }
 
 void RobotOffsets::consider(std::span<const WeighedOffset> prior, std::span<const double> evidence,
                             std::span<const double> pattern) {
   if (prior.empty() || !arm_) return;
   const BinLikelihoods likelihoods(evidence, pattern);
-  const std::int64_t step = imu_ ? 1'000 : 4'000;
+  const std::int64_t step = imu_ ? 1'000 : 8'000;
   const auto on_grid = [&](std::int64_t us) { return likely_.front().us + (us - likely_.front().us) / step * step; };
   Offsets others;
   for (const WeighedOffset& one : prior) others.push_back(on_grid(one.us));

@@ -28,7 +28,7 @@ class RobotOffsets {
   /// @param signals, counts, states  of the run; they must live as long
   RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states);
 
-  /// Nothing if there is no log, or the arm rests.
+  /// By the log; by the film if there is no log, or the arm rests in it; nothing if nothing moves there.
   const std::optional<ArmCourse>& arm() const { return arm_; }
   const alignment::RobotPiece* piece() const { return piece_; }
   bool has_imu() const { return imu_.has_value(); }
@@ -36,8 +36,8 @@ class RobotOffsets {
   std::vector<std::uint8_t> conditions_at(std::int64_t offset_us) const;
 
   /// Sets `likely`: by all possible offsets the first time, then near those that were likely.
-  /// @param evidence, pattern  as for `BinLikelihoods`
-  void search(std::span<const double> evidence, std::span<const double> pattern);
+  /// @param evidence, pattern  as for `BinLikelihoods`  @param is_last  weighs them by bins of 1 ms, not of 8 ms
+  void search(std::span<const double> evidence, std::span<const double> pattern, bool is_last);
   /// Adds offsets that other runs make likely, and multiplies all weights by what these runs say.
   /// @param prior  densities of 4 ms standard deviation, normalised
   void consider(std::span<const WeighedOffset> prior, std::span<const double> evidence, std::span<const double> pattern);

@@ -44,19 +44,27 @@ RunInference::RunInference(const alignment::RunSignals& signals)
       evidence_(motion_evidence(counts_, rates_)),
       sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
   for (int round = 0; round < 2; ++round) {
-    if (robot_.arm()) robot_.search(evidence_, pattern_);
+    if (robot_.arm()) robot_.search(evidence_, pattern_, false);
     draw(paths_of_round);
     learn();
     evidence_ = motion_evidence(counts_, rates_);
   }
-  if (robot_.arm()) robot_.search(evidence_, pattern_);
+  if (robot_.arm()) robot_.search(evidence_, pattern_, true);
 }
 
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
   robot_.consider(prior, evidence_, pattern_);
   draw(paths_at_end);
-  RunPosterior posterior{.touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = offset(), .arm_moves = {}};
-  if (posterior.robot) posterior.arm_moves = robot_.arm()->moves_at(posterior.robot->median_us);
+  RunPosterior posterior{
+      .touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = {}, .film = {}, .arm_moves = {}};
+  if (!robot_.arm()) return posterior;
+  const LikelyOffset found = offset();
+  if (robot_.arm()->is_of_film()) {
+    posterior.film = found;
+  } else {
+    posterior.robot = found;
+    posterior.arm_moves = robot_.arm()->moves_at(found.median_us);
+  }
   return posterior;
 }
 
@@ -102,16 +110,18 @@ void RunInference::learn() {
   pattern_ = pattern_evidence(counts_, bin_of(press->start.at), std::min(counts_.bins(), bin_of(press->end.at) + 1), moves);
 }
 
-std::optional<LikelyOffset> RunInference::offset() const {
-  if (!robot_.arm()) return std::nullopt;
+LikelyOffset RunInference::offset() const {
   std::vector<std::int64_t> sorted;
   Random random(3);
   sample_.for_all_paths([&](const Path&, const DrawnPaths& drawn) {
-    sorted.push_back(drawn.offset_us - (robot_.has_imu() ? std::llround(numbers::imu_lag_us * random.uniform()) : 0));
+    const double late_us = robot_.has_imu() ? numbers::imu_lag_us * random.uniform() : numbers::arm_to_skin_us * random.normal();
+    sorted.push_back(drawn.offset_us - std::llround(late_us));
   });
   std::sort(sorted.begin(), sorted.end());
   const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
-  return LikelyOffset{at(0.5), at(0.025) - 1000, at(0.975) + 1000, robot_.piece()->log.states.front().t};
+  const std::int64_t first_stamp_us =
+      robot_.arm()->is_of_film() ? us_of(robot_.arm()->begin()) : us_of(robot_.piece()->log.states.front().t);
+  return {at(0.5), at(0.025) - 1000, at(0.975) + 1000, first_stamp_us};
 }
 
 }  // namespace tactile::labels

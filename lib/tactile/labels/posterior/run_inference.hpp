@@ -32,7 +32,7 @@ class RunInference {
  private:
   void draw(std::size_t count);
   void learn();
-  std::optional<LikelyOffset> offset() const;
+  LikelyOffset offset() const;
 
   const alignment::RunSignals& signals_;
   PlaceCounts counts_;

@@ -8,10 +8,10 @@ namespace tactile::labels::numbers {
 
 inline constexpr double slack_mm = 0.12;  ///< way of the arm until it shears the skin, mean: play and compliance of the mount
 inline constexpr double without_slack = 0.25;  ///< of the mounts: they have no play, and the skin shears at once
-inline constexpr double start_shakes = 0.2;  ///< of the lifts, those whose start shakes the skin before it shears
-inline constexpr double gain_grows_s = 0.020;   ///< until more of the skin follows: a factor of three in events
-inline constexpr double follows_arm_s = 0.03;   ///< shear follows the arm for this long, mean; then tips begin to slip
-inline constexpr double slips = 0.9;            ///< share of the lifts in which the object slips
+inline constexpr double start_shakes = 0.2;    ///< of the lifts, those whose start shakes the skin before it shears
+inline constexpr double gain_grows_s = 0.020;  ///< until more of the skin follows: a factor of three in events
+inline constexpr double follows_arm_s = 0.03;  ///< shear follows the arm for this long, mean; then tips begin to slip
+inline constexpr double slips = 0.94;          ///< share of the lifts in which the object slips
 
 /// Of the level at which a motion begins, in the order of `motion_levels`: a fifth causes no event at first.
 inline constexpr std::array<double, 9> first_level{0.20, 0.08, 0.10, 0.11, 0.12, 0.13, 0.12, 0.09, 0.05};
@@ -26,10 +26,9 @@ inline constexpr double creep_s = 0.1;                                     ///< 
 
 inline constexpr double changes_unrecorded = 0.05;  ///< of the starts and stops of an arm, those outside the recording
 inline constexpr double counted = 0.5;  ///< part of the evidence on the robot's clock: the model's motions are not exact
-inline constexpr double imu_lag_us = 2'000;  ///< most that the IMU's own filter delays it
+inline constexpr double arm_to_skin_us = 12'000;  ///< standard deviation of the time that the skin follows the arm by
+inline constexpr double imu_lag_us = 2'000;       ///< most that the IMU's own filter delays it
 
 inline constexpr double end_known_ms = 6;  ///< standard deviation of what is the end of a motion that fades
-inline constexpr double sure = 0.9;            ///< a touch that is less probable is flagged
-inline constexpr double widest_onset_ms = 80;  ///< an onset whose 95 % interval is wider is flagged
 
 }  // namespace tactile::labels::numbers

@@ -10,7 +10,7 @@ namespace tactile::labels {
 namespace {
 
 OffsetsOfRun offsets_of(const RobotOffsets& robot) {
-  if (!robot.arm()) return {};
+  if (!robot.arm() || robot.arm()->is_of_film()) return {};
   OffsetsOfRun run{.at = robot.arm()->begin() + (robot.arm()->end() - robot.arm()->begin()) / 2, .offsets = robot.likely()};
   normalise(run.offsets);
   return run;

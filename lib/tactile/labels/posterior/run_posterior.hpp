@@ -12,14 +12,15 @@ namespace tactile::labels {
 /// An offset of a clock, the camera's time less the other one's [us].
 struct LikelyOffset {
   std::int64_t median_us = 0, low_us = 0, high_us = 0;
-  RobotTime first_stamp{};  ///< of the piece of the log
+  std::int64_t first_stamp_us = 0;  ///< on that clock, of the piece of the log or of the film
 };
 
 /// What is known about a run from its signals.
 struct RunPosterior {
-  std::vector<LikelyTouch> touches;     ///< those with a probability of at least 0.05, by start
-  std::vector<TouchInterval> releases;  ///< more likely than not, by start
-  std::optional<LikelyOffset> robot;    ///< of the longest piece of the log
+  std::vector<LikelyTouch> touches;              ///< those with a probability of at least 0.05, by start
+  std::vector<TouchInterval> releases;           ///< more likely than not, by start
+  std::optional<LikelyOffset> robot;             ///< of the longest piece of the log
+  std::optional<LikelyOffset> film;              ///< where no log relates it
   std::vector<alignment::CameraSpan> arm_moves;  ///< of that piece, by time
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <span>
 
 #include "tactile/labels/posterior/run_model_numbers.hpp"
 
@@ -74,10 +74,38 @@ double shear_rate(std::size_t arm, double bin_s) {
   return arm_speeds[arm - 1] / numbers::slack_mm;
 }
 
+/// How often per second one happening ends in another, if a film shows whether anything moves.
+Rates rates_in_film(const State& from, bool moves) {
+  const bool calm = from.level <= 2;
+  switch (from.happening) {
+    case H::untouched:
+      return {{H::press, moves ? 2 : 0.05}, {H::knock, moves ? 0.2 : 0.04}};
+    case H::held:
+      if (moves)
+        return {{H::slip, 3 * numbers::slips},
+                {H::firm_shear, 3 * (1 - numbers::slips)},
+                {H::disturbance, 0.1},
+                {H::press, 0.05},
+                {H::release, 1},
+                {H::untouched, 0.02}};
+      return {{H::slip, 0.02}, {H::disturbance, 0.15}, {H::press, 0.01}, {H::release, 0.05}, {H::untouched, 0.02}};
+    case H::carried:
+      if (moves) return {{H::slip, 0.2}, {H::disturbance, 0.2}, {H::release, 0.5}, {H::untouched, 0.1}, {H::held, 0.1}};
+      return {{H::slip, 0.02}, {H::disturbance, 0.3}, {H::release, 0.05}, {H::untouched, 0.02}, {H::held, 2}};
+    case H::slip:
+      return {{H::carried, (calm ? 1 : 0.3) * (moves ? 0.5 : 20)}, {H::untouched, 0.1}, {H::release, 0.2}};
+    default:
+      return {};
+  }
+}
+
 /// How often per second one happening ends in another.
 Rates rates_from(const State& from, std::size_t arm, double bin_s) {
   const bool calm = from.level <= 2, moves = arm_moves(arm), stopped = arm == arm_stopped, unknown = arm == arm_unknown;
   const double sheared = shear_rate(arm, bin_s);
+  if (arm == film_still || arm == film_moves) {
+    if (Rates rates = rates_in_film(from, arm == film_moves); !rates.empty()) return rates;
+  }
   switch (from.happening) {
     case H::untouched:
       return {{H::press, moves ? 0.02 : 0.5}, {H::knock, moves || stopped ? 0.5 : 0.04}};
@@ -126,18 +154,33 @@ class Builder {
   Builder(microseconds bin, std::vector<State> states)
       : bin_s_(1e-6 * static_cast<double>(bin.count())), states_(std::move(states)) {}
 
-  StateTransitions transitions(std::size_t arm) const {
+  StateTransitions transitions(std::size_t arm) {
     const std::size_t count = states_.size();
-    std::vector<double> all(count * count, 0.0);
+    entries_.clear();
+    constexpr std::size_t most_entries = StateTransitions::most_entries;
+    std::vector<double> all(count * count, 0.0), left(count * most_entries, 0.0);
+    StateTransitions made;
     for (std::size_t from = 0; from < count; ++from) {
-      double stays = 1;
-      const auto go = [&](const State& to, double probability) {
-        if (probability > 0) all[from * count + index_of(to)] += probability;
-      };
-      leave(states_[from], arm, stays, go);
-      wander(states_[from], [&](const State& to, double probability) { go(to, stays * probability); });
+      const auto row = std::span(all).subspan(from * count, count),
+                 entries = std::span(left).subspan(from * most_entries, most_entries);
+      const double stays = leave(states_[from], arm, row, entries);
+      wander(states_[from], [&](const State& to, double probability) { row[index_of(to)] += stays * probability; });
+      made.within.add_row(row);
+      made.leaving.add_row(entries);
     }
-    return sparse(all, count);
+    for (const Entry& entry : entries_) made.entering.add_row(entry.to);
+    for (std::size_t from = 0; from < count; ++from) {
+      for (std::size_t e = 0; e < entries_.size(); ++e) {
+        const double share = left[from * most_entries + e];
+        for (std::size_t to = 0; share > 0 && to < count; ++to) all[from * count + to] += share * entries_[e].to[to];
+      }
+    }
+    std::vector<double> column(count);
+    for (std::size_t to = 0; to < count; ++to) {
+      for (std::size_t from = 0; from < count; ++from) column[from] = all[from * count + to];
+      made.backwards.add_row(column);
+    }
+    return made;
   }
 
   std::size_t index_of(const State& state) const {
@@ -151,64 +194,81 @@ class Builder {
  private:
   double within_bin(double mean_s) const { return 1 - std::exp(-bin_s_ / mean_s); }
 
-  /// To other happenings and phases. @param stays  what remains
-  template <class Go>
-  void leave(const State& from, std::size_t arm, double& stays, Go go) const {
-    std::vector<std::pair<State, double>> rates;
-    const auto add = [&](const State& to, double rate) { rates.emplace_back(to, rate); };
-    const bool moves = arm_moves(arm);
+  /// Where a happening or a phase of it begins: a distribution of states.
+  struct Entry {
+    H happening;
+    Phase phase;
+    std::vector<double> to;
+  };
+
+  /// The entry with this happening and phase; a new one if there is none yet. @param fill  sets the probability of each state
+  template <class Fill>
+  std::size_t entry_of(H happening, Phase phase, Fill fill) {
+    for (std::size_t e = 0; e < entries_.size(); ++e) {
+      if (entries_[e].happening == happening && entries_[e].phase == phase) return e;
+    }
+    Entry& entry = entries_.emplace_back(Entry{happening, phase, std::vector<double>(states_.size(), 0.0)});
+    fill([&](const State& state, double probability) { entry.to[index_of(state)] += probability; });
+    return entries_.size() - 1;
+  }
+
+  /// To other happenings and phases. @param row  by state  @param entries  by entry. @return  the probability to stay
+  double leave(const State& from, std::size_t arm, std::span<double> row, std::span<double> entries) {
+    std::vector<std::pair<double*, double>> rates;
+    const auto add = [&](std::size_t entry, double rate) { rates.emplace_back(&entries[entry], rate); };
+    const auto add_state = [&](const State& to, double rate) { rates.emplace_back(&row[index_of(to)], rate); };
+    const bool moves = arm_moves(arm), calm = from.level <= 2;
     if (from.phase == Phase::rising || from.phase == Phase::following) {
       if (follows_arm(from))
-        add({from.happening, Phase::moving, level_at(from, arm)}, 1 / numbers::follows_arm_s);
+        add_state({from.happening, Phase::moving, level_at(from, arm)}, 1 / numbers::follows_arm_s);
       else
-        add({from.happening, Phase::moving, from.level}, from.level >= 3 ? 100 : 5);
+        add_state({from.happening, Phase::moving, from.level}, from.level >= 3 ? 100 : 5);
       const bool touches = from.happening != H::press && from.happening != H::knock;
-      enter(touches ? H::held : H::untouched, 0.5, moves, add);
+      add(enter(touches ? H::held : H::untouched, moves), 0.5);
     } else {
-      for (const auto& [happening, rate] : rates_from(from, arm, bin_s_)) enter(happening, rate, moves, add);
-      const bool calm = from.level <= 2;
+      for (const auto& [happening, rate] : rates_from(from, arm, bin_s_)) add(enter(happening, moves), rate);
       if (from.phase == Phase::moving && may_be_even(from.happening))
-        even_out(from.happening, (from.happening == H::press ? 0.3 : 1) * (calm ? 4 : 0.3), add);
+        add(even(from.happening), (from.happening == H::press ? 0.3 : 1) * (calm ? 4 : 0.3));
       if (from.phase == Phase::moving && from.happening == H::slip)
-        add({H::slip, Phase::stuck, 0}, calm ? 12 : 0.5), add({H::slip, Phase::smooth, 0}, calm ? 8 : 0.3);
-      if (from.phase == Phase::smooth) rise(H::slip, Phase::moving, 0.3, moves, add);
-      if (from.phase == Phase::even) {
-        rise(from.happening, Phase::moving, 2, moves, add);
-        if (from.happening == H::slip) add({H::slip, Phase::stuck, 0}, 1);
-      }
-      if (from.phase == Phase::stuck) {
-        rise(H::slip, Phase::moving, 8, moves, add);
-        even_out(H::slip, 0.5, add);
-      }
+        add_state({H::slip, Phase::stuck, 0}, calm ? 12 : 0.5), add_state({H::slip, Phase::smooth, 0}, calm ? 8 : 0.3);
+      if (from.phase == Phase::smooth) add(rise(H::slip, Phase::moving, moves), 0.3);
+      if (from.phase == Phase::even) add(rise(from.happening, Phase::moving, moves), 2);
+      if (from.phase == Phase::even && from.happening == H::slip) add_state({H::slip, Phase::stuck, 0}, 1);
+      if (from.phase == Phase::stuck) add(rise(H::slip, Phase::moving, moves), 8), add(even(H::slip), 0.5);
     }
     double sum = 0;
     for (const auto& one : rates) sum += one.second;
-    stays = std::exp(-sum * bin_s_);
-    for (const auto& [to, rate] : rates) go(to, (1 - stays) * rate / sum);
+    const double stays = std::exp(-sum * bin_s_);
+    for (const auto& [probability, rate] : rates) *probability += (1 - stays) * rate / sum;
+    return stays;
   }
 
-  template <class Add>
-  void even_out(H happening, double rate, Add add) const {
-    for (std::size_t level = 1; level <= 3; ++level) add({happening, Phase::even, level}, rate / 3);
+  std::size_t even(H happening) {
+    return entry_of(happening, Phase::even, [&](auto put) {
+      for (std::size_t level = 1; level <= 3; ++level) put({happening, Phase::even, level}, 1.0 / 3);
+    });
   }
 
-  template <class Add>
-  void rise(H happening, Phase phase, double rate, bool while_arm_moves, Add add) const {
-    const bool may_follow = phase == Phase::rising && is_shear(happening) && while_arm_moves;
-    const double follows = may_follow ? 0.5 : 0;
-    for (std::size_t level = 0; level < motion_levels.size(); ++level) {
-      const double sharp = level < 3 ? 0 : 1.0 / (motion_levels.size() - 3);
-      add({happening, phase, level}, rate * (may_follow ? (1 - follows) * sharp : numbers::first_level[level]));
-      if (may_follow) add({happening, Phase::following, level}, follows * rate / motion_levels.size());
-    }
+  std::size_t rise(H happening, Phase phase, bool while_arm_moves) {
+    return entry_of(happening, phase, [&](auto put) {
+      const bool may_follow = phase == Phase::rising && is_shear(happening) && while_arm_moves;
+      const double follows = may_follow ? 0.5 : 0;
+      for (std::size_t level = 0; level < motion_levels.size(); ++level) {
+        const double sharp = level < 3 ? 0 : 1.0 / (motion_levels.size() - 3);
+        put({happening, phase, level}, may_follow ? (1 - follows) * sharp : numbers::first_level[level]);
+        if (may_follow) put({happening, Phase::following, level}, follows / motion_levels.size());
+      }
+    });
   }
 
-  template <class Add>
-  void enter(H happening, double rate, bool while_arm_moves, Add add) const {
-    if (happening == H::untouched) return add({happening, Phase::rest, 0}, rate);
-    if (has_motion(happening)) return rise(happening, Phase::rising, rate, while_arm_moves, add);
-    for (std::size_t level = 0; level <= numbers::creep_levels; ++level)
-      add({happening, Phase::rest, level}, rate * numbers::creep_after[level]);
+  std::size_t enter(H happening, bool while_arm_moves) {
+    if (happening == H::untouched)
+      return entry_of(happening, Phase::rest, [&](auto put) { put({happening, Phase::rest, 0}, 1); });
+    if (has_motion(happening)) return rise(happening, Phase::rising, while_arm_moves);
+    return entry_of(happening, Phase::rest, [&](auto put) {
+      for (std::size_t level = 0; level <= numbers::creep_levels; ++level)
+        put({happening, Phase::rest, level}, numbers::creep_after[level]);
+    });
   }
 
   /// From one level of motion to another. The probabilities sum to 1.
@@ -249,28 +309,19 @@ class Builder {
     }
   }
 
-  static StateTransitions sparse(const std::vector<double>& all, std::size_t count) {
-    StateTransitions made;
-    for (std::size_t i = 0; i < count; ++i) {
-      made.first_to.push_back(static_cast<std::uint32_t>(made.to.size()));
-      made.first_from.push_back(static_cast<std::uint32_t>(made.from.size()));
-      for (std::size_t k = 0; k < count; ++k) {
-        if (const double p = all[i * count + k]; p > 0)
-          made.to.push_back(static_cast<std::uint16_t>(k)), made.to_probability.push_back(p);
-        if (const double p = all[k * count + i]; p > 0)
-          made.from.push_back(static_cast<std::uint16_t>(k)), made.from_probability.push_back(p);
-      }
-    }
-    made.first_to.push_back(static_cast<std::uint32_t>(made.to.size()));
-    made.first_from.push_back(static_cast<std::uint32_t>(made.from.size()));
-    return made;
-  }
-
   double bin_s_;
   std::vector<State> states_;
+  std::vector<Entry> entries_;  ///< for one condition of the arm
 };
 
 }  // namespace
+
+void StateTransitions::Steps::add_row(std::span<const double> row) {
+  for (std::size_t to = 0; to < row.size(); ++to) {
+    if (row[to] > 0) steps_.push_back({static_cast<std::uint16_t>(to), row[to]});
+  }
+  first_.push_back(static_cast<std::uint32_t>(steps_.size()));
+}
 
 RunStates::RunStates(microseconds bin) {
   const std::vector<State> states = all_states();
@@ -278,7 +329,7 @@ RunStates::RunStates(microseconds bin) {
     happening_of_.push_back(state.happening);
     for (std::size_t arm = 0; arm < arm_conditions; ++arm) level_of_.push_back(static_cast<std::uint8_t>(level_at(state, arm)));
   }
-  const Builder builder(bin, states);
+  Builder builder(bin, states);
   for (std::size_t arm = 0; arm < arm_conditions; ++arm) transitions_[arm] = builder.transitions(arm);
   at_start_.assign(states.size(), 0.0);
   const auto begins = [&](H happening, Phase phase, std::size_t level, double probability) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tactile/core/time.hpp"
@@ -29,21 +30,42 @@ constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750
 /// The classes of the arm's speed [mm/s], each by its middle.
 constexpr std::array<double, 7> arm_speeds{0.5, 1.5, 4, 10, 25, 60, 150};
 /// What the arm does in a bin, as one number: it is still, moves at a speed from 1 to 7, begins to move, has just stopped, or is
-/// not known.
-constexpr std::size_t arm_conditions = arm_speeds.size() + 4;
-constexpr std::uint8_t arm_still = 0, arm_starts = arm_speeds.size() + 1, arm_stopped = arm_starts + 1, arm_unknown = arm_starts + 2;
+/// not known. Without a log, a film shows whether anything moves, be it the stage or the arm.
+constexpr std::size_t arm_conditions = arm_speeds.size() + 6;
+constexpr std::uint8_t arm_still = 0, arm_starts = arm_speeds.size() + 1, arm_stopped = arm_starts + 1,
+                       arm_unknown = arm_starts + 2;
+constexpr std::uint8_t film_still = arm_unknown + 1, film_moves = arm_unknown + 2;
 constexpr bool arm_moves(std::size_t condition) { return condition != arm_still && condition <= arm_starts; }
 /// Of an arm that moves. It begins with the lowest speed.
 constexpr std::size_t speed_of_arm(std::size_t condition) { return condition == arm_starts ? 1 : condition; }
 
-/// Probabilities of going from each state to each other within a bin, for one condition of the arm; most are 0.
+/// Probabilities of going from each state to each other within a bin, for one condition of the arm. What leaves a happening
+/// enters another one through an entry: all that enter there begin alike. So
+///
+///   p(to | from) = within(from, to) + sum over entries of leaving(from, entry) entering(entry, to)
 struct StateTransitions {
-  std::vector<std::uint32_t> first_to;  ///< [state + 1], of `to` and `to_probability`
-  std::vector<std::uint16_t> to;
-  std::vector<double> to_probability;
-  std::vector<std::uint32_t> first_from;  ///< [state + 1], of `from` and `from_probability`: the same by target
-  std::vector<std::uint16_t> from;
-  std::vector<double> from_probability;
+  struct Step {
+    std::uint16_t to;
+    double probability;  ///< > 0
+  };
+  /// A sparse matrix, by row.
+  class Steps {
+   public:
+    void add_row(std::span<const double> row);
+    std::size_t rows() const { return first_.size() - 1; }
+    std::span<const Step> of(std::size_t row) const {
+      return std::span(steps_).subspan(first_[row], first_[row + 1] - first_[row]);
+    }
+
+   private:
+    std::vector<std::uint32_t> first_{0};
+    std::vector<Step> steps_;
+  };
+  static constexpr std::size_t most_entries = 2 * happenings + 6;  ///< each begins at rest or rising, some move on or become even
+
+  Steps within;             ///< [from, to]
+  Steps leaving, entering;  ///< [from, entry], [entry, to]
+  Steps backwards;          ///< [to, from]: the whole p(to | from), to draw paths
 };
 
 /// The states of the hidden Markov chain: what happens, in which phase, at which level of motion.

@@ -1,6 +1,7 @@
 #include "tactile/labels/posterior/state_paths.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tactile::labels {
@@ -16,6 +17,23 @@ double arm_begins(Happening happening) {
       return 0.05;
     default:
       return 0.2;
+  }
+}
+
+/// The probabilities of the next bin, before its events are looked at. States below 1e-11 are left out.
+void go_on(const StateTransitions& moves, const std::vector<double>& now, std::vector<double>& next) {
+  constexpr double negligible = 1e-11;
+  std::array<double, StateTransitions::most_entries> entered{};
+  std::fill(next.begin(), next.end(), 0.0);
+  for (std::size_t from = 0; from < now.size(); ++from) {
+    const double p = now[from];
+    if (p < negligible) continue;
+    for (const StateTransitions::Step& step : moves.within.of(from)) next[step.to] += p * step.probability;
+    for (const StateTransitions::Step& step : moves.leaving.of(from)) entered[step.to] += p * step.probability;
+  }
+  for (std::size_t entry = 0; entry < moves.entering.rows(); ++entry) {
+    if (entered[entry] == 0) continue;
+    for (const StateTransitions::Step& step : moves.entering.of(entry)) next[step.to] += entered[entry] * step.probability;
   }
 }
 
@@ -49,7 +67,6 @@ std::size_t BinLikelihoods::class_of(Happening happening, std::size_t level) {
 
 Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, std::span<const std::uint8_t> arm_conditions_of,
                   bool keep) {
-  constexpr double negligible = 1e-11;
   const std::size_t count = states.count(), bins = likelihoods.bins();
   Filtered result;
   if (keep) result.states.resize(bins * count);
@@ -62,14 +79,7 @@ Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, st
   }
   for (std::size_t bin = 0; bin < bins; ++bin) {
     if (bin > 0) {
-      const StateTransitions& moves = states.transitions(arm_conditions_of[bin]);
-      std::fill(next.begin(), next.end(), 0.0);
-      for (std::size_t from = 0; from < count; ++from) {
-        const double p = now[from];
-        if (p < negligible) continue;
-        for (std::uint32_t k = moves.first_to[from]; k < moves.first_to[from + 1]; ++k)
-          next[moves.to[k]] += p * moves.to_probability[k];
-      }
+      go_on(states.transitions(arm_conditions_of[bin]), now, next);
       now.swap(next);
     }
     const double* relative = likelihoods.at(bin);
@@ -102,13 +112,12 @@ std::vector<std::uint16_t> drawn_path(const RunStates& states, const Filtered& f
     const float* before = &filtered.states[(bin - 1) * count];
     const std::uint16_t to = path[bin];
     double sum = 0;
-    for (std::uint32_t k = moves.first_from[to]; k < moves.first_from[to + 1]; ++k)
-      sum += before[moves.from[k]] * moves.from_probability[k];
+    for (const StateTransitions::Step& step : moves.backwards.of(to)) sum += before[step.to] * step.probability;
     double rest = random.uniform() * sum;
     std::uint16_t from = to;
-    for (std::uint32_t k = moves.first_from[to]; k < moves.first_from[to + 1]; ++k) {
-      const double p = before[moves.from[k]] * moves.from_probability[k];
-      if (p > 0) from = moves.from[k];
+    for (const StateTransitions::Step& step : moves.backwards.of(to)) {
+      const double p = before[step.to] * step.probability;
+      if (p > 0) from = step.to;
       if ((rest -= p) < 0) break;
     }
     path[bin - 1] = from;

@@ -33,7 +33,7 @@ struct Filtered {
   std::vector<float> states;  ///< [bin, state]; empty unless kept
 };
 
-/// The forward pass (Rabiner 1989). States below 1e-11 are left out.
+/// The forward pass (Rabiner 1989).
 Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, std::span<const std::uint8_t> arm_conditions_of,
                   bool keep);
 

@@ -1,0 +1,69 @@
+#include "tactile/labels/posterior/arm_course.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tactile/core/random.hpp"
+
+namespace tactile::labels {
+namespace {
+
+/// An arm that rests for a second, lifts for a second and rests again. From 0 to the full speed it takes 100 ms, with a smooth
+/// acceleration. After its stop it rings.
+struct Lift {
+  double mm_per_s = 20, noise_mm_per_s = 0.05, rings_mm_per_s = 0;
+};
+
+alignment::ArmMotion motion_of(const Lift& lift) {
+  alignment::ArmMotion motion;
+  Random random(4);
+  const auto rises = [](double s) { return s < 0.5 ? 2 * s * s : 1 - 2 * (1 - s) * (1 - s); };
+  for (std::size_t i = 0; i < 750; ++i) {
+    const double t = 0.004 * static_cast<double>(i);
+    double speed = 0;
+    if (t > 1 && t < 2) speed = lift.mm_per_s * rises(std::min({1.0, (t - 1) / 0.1, (2 - t) / 0.1}));
+    if (t > 2) speed = lift.rings_mm_per_s * std::sin(2 * M_PI * 20 * (t - 2)) * std::exp(-(t - 2) / 0.1);
+    const auto noise = [&] { return lift.noise_mm_per_s * random.normal(); };
+    motion.velocity.push_back({1e-3 * noise(), 1e-3 * noise(), 1e-3 * (speed + noise())});
+    motion.acceleration.push_back({});
+    motion.known.push_back(true);
+  }
+  return motion;
+}
+
+void expect_move(const ArmCourse& course, double within_ms) {
+  const auto moves = course.moves_at(0);
+  ASSERT_EQ(moves.size(), 1U);
+  EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].begin)), 1000, within_ms);
+  EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].end)), 2000, within_ms);
+}
+
+TEST(ArmCourse, HasTheStartAndTheStopOfALift) { expect_move(ArmCourse(motion_of({})), 8); }
+
+TEST(ArmCourse, FindsASlowLiftInANoisyLog) { expect_move(ArmCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8})), 30); }
+
+TEST(ArmCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(ArmCourse(motion_of({.rings_mm_per_s = 1.4})), 12); }
+
+TEST(ArmCourse, IsEmptyWhereTheArmRests) {
+  const ArmCourse course(motion_of({.mm_per_s = 0}));
+  EXPECT_FALSE(course.moves_at_all());
+}
+
+TEST(ArmCourse, BeginsMovesAndStopsInItsBins) {
+  const ArmCourse course(motion_of({}));
+  const auto conditions = course.conditions(camera_time(5'000'000), 1000us, 3000, 5'000'000);
+  const auto start = std::find(conditions.begin(), conditions.end(), arm_starts);
+  ASSERT_NE(start, conditions.end());
+  EXPECT_NEAR(static_cast<double>(start - conditions.begin()), 1000, 8);
+  EXPECT_EQ(conditions[500], arm_still);
+  EXPECT_EQ(conditions[1500], 5) << "20 mm/s is nearest to 25";
+  EXPECT_EQ(conditions[2030], arm_stopped);
+  EXPECT_EQ(conditions[2500], arm_still);
+  EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(8'000'000), 5'000'000), 0);
+  EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(6'500'000), 5'000'000), 1);
+  EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(5'500'000), 5'000'000), 2);
+}
+
+}  // namespace
+}  // namespace tactile::labels

@@ -1,0 +1,104 @@
+#include "tactile/labels/posterior/likely_touches.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tactile/core/duration_units.hpp"
+
+namespace tactile::labels {
+namespace {
+
+/// The first state of a happening at a level.
+std::uint16_t state_of(const RunStates& states, Happening happening, std::size_t level) {
+  for (std::size_t s = 0; s < states.count(); ++s) {
+    if (states.happening_of(s) == happening && states.level_of(s, arm_still) == level) return static_cast<std::uint16_t>(s);
+  }
+  return 0;
+}
+
+/// Paths of two seconds with stretches of one happening.
+class Paths {
+ public:
+  explicit Paths(const RunStates& states)
+      : states_(states), sample_{.states = &states, .begin = camera_time(0), .bin = 1000us, .bins = 2000, .drawn = {}} {
+    sample_.drawn.push_back({.offset_us = 0, .conditions = std::vector<std::uint8_t>(2000, arm_still), .paths = {}});
+  }
+
+  Path& add() { return sample_.drawn[0].paths.emplace_back(2000, state_of(states_, Happening::untouched, 0)); }
+  void put(Path& path, Happening happening, std::size_t level, std::size_t begin, std::size_t end) const {
+    std::fill(path.begin() + static_cast<std::ptrdiff_t>(begin), path.begin() + static_cast<std::ptrdiff_t>(end),
+              state_of(states_, happening, level));
+  }
+  const PathSample& sample() const { return sample_; }
+
+ private:
+  const RunStates& states_;
+  PathSample sample_;
+};
+
+TEST(LikelyTouches, HaveTheShareOfThePathsAndTheSpreadOfTheirOnsets) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 100; ++i) {
+    Path& path = paths.add();
+    if (i < 80) paths.put(path, Happening::press, 6, 500 + i / 4, 700);
+  }
+  const auto touches = likely_touches(paths.sample());
+  ASSERT_EQ(touches.size(), 1U);
+  EXPECT_EQ(touches[0].touch, Touch::press);
+  EXPECT_NEAR(touches[0].probability, 0.8, 1e-9);
+  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].start.at)), 510, 2);
+  EXPECT_NEAR(in_ms(between(touches[0].start.low, touches[0].start.high)), 19, 3);
+  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].end.at)), 700, 3);
+}
+
+TEST(LikelyTouches, AreOneWhereASlipIsSometimesInterrupted) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 100; ++i) {
+    Path& path = paths.add();
+    paths.put(path, Happening::slip, 5, 400, i < 40 ? 600 : 1400);
+    if (i < 40) paths.put(path, Happening::slip, 5, 900, 1400);
+  }
+  const auto touches = likely_touches(paths.sample());
+  ASSERT_EQ(touches.size(), 1U);
+  EXPECT_NEAR(touches[0].probability, 1, 1e-9);
+  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].start.at)), 400, 2);
+}
+
+TEST(LikelyTouches, AreTwoWhereMostPathsHaveTwo) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 100; ++i) {
+    Path& path = paths.add();
+    paths.put(path, Happening::slip, 5, 400, 700);
+    paths.put(path, Happening::slip, 5, 1200, 1500);
+  }
+  EXPECT_EQ(likely_touches(paths.sample()).size(), 2U);
+}
+
+TEST(LikelyTouches, EndAPressWhereItsSpeedIsAHundredthOfItsPeak) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 50; ++i) {
+    Path& path = paths.add();
+    paths.put(path, Happening::press, 6, 400, 600);
+    paths.put(path, Happening::press, 2, 600, 900);
+  }
+  const auto touches = likely_touches(paths.sample());
+  ASSERT_EQ(touches.size(), 1U);
+  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].end.at)), 600, 4);
+}
+
+TEST(LikelyTouches, OfOnePathInFiftyAreNone) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 50; ++i) {
+    Path& path = paths.add();
+    if (i == 7) paths.put(path, Happening::slip, 5, 400, 600);
+  }
+  EXPECT_TRUE(likely_touches(paths.sample()).empty());
+  EXPECT_TRUE(likely_releases(paths.sample()).empty());
+}
+
+}  // namespace
+}  // namespace tactile::labels
