@@ -58,8 +58,10 @@ double slips_from_held(const RunStates& states, std::uint8_t arm) {
 TEST(RunStates, SlipSoonerTheFasterTheArm) {
   const RunStates states(1000us);
   EXPECT_LT(slips_from_held(states, arm_still), 1e-4);
-  for (std::uint8_t faster = 2; faster <= arm_speeds.size(); ++faster)
-    EXPECT_GT(slips_from_held(states, faster), slips_from_held(states, faster - 1));
+  for (std::size_t faster = 2; faster <= arm_speeds.size(); ++faster) {
+    const auto speed = static_cast<std::uint8_t>(faster);
+    EXPECT_GT(slips_from_held(states, speed), slips_from_held(states, speed - 1));
+  }
   EXPECT_NEAR(slips_from_held(states, 5), numbers::slips * (1 - std::exp(-25 / numbers::slack_mm / 1000)), 0.002)
       << "25 mm/s for 1 ms";
 }

@@ -36,8 +36,7 @@ std::vector<std::size_t> draws_of(const std::vector<WeighedOffset>& offsets, std
 }  // namespace
 
 RunInference::RunInference(const alignment::RunSignals& signals)
-    : signals_(signals),
-      counts_(counts_in(signals)),
+    : counts_(counts_in(signals)),
       states_(counts_.bin),
       robot_(signals, counts_, states_),
       rates_(first_rates(counts_)),

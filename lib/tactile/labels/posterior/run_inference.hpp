@@ -12,7 +12,7 @@
 
 namespace tactile::labels {
 
-/// The inference in one run. It keeps references to itself: it is neither copied nor moved.
+/// The inference in one run. It keeps references to itself, and to the signals: it is neither copied nor moved.
 class RunInference {
  public:
   /// Learns the rates of noise and motion, the pattern of the press, and the likely offsets of the robot's clock, by this run's
@@ -34,7 +34,6 @@ class RunInference {
   void learn();
   LikelyOffset offset() const;
 
-  const alignment::RunSignals& signals_;
   PlaceCounts counts_;
   RunStates states_;
   RobotOffsets robot_;
