@@ -16,11 +16,12 @@ PlaceCounts counts_of(std::size_t bins, std::uint16_t each = 0) {
   return counts;
 }
 
-/// The formula of the header in long double.
+/// The formula of the header in long double, but for the division.
 long double expected(const PlaceCounts& counts, const PlaceRates& rates, std::size_t bin, std::size_t level) {
   long double sum = 0;
   for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
-    const auto n = static_cast<long double>(counts.at(bin)[place]), q = static_cast<long double>(rates.quiet[place]);
+    const auto n = static_cast<long double>(counts.at(bin)[place]),
+               q = static_cast<long double>(rates.quiet[place] * rates.gain[bin]);
     const long double motion = motion_levels[level] * static_cast<long double>(rates.share[place]), mean = q + motion;
     const long double variance = mean + 2 * motion * motion, r = mean * mean / (variance - mean);
     sum += std::lgamma(n + r) - std::lgamma(r) + r * std::log(r / (r + mean)) + n * std::log(mean / (r + mean)) -
@@ -45,7 +46,7 @@ TEST(MotionEvidence, IsTheNegativeBinomialRelativeToTheQuietRate) {
   for (std::size_t bin = 0; bin < 40; ++bin) {
     EXPECT_EQ(evidence[bin * motion_levels.size()], 0);
     for (std::size_t level = 1; level < motion_levels.size(); ++level) {
-      const auto right = static_cast<double>(expected(counts, rates, bin, level));
+      const auto right = static_cast<double>(expected(counts, rates, bin, level)) / dispersion_of_noise(counts);
       EXPECT_NEAR(evidence[bin * motion_levels.size() + level], right, 1e-6 * (1 + std::abs(right))) << bin << ", " << level;
     }
   }
@@ -67,6 +68,36 @@ TEST(MotionEvidence, FindsTheQuietRateBesideMotion) {
   const PlaceRates rates = first_rates(counts);
   EXPECT_NEAR(std::accumulate(rates.quiet.begin(), rates.quiet.end(), 0.0) / PlaceCounts::places, 0.5, 0.003);
   EXPECT_NEAR(std::accumulate(rates.share.begin(), rates.share.end(), 0.0), 1, 1e-12);
+}
+
+TEST(MotionEvidence, CountsLessWherePixelsFlickerTogether) {
+  PlaceCounts poisson = counts_of(3000), together = counts_of(3000);
+  Random random(3);
+  for (std::size_t bin = 0; bin < 3000; ++bin) {
+    const double gain = bin / 8 % 2 == 0 ? 0.95 : 1.05;
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+      poisson.counts[bin * PlaceCounts::places + place] = static_cast<std::uint16_t>(random.poisson(0.7));
+      together.counts[bin * PlaceCounts::places + place] = static_cast<std::uint16_t>(random.poisson(0.7 * gain));
+    }
+  }
+  EXPECT_NEAR(dispersion_of_noise(poisson), 1, 0.25);
+  // Neighbours differ by 10 % of 8 x 134 events: by 107, where Poisson's differ by 46 (standard deviation).
+  EXPECT_GT(dispersion_of_noise(together), 4);
+}
+
+TEST(MotionEvidence, FollowsADriftOfTheNoise) {
+  PlaceCounts counts = counts_of(6000);
+  Random random(5);
+  for (std::size_t i = 0; i < counts.counts.size(); ++i) {
+    const bool later = i / PlaceCounts::places >= 3000;
+    counts.counts[i] = static_cast<std::uint16_t>(random.poisson(later ? 0.77 : 0.7));
+  }
+  const std::vector<double> always(6000, 1.0), never(6000, 0.0);
+  const PlaceRates rates = rates_given(counts, always, never);
+  EXPECT_NEAR(rates.gain[5000] / rates.gain[1000], 1.1, 0.025);
+  PlaceRates without = rates;
+  without.gain.clear();
+  EXPECT_GT(log_likelihood_of_quiet(counts, rates), log_likelihood_of_quiet(counts, without));
 }
 
 TEST(MotionEvidence, GivesThePlacesOfAMotionTheirShare) {

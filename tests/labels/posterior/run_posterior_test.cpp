@@ -4,6 +4,7 @@
 
 #include "alignment/made_run.hpp"
 #include "labels/press_and_slip.hpp"
+#include "support/real_recordings.hpp"
 #include "support/temporary_folder.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/labels/label_run.hpp"
@@ -59,6 +60,18 @@ TEST(RunPosterior, FindsNoTouchInNoise) {
     for (const LikelyTouch& touch : run_posterior(alignment::read_run_signals(run)).touches)
       EXPECT_LT(touch.probability, 0.5) << name_of(touch.touch) << ", seed " << seed;
   }
+}
+
+TEST(RunPosterior, FindsNoTouchInTheNoiseOfARealCamera) {
+  const char* const still = "derived/dvxplorer640_libcaer_rollover.aedat4";
+  const auto file = test::real_recording(still);
+  if (file.empty()) GTEST_SKIP() << test::not_tested_without(still);
+  const test::TemporaryFolder data;
+  const RunFolder run{.folder = data.path() / "noise" / "01", .object = "noise", .run = "01"};
+  std::filesystem::create_directories(run.folder);
+  std::filesystem::copy_file(file, run.events());
+  for (const LikelyTouch& touch : run_posterior(alignment::read_run_signals(run)).touches)
+    EXPECT_LT(touch.probability, 0.1) << name_of(touch.touch);
 }
 
 TEST(PosteriorLabels, HaveAProbabilityAndNoFlagWhereAllIsClear) {

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <span>
+
+#include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -14,6 +18,47 @@ void normalise(std::vector<double>& share) {
   const double sum = std::accumulate(share.begin(), share.end(), 0.0);
   for (double& one : share)
     one = (1 - spread_evenly) * (sum > 0 ? one / sum : 1.0 / PlaceCounts::places) + spread_evenly / PlaceCounts::places;
+}
+
+/// The half of the places whose events grow least by motions.
+std::vector<std::size_t> calm_places(const PlaceRates& rates) {
+  std::vector<std::size_t> order(PlaceCounts::places);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return rates.share[a] * rates.quiet[b] < rates.share[b] * rates.quiet[a];
+  });
+  order.resize(PlaceCounts::places / 2);
+  return order;
+}
+
+/// Of the noise in each bin.
+std::vector<double> gain_of_noise(const PlaceCounts& counts, const PlaceRates& rates) {
+  constexpr double drift = 0.1, least = 0.8, most = 1.25, step = 0.02;
+  constexpr std::size_t around = 2;
+  const std::vector<std::size_t> places = calm_places(rates);
+  double quiet = 0;
+  for (const std::size_t place : places) quiet += rates.quiet[place];
+  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 250ms / counts.bin));
+  std::vector<double> of_block;
+  for (std::size_t begin = 0; begin < counts.bins(); begin += width) {
+    const std::size_t end = std::min(counts.bins(), begin + width);
+    double sum = 0;
+    for (std::size_t b = begin; b < end; ++b) {
+      for (const std::size_t place : places) sum += counts.at(b)[place];
+    }
+    const double expected = quiet * static_cast<double>(end - begin),
+                 known = drift * drift / (drift * drift + 1 / (expected + 1));
+    of_block.push_back(1 + known * (sum / expected - 1));
+  }
+  std::vector<double> gain(counts.bins());
+  for (std::size_t block = 0; block < of_block.size(); ++block) {
+    const std::size_t first = block - std::min(block, around), last = std::min(of_block.size() - 1, block + around);
+    const double usual = median(std::span(of_block).subspan(first, last - first + 1));
+    const double stepped = step * std::round(std::clamp(usual, least, most) / step);
+    std::fill(gain.begin() + static_cast<std::ptrdiff_t>(block * width),
+              gain.begin() + static_cast<std::ptrdiff_t>(std::min(counts.bins(), (block + 1) * width)), stepped);
+  }
+  return gain;
 }
 
 /// The negative binomial of one place and level, relative to the quiet Poisson distribution.
@@ -87,24 +132,59 @@ PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet,
     rates.quiet[place] /= std::max(bins, 1.0);
     rates.share[place] = std::max(0.0, rates.share[place] - moving * rates.quiet[place]);
   }
+  rates.gain = gain_of_noise(counts, rates);
   normalise(rates.share);
   return rates;
 }
 
+double dispersion_of_noise(const PlaceCounts& counts) {
+  constexpr double median_of_chi_square = 0.4549;
+  const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 8ms / counts.bin));
+  std::vector<double> sums(counts.bins() / width, 0.0), squares;
+  for (std::size_t b = 0; b < sums.size() * width; ++b) {
+    for (const std::uint16_t n : counts.at(b)) sums[b / width] += n;
+  }
+  for (std::size_t i = 1; i < sums.size(); ++i) {
+    const double both = sums[i] + sums[i - 1], apart = sums[i] - sums[i - 1];
+    if (both > 0) squares.push_back(apart * apart / both);
+  }
+  return squares.empty() ? 1 : std::max(1.0, median(squares) / median_of_chi_square);
+}
+
+double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rates) {
+  std::vector<double> log_quiet(PlaceCounts::places);
+  std::transform(rates.quiet.begin(), rates.quiet.end(), log_quiet.begin(), [](double q) { return std::log(q); });
+  const double quiet = std::accumulate(rates.quiet.begin(), rates.quiet.end(), 0.0);
+  double sum = 0;
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    const auto row = counts.at(b);
+    const double gain = rates.gain.empty() ? 1 : rates.gain[b];
+    double events = 0;
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += row[place] * log_quiet[place], events += row[place];
+    sum += events * std::log(gain) - gain * quiet;
+  }
+  return sum / dispersion_of_noise(counts);
+}
+
 std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates& rates) {
   constexpr double least = -200;
+  const double dispersion = dispersion_of_noise(counts);
   const double bin_ms = 1e-3 * static_cast<double>(counts.bin.count());
   std::vector<double> evidence(counts.bins() * motion_levels.size(), 0.0);
-  for (std::size_t level = 1; level < motion_levels.size(); ++level) {
-    std::vector<PlaceLevel> of_place;
-    of_place.reserve(PlaceCounts::places);
-    for (std::size_t place = 0; place < PlaceCounts::places; ++place)
-      of_place.emplace_back(rates.quiet[place], motion_levels[level] * bin_ms * rates.share[place]);
-    for (std::size_t b = 0; b < counts.bins(); ++b) {
-      const auto row = counts.at(b);
-      double sum = 0;
-      for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += of_place[place].of(row[place]);
-      evidence[b * motion_levels.size() + level] = std::max(sum, least);
+  std::map<double, std::vector<std::size_t>> bins_of_gain;
+  for (std::size_t b = 0; b < counts.bins(); ++b) bins_of_gain[rates.gain.empty() ? 1.0 : rates.gain[b]].push_back(b);
+  for (const auto& [gain, bins] : bins_of_gain) {
+    for (std::size_t level = 1; level < motion_levels.size(); ++level) {
+      std::vector<PlaceLevel> of_place;
+      of_place.reserve(PlaceCounts::places);
+      for (std::size_t place = 0; place < PlaceCounts::places; ++place)
+        of_place.emplace_back(gain * rates.quiet[place], motion_levels[level] * bin_ms * rates.share[place]);
+      for (const std::size_t b : bins) {
+        const auto row = counts.at(b);
+        double sum = 0;
+        for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += of_place[place].of(row[place]);
+        evidence[b * motion_levels.size() + level] = std::max(sum, least) / dispersion;
+      }
     }
   }
   return evidence;

@@ -11,14 +11,25 @@ namespace tactile::labels {
 /// Of each place: its events per bin while nothing moves, > 0, and its share of the events of motions. Shares sum to 1.
 struct PlaceRates {
   std::vector<double> quiet, share;
+  std::vector<double> gain = {};  ///< of the noise, in each bin: it drifts by some percent; empty: 1
 };
 
 /// From the calmest third of the recording, corrected for this choice: the mean of the lowest third of Poisson counts with mean m
 /// is m - 1.09 sqrt(m). All places have the same share.
 PlaceRates first_rates(const PlaceCounts& counts);
 
-/// From where the skin is known to be quiet, and to move. @param quiet, moves  probabilities, of each bin
+/// From where the skin is known to be quiet, and to move. The noise's gain is that of the half of the places whose events grow
+/// least by motions: the median over 1.25 s of the rates over 250 ms, drawn to 1 as for a drift of 10 % (standard deviation),
+/// from 0.8 to 1.25 in steps of 2 %.
+/// @param quiet, moves  probabilities, of each bin
 PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet, std::span<const double> moves);
+
+/// ln p(all counts | level 0) but for what does not depend on the rates, divided by the noise's dispersion.
+double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rates);
+
+/// The variance over the mean of the noise of all places together, in bins of 8 ms: 1 for Poisson's, more where pixels flicker
+/// together. From the median of squared differences of neighbours, so that motions and drift count for little. At least 1.
+double dispersion_of_noise(const PlaceCounts& counts);
 
 /// ln p(counts of bin | level) - ln p(counts of bin | level 0), [bin, level]. With n events of a place of quiet rate q and share
 /// w, at a level of s events in a bin:
@@ -27,7 +38,8 @@ PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet,
 ///   variance: r = mean^2 / (variance - mean),  ln p = lgamma(n + r) - lgamma(r) - lgamma(n + 1) + r ln(r / (r + mean)) + n
 ///   ln(mean / (r + mean))
 ///
-/// The shape says that a motion moves few of the places at once. At least -200.
+/// q includes the gain. The shape says that a motion moves few of the places at once. At least -200. All is divided by the
+/// noise's dispersion (quasi-likelihood: McCullagh and Nelder, Generalized Linear Models, 1989, chapter 9).
 std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates& rates);
 
 }  // namespace tactile::labels

@@ -48,7 +48,24 @@ RunInference::RunInference(const alignment::RunSignals& signals)
     learn();
     evidence_ = motion_evidence(counts_, rates_);
   }
+  consider_noise_alone();
   if (robot_.arm()) robot_.search(evidence_, pattern_, true);
+}
+
+/// Whether rates of noise by the whole recording explain it better. A drift of the noise may else be taken for a motion that
+/// never ends, from whose beginning alone the rates are learned.
+void RunInference::consider_noise_alone() {
+  const std::vector<double> always(counts_.bins(), 1.0), never(counts_.bins(), 0.0);
+  const PlaceRates noise = rates_given(counts_, always, never);
+  std::vector<double> evidence = motion_evidence(counts_, noise);
+  const std::vector<std::uint8_t> unknown(counts_.bins(), arm_unknown);
+  const auto explained = [&](const PlaceRates& rates, std::span<const double> of_level) {
+    return log_likelihood_of_quiet(counts_, rates) + filtered(states_, BinLikelihoods(of_level, {}), unknown, false).log_evidence;
+  };
+  if (explained(noise, evidence) <= explained(rates_, evidence_)) return;
+  rates_ = noise;
+  evidence_ = std::move(evidence);
+  pattern_.clear();
 }
 
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {

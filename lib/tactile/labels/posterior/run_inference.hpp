@@ -32,6 +32,7 @@ class RunInference {
  private:
   void draw(std::size_t count);
   void learn();
+  void consider_noise_alone();
   LikelyOffset offset() const;
 
   PlaceCounts counts_;
