@@ -121,6 +121,12 @@ std::vector<alignment::CameraSpan> ArmCourse::moves_at(std::int64_t offset_us) c
   return moves;
 }
 
+bool ArmCourse::rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const {
+  return std::none_of(moves_.begin(), moves_.end(), [&](const Move& move) {
+    return move.start_us + offset_us <= us_of(last) && move.end_us + stopped_for_us + offset_us >= us_of(first);
+  });
+}
+
 double ArmCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   double count = 0;
   for (const Move& move : moves_) {

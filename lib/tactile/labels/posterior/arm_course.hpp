@@ -25,6 +25,9 @@ class ArmCourse {
   /// In camera time, by time.
   std::vector<alignment::CameraSpan> moves_at(std::int64_t offset_us) const;
 
+  /// Whether nothing moves within [first, last], nor has just stopped.
+  bool rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const;
+
   /// How many starts and stops lie outside [first, last], if the camera's clock is ahead of the robot's by `offset`.
   double changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const;
 

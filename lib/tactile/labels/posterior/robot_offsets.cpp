@@ -89,10 +89,11 @@ std::pair<std::int64_t, std::int64_t> RobotOffsets::possible() const {
   const auto known =
       arm_->is_of_film() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
   if (known) return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
-  const std::int64_t at_begin = us_of(signals_.rate.begin) - us_of(arm_->begin());
+  const std::int64_t at_begin = saturating_subtract(us_of(signals_.rate.begin), us_of(arm_->begin()));
   const std::int64_t longer =
-      (us_of(arm_->end()) - us_of(arm_->begin())) - (us_of(signals_.rate.last) - us_of(signals_.rate.begin));
-  return {at_begin - std::max(recorders_apart_us, longer + 1'000'000), at_begin + recorders_apart_us};
+      (us_of(arm_->end()) - us_of(arm_->begin())) - between(signals_.rate.begin, signals_.rate.last).count();
+  return {saturating_subtract(at_begin, std::max(recorders_apart_us, longer + 1'000'000)),
+          saturating_add(at_begin, recorders_apart_us)};
 }
 
 std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
@@ -106,10 +107,17 @@ std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
 std::vector<WeighedOffset> RobotOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
                                                  const RunStates& states, microseconds bin) const {
   std::vector<WeighedOffset> weighed = by_imu(offsets);
+  const double counted = imu_ ? numbers::counted : 1;
+  std::optional<double> at_rest;  // a log of hours rests during the recording at most offsets: all of them say the same
   for (WeighedOffset& one : weighed) {
-    const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
+    const bool rests = !arm_->is_of_film() && arm_->rests_in(counts_.begin, signals_.rate.last, one.us);
+    const auto evidence = [&] {
+      const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
+      return counted * filtered(states, likelihoods, conditions, false).log_evidence;
+    };
+    if (rests && !at_rest) at_rest = evidence();
+    one.log_weight += rests ? *at_rest : evidence();
     one.log_weight += arm_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
-    one.log_weight += (imu_ ? numbers::counted : 1) * filtered(states, likelihoods, conditions, false).log_evidence;
   }
   return weighed;
 }

@@ -8,7 +8,7 @@ namespace tactile::labels {
 namespace {
 
 constexpr std::size_t most_others = 12;
-constexpr double drift_ppm = 60, drift_step_ppm = 30, negligible = 8;
+constexpr double drift_ppm = 60, drift_step_ppm = 30, least_likely = 8;
 constexpr int drift_steps = 6;
 constexpr std::int64_t step_us = 2'000;
 
@@ -35,7 +35,7 @@ std::vector<std::int64_t> candidates(const std::vector<Other>& others, double dr
   std::vector<std::int64_t> found;
   for (const Other& other : others) {
     for (const WeighedOffset& one : *other.offsets) {
-      if (one.log_weight < -negligible) continue;
+      if (one.log_weight < -least_likely) continue;
       const double here = static_cast<double>(one.us) - drift * other.later_us;
       found.push_back(std::llround(here / step_us) * step_us);
     }
@@ -63,7 +63,7 @@ std::vector<WeighedOffset> offsets_by(const std::vector<Other>& others) {
     offsets.push_back({us, most + std::log(sum)});
   }
   normalise(offsets);
-  std::erase_if(offsets, [](const WeighedOffset& one) { return one.log_weight < -negligible; });
+  std::erase_if(offsets, [](const WeighedOffset& one) { return one.log_weight < -least_likely; });
   normalise(offsets);
   return offsets;
 }
