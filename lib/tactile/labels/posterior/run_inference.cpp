@@ -38,18 +38,18 @@ std::vector<std::size_t> draws_of(const std::vector<WeighedOffset>& offsets, std
 RunInference::RunInference(const alignment::RunSignals& signals)
     : counts_(counts_in(signals)),
       states_(counts_.bin),
-      robot_(signals, counts_, states_),
+      clock_(signals, counts_, states_),
       rates_(first_rates(counts_)),
       evidence_(motion_evidence(counts_, rates_)),
       sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
   for (int round = 0; round < 2; ++round) {
-    if (robot_.arm()) robot_.search(evidence_, pattern_, false);
+    if (clock_.course()) clock_.search(evidence_, pattern_, false);
     draw(paths_of_round);
     learn();
     evidence_ = motion_evidence(counts_, rates_);
   }
   consider_noise_alone();
-  if (robot_.arm()) robot_.search(evidence_, pattern_, true);
+  if (clock_.course()) clock_.search(evidence_, pattern_, true);
 }
 
 /// Whether rates of noise by the whole recording explain it better. A drift of the noise may else be taken for a motion that
@@ -69,17 +69,17 @@ void RunInference::consider_noise_alone() {
 }
 
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
-  robot_.consider(prior, evidence_, pattern_);
+  clock_.consider(prior, evidence_, pattern_);
   draw(paths_at_end);
   RunPosterior posterior{
       .touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = {}, .film = {}, .arm_moves = {}};
-  if (!robot_.arm()) return posterior;
+  if (!clock_.course()) return posterior;
   const LikelyOffset found = offset();
-  if (robot_.arm()->is_of_film()) {
+  if (clock_.course()->is_of_film()) {
     posterior.film = found;
   } else {
     posterior.robot = found;
-    posterior.arm_moves = robot_.arm()->moves_at(found.median_us);
+    posterior.arm_moves = clock_.course()->moves_at(found.median_us);
   }
   return posterior;
 }
@@ -94,11 +94,11 @@ void RunInference::draw(std::size_t count) {
     DrawnPaths& drawn = sample_.drawn.emplace_back(DrawnPaths{offset_us, std::move(conditions), {}});
     for (std::size_t i = 0; i < times; ++i) drawn.paths.push_back(drawn_path(states_, kept, drawn.conditions, random));
   };
-  if (!robot_.arm()) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
-  const std::vector<WeighedOffset>& offsets = robot_.likely();
+  if (!clock_.course()) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
+  const std::vector<WeighedOffset>& offsets = clock_.likely();
   const std::vector<std::size_t> times = draws_of(offsets, count, random);
   for (std::size_t k = 0; k < offsets.size(); ++k) {
-    if (times[k] > 0) draw_from(offsets[k].us, robot_.conditions_at(offsets[k].us), times[k]);
+    if (times[k] > 0) draw_from(offsets[k].us, clock_.conditions_at(offsets[k].us), times[k]);
   }
 }
 
@@ -130,13 +130,13 @@ LikelyOffset RunInference::offset() const {
   std::vector<std::int64_t> sorted;
   Random random(3);
   sample_.for_all_paths([&](const Path&, const DrawnPaths& drawn) {
-    const double late_us = robot_.has_imu() ? numbers::imu_lag_us * random.uniform() : numbers::arm_to_skin_us * random.normal();
+    const double late_us = clock_.has_imu() ? numbers::imu_lag_us * random.uniform() : numbers::arm_to_skin_us * random.normal();
     sorted.push_back(drawn.offset_us - std::llround(late_us));
   });
   std::sort(sorted.begin(), sorted.end());
   const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
   const std::int64_t first_stamp_us =
-      robot_.arm()->is_of_film() ? us_of(robot_.arm()->begin()) : us_of(robot_.piece()->log.states.front().t);
+      clock_.course()->is_of_film() ? us_of(clock_.course()->begin()) : us_of(clock_.piece()->log.states.front().t);
   return {at(0.5), at(0.025) - 1000, at(0.975) + 1000, first_stamp_us};
 }
 

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "tactile/alignment/run_signals.hpp"
+#include "tactile/labels/posterior/clock_offsets.hpp"
 #include "tactile/labels/posterior/drawn_paths.hpp"
 #include "tactile/labels/posterior/motion_evidence.hpp"
 #include "tactile/labels/posterior/place_counts.hpp"
-#include "tactile/labels/posterior/robot_offsets.hpp"
 #include "tactile/labels/posterior/run_posterior.hpp"
 
 namespace tactile::labels {
@@ -15,8 +15,8 @@ namespace tactile::labels {
 /// The inference in one run. It keeps references to itself, and to the signals: it is neither copied nor moved.
 class RunInference {
  public:
-  /// Learns the rates of noise and motion, the pattern of the press, and the likely offsets of the robot's clock, by this run's
-  /// signals alone. @throws Error  if the recording cannot be read
+  /// Learns the rates of noise and motion, the pattern of the press, and the likely offsets of the clock of robot or film, by
+  /// this run's signals alone. @throws Error  if the recording cannot be read
   explicit RunInference(const alignment::RunSignals& signals);
   RunInference(const RunInference&) = delete;
   RunInference& operator=(const RunInference&) = delete;
@@ -24,7 +24,7 @@ class RunInference {
   RunInference& operator=(RunInference&&) = delete;
   ~RunInference() = default;
 
-  const RobotOffsets& robot() const { return robot_; }
+  const ClockOffsets& clock() const { return clock_; }
 
   /// @param prior  of the robot's offset, by other runs; empty: none
   RunPosterior posterior(std::span<const WeighedOffset> prior);
@@ -37,7 +37,7 @@ class RunInference {
 
   PlaceCounts counts_;
   RunStates states_;
-  RobotOffsets robot_;
+  ClockOffsets clock_;
   PlaceRates rates_;
   std::vector<double> evidence_, pattern_;
   PathSample sample_;

@@ -9,9 +9,10 @@
 namespace tactile::labels {
 namespace {
 
-OffsetsOfRun offsets_of(const RobotOffsets& robot) {
-  if (!robot.arm() || robot.arm()->is_of_film()) return {};
-  OffsetsOfRun run{.at = robot.arm()->begin() + (robot.arm()->end() - robot.arm()->begin()) / 2, .offsets = robot.likely()};
+OffsetsOfRun offsets_of(const ClockOffsets& clock) {
+  if (!clock.course() || clock.course()->is_of_film()) return {};
+  OffsetsOfRun run{.at = clock.course()->begin() + (clock.course()->end() - clock.course()->begin()) / 2,
+                   .offsets = clock.likely()};
   normalise(run.offsets);
   return run;
 }
@@ -25,7 +26,7 @@ std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSigna
   std::vector<OffsetsOfRun> alone(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     inferences[i] = std::make_unique<RunInference>(*runs[i]);
-    alone[i] = offsets_of(inferences[i]->robot());
+    alone[i] = offsets_of(inferences[i]->clock());
   });
   const std::vector<std::vector<WeighedOffset>> others = offsets_by_others(alone);
   std::vector<RunPosterior> posteriors(runs.size());

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "tactile/labels/posterior/robot_offsets.hpp"
+#include "tactile/labels/posterior/clock_offsets.hpp"
 
 namespace tactile::labels {
 

@@ -1,4 +1,4 @@
-#include "tactile/labels/posterior/robot_offsets.hpp"
+#include "tactile/labels/posterior/clock_offsets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,41 +62,41 @@ double log_density(std::span<const WeighedOffset> offsets, double us) {
   return std::log((1 - elsewhere) * density + elsewhere / possible_us);
 }
 
-RobotOffsets::RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states)
+ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states)
     : signals_(signals), counts_(counts), states_(states), coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)) {
   for (const alignment::RobotPiece& piece : signals.robot) {
     if (piece_ == nullptr || piece.log.states.size() > piece_->log.states.size()) piece_ = &piece;
   }
   if (const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt) {
-    arm_.emplace(*motion);
-    if (!arm_->moves_at_all()) arm_.reset();
-    if (arm_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+    course_.emplace(*motion);
+    if (!course_->moves_at_all()) course_.reset();
+    if (course_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
     if (imu_ && imu_->empty()) imu_.reset();
   }
-  if (!arm_ && signals.video && !signals.video->steps.empty()) {
-    arm_.emplace(*signals.video);
-    if (!arm_->moves_at_all()) arm_.reset();
+  if (!course_ && signals.video && !signals.video->steps.empty()) {
+    course_.emplace(*signals.video);
+    if (!course_->moves_at_all()) course_.reset();
   }
 }
 
-std::vector<std::uint8_t> RobotOffsets::conditions_at(std::int64_t offset_us) const {
-  return arm_->conditions(counts_.begin, counts_.bin, counts_.bins(), offset_us);
+std::vector<std::uint8_t> ClockOffsets::conditions_at(std::int64_t offset_us) const {
+  return course_->conditions(counts_.begin, counts_.bin, counts_.bins(), offset_us);
 }
 
 /// Offsets that the log may have before its content is looked at.
-std::pair<std::int64_t, std::int64_t> RobotOffsets::possible() const {
+std::pair<std::int64_t, std::int64_t> ClockOffsets::possible() const {
   constexpr std::int64_t recorders_apart_us = 3'000'000;
   const auto known =
-      arm_->is_of_film() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
+      course_->is_of_film() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
   if (known) return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
-  const std::int64_t at_begin = saturating_subtract(us_of(signals_.rate.begin), us_of(arm_->begin()));
+  const std::int64_t at_begin = saturating_subtract(us_of(signals_.rate.begin), us_of(course_->begin()));
   const std::int64_t longer =
-      (us_of(arm_->end()) - us_of(arm_->begin())) - between(signals_.rate.begin, signals_.rate.last).count();
+      (us_of(course_->end()) - us_of(course_->begin())) - between(signals_.rate.begin, signals_.rate.last).count();
   return {saturating_subtract(at_begin, std::max(recorders_apart_us, longer + 1'000'000)),
           saturating_add(at_begin, recorders_apart_us)};
 }
 
-std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
+std::vector<WeighedOffset> ClockOffsets::by_imu(const Offsets& offsets) const {
   std::vector<WeighedOffset> weighed(offsets.size());
   std::transform(offsets.begin(), offsets.end(), weighed.begin(), [this](std::int64_t us) {
     return WeighedOffset{us, imu_at(us)};
@@ -104,26 +104,26 @@ std::vector<WeighedOffset> RobotOffsets::by_imu(const Offsets& offsets) const {
   return weighed;
 }
 
-std::vector<WeighedOffset> RobotOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
+std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
                                                  const RunStates& states, microseconds bin) const {
   std::vector<WeighedOffset> weighed = by_imu(offsets);
   const double counted = imu_ ? numbers::counted : 1;
   std::optional<double> at_rest;  // a log of hours rests during the recording at most offsets: all of them say the same
   for (WeighedOffset& one : weighed) {
-    const bool rests = !arm_->is_of_film() && arm_->rests_in(counts_.begin, signals_.rate.last, one.us);
+    const bool rests = !course_->is_of_film() && course_->rests_in(counts_.begin, signals_.rate.last, one.us);
     const auto evidence = [&] {
-      const auto conditions = arm_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
+      const auto conditions = course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
       return counted * filtered(states, likelihoods, conditions, false).log_evidence;
     };
     if (rests && !at_rest) at_rest = evidence();
     one.log_weight += rests ? *at_rest : evidence();
-    one.log_weight += arm_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
+    one.log_weight += course_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
   }
   return weighed;
 }
 
 /// The IMU distinguishes offsets that lie between those of the grid.
-std::vector<WeighedOffset> RobotOffsets::with_imu_between(const std::vector<WeighedOffset>& grid, std::int64_t step) const {
+std::vector<WeighedOffset> ClockOffsets::with_imu_between(const std::vector<WeighedOffset>& grid, std::int64_t step) const {
   std::vector<WeighedOffset> finer;
   for (const WeighedOffset& one : grid) {
     const double events = one.log_weight - imu_at(one.us);
@@ -132,7 +132,7 @@ std::vector<WeighedOffset> RobotOffsets::with_imu_between(const std::vector<Weig
   return finer;
 }
 
-void RobotOffsets::search(std::span<const double> evidence, std::span<const double> pattern, bool is_last) {
+void ClockOffsets::search(std::span<const double> evidence, std::span<const double> pattern, bool is_last) {
   const BinLikelihoods coarse(joined(evidence, motion_levels.size()),
                               pattern.empty() ? std::vector<double>() : joined(pattern, happenings));
   const auto weighed_coarsely = [&](const Offsets& us) {
@@ -158,9 +158,9 @@ void RobotOffsets::search(std::span<const double> evidence, std::span<const doub
   likely_ = weighed(fine, BinLikelihoods(evidence, pattern), states_, counts_.bin);
 }
 
-void RobotOffsets::consider(std::span<const WeighedOffset> prior, std::span<const double> evidence,
+void ClockOffsets::consider(std::span<const WeighedOffset> prior, std::span<const double> evidence,
                             std::span<const double> pattern) {
-  if (prior.empty() || !arm_) return;
+  if (prior.empty() || !course_) return;
   const BinLikelihoods likelihoods(evidence, pattern);
   const std::int64_t step = imu_ ? 1'000 : 8'000;
   const auto on_grid = [&](std::int64_t us) { return likely_.front().us + (us - likely_.front().us) / step * step; };

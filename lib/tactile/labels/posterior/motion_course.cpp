@@ -1,4 +1,4 @@
-#include "tactile/labels/posterior/arm_course.hpp"
+#include "tactile/labels/posterior/motion_course.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ double least_of_motion(const std::vector<double>& speed) { return std::max(least
 
 }  // namespace
 
-ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
+MotionCourse::MotionCourse(const alignment::ArmMotion& motion)
     : begin_(motion.begin), end_(motion.time_of(motion.velocity.size() - 1)), step_(motion.step) {
   // A slow arm stands out of a noisy log only in means over more rows.
   std::vector<double> speed;
@@ -77,7 +77,7 @@ ArmCourse::ArmCourse(const alignment::ArmMotion& motion)
   }
 }
 
-ArmCourse::ArmCourse(const alignment::MotionEnergy& film)
+MotionCourse::MotionCourse(const alignment::MotionEnergy& film)
     : begin_(microseconds{us_of(film.begin())}), end_(microseconds{us_of(film.end())}), step_(film.median_step) {
   constexpr std::size_t most = 64;
   for (const alignment::FilmedMotion& motion : alignment::filmed_motions(film, most))
@@ -86,7 +86,7 @@ ArmCourse::ArmCourse(const alignment::MotionEnergy& film)
 
 /// From rest, an arm speeds up about as t^2, because its acceleration is smoothed: the root of the speed is a line to its start.
 /// @param speed  from where it stands out of the log's noise. @return  the steps from the start to there
-double ArmCourse::steps_unseen(std::span<const double> speed) const {
+double MotionCourse::steps_unseen(std::span<const double> speed) const {
   const double highest = *std::max_element(speed.begin(), speed.end());
   std::size_t faster = 0;
   while (faster + 1 < speed.size() && speed[faster] < std::min(0.3 * highest, 4 * speed[0])) ++faster;
@@ -95,7 +95,7 @@ double ArmCourse::steps_unseen(std::span<const double> speed) const {
                   std::max(1.0, static_cast<double>(faster) * std::sqrt(speed[0]) / rise));
 }
 
-void ArmCourse::add_move(std::span<const double> speed, std::size_t first) {
+void MotionCourse::add_move(std::span<const double> speed, std::size_t first) {
   const auto part_at = [](std::size_t i, double steps) {
     const double part = std::max(0.0, 1 - static_cast<double>(i) / steps);
     return part * part;
@@ -113,7 +113,7 @@ void ArmCourse::add_move(std::span<const double> speed, std::size_t first) {
   moves_.push_back({at_us(static_cast<double>(first) - before), at_us(static_cast<double>(last) + after)});
 }
 
-std::vector<alignment::CameraSpan> ArmCourse::moves_at(std::int64_t offset_us) const {
+std::vector<alignment::CameraSpan> MotionCourse::moves_at(std::int64_t offset_us) const {
   std::vector<alignment::CameraSpan> moves(moves_.size());
   std::transform(moves_.begin(), moves_.end(), moves.begin(), [offset_us](const Move& move) {
     return alignment::CameraSpan{camera_time(move.start_us + offset_us), camera_time(move.end_us + offset_us)};
@@ -121,13 +121,13 @@ std::vector<alignment::CameraSpan> ArmCourse::moves_at(std::int64_t offset_us) c
   return moves;
 }
 
-bool ArmCourse::rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const {
+bool MotionCourse::rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   return std::none_of(moves_.begin(), moves_.end(), [&](const Move& move) {
     return move.start_us + offset_us <= us_of(last) && move.end_us + stopped_for_us + offset_us >= us_of(first);
   });
 }
 
-double ArmCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
+double MotionCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   double count = 0;
   for (const Move& move : moves_) {
     for (const std::int64_t at : {move.start_us + offset_us, move.end_us + offset_us})
@@ -136,8 +136,8 @@ double ArmCourse::changes_outside(CameraTime first, CameraTime last, std::int64_
   return count;
 }
 
-std::vector<std::uint8_t> ArmCourse::conditions(CameraTime first, microseconds bin, std::size_t bins,
-                                                std::int64_t offset_us) const {
+std::vector<std::uint8_t> MotionCourse::conditions(CameraTime first, microseconds bin, std::size_t bins,
+                                                   std::int64_t offset_us) const {
   std::vector<std::uint8_t> conditions(bins, arm_still);
   // The middle of bin 0 on the robot's clock.
   const std::int64_t at_0 = saturating_subtract(us_of(first), offset_us) + bin.count() / 2;

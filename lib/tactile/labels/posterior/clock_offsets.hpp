@@ -7,29 +7,30 @@
 #include <vector>
 
 #include "tactile/alignment/run_signals.hpp"
-#include "tactile/labels/posterior/arm_course.hpp"
 #include "tactile/labels/posterior/imu_evidence.hpp"
+#include "tactile/labels/posterior/motion_course.hpp"
 #include "tactile/labels/posterior/place_counts.hpp"
 #include "tactile/labels/posterior/run_states.hpp"
 #include "tactile/labels/posterior/state_paths.hpp"
 
 namespace tactile::labels {
 
-/// An offset of the robot's clock (the camera's time less the robot's) and the logarithm of its weight.
+/// An offset of a clock (the camera's time less its time) and the logarithm of its weight.
 struct WeighedOffset {
   std::int64_t us = 0;
   double log_weight = 0;
 };
 
-/// Looks for the offsets of the robot's clock that fit events and IMU, on a grid that becomes finer: 32 ms (bins of 8 ms), 8 ms,
-/// and 4 ms, or 1 ms with an IMU. Of a log in pieces, the longest one is used.
-class RobotOffsets {
+/// Looks for the offsets of the robot's clock that fit events and IMU; without a log, of the film's clock. The grid becomes
+/// finer: 32 ms and 8 ms with bins of 8 ms, then 8 ms, or 1 ms with an IMU, with bins of 1 ms. Of a log in pieces, the longest is
+/// used.
+class ClockOffsets {
  public:
   /// @param signals, counts, states  of the run; they must live as long
-  RobotOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states);
+  ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states);
 
   /// By the log; by the film if there is no log, or the arm rests in it; nothing if nothing moves there.
-  const std::optional<ArmCourse>& arm() const { return arm_; }
+  const std::optional<MotionCourse>& course() const { return course_; }
   const alignment::RobotPiece* piece() const { return piece_; }
   bool has_imu() const { return imu_.has_value(); }
   const std::vector<WeighedOffset>& likely() const { return likely_; }
@@ -56,7 +57,7 @@ class RobotOffsets {
   const RunStates& states_;
   RunStates coarse_states_;
   const alignment::RobotPiece* piece_ = nullptr;
-  std::optional<ArmCourse> arm_;
+  std::optional<MotionCourse> course_;
   std::optional<ImuEvidence> imu_;
   std::vector<WeighedOffset> likely_;
 };

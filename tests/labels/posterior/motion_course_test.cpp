@@ -1,4 +1,4 @@
-#include "tactile/labels/posterior/arm_course.hpp"
+#include "tactile/labels/posterior/motion_course.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,26 +32,28 @@ alignment::ArmMotion motion_of(const Lift& lift) {
   return motion;
 }
 
-void expect_move(const ArmCourse& course, double within_ms) {
+void expect_move(const MotionCourse& course, double within_ms) {
   const auto moves = course.moves_at(0);
   ASSERT_EQ(moves.size(), 1U);
   EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].begin)), 1000, within_ms);
   EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].end)), 2000, within_ms);
 }
 
-TEST(ArmCourse, HasTheStartAndTheStopOfALift) { expect_move(ArmCourse(motion_of({})), 8); }
+TEST(MotionCourse, HasTheStartAndTheStopOfALift) { expect_move(MotionCourse(motion_of({})), 8); }
 
-TEST(ArmCourse, FindsASlowLiftInANoisyLog) { expect_move(ArmCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8})), 30); }
+TEST(MotionCourse, FindsASlowLiftInANoisyLog) {
+  expect_move(MotionCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8})), 30);
+}
 
-TEST(ArmCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(ArmCourse(motion_of({.rings_mm_per_s = 1.4})), 12); }
+TEST(MotionCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(MotionCourse(motion_of({.rings_mm_per_s = 1.4})), 12); }
 
-TEST(ArmCourse, IsEmptyWhereTheArmRests) {
-  const ArmCourse course(motion_of({.mm_per_s = 0}));
+TEST(MotionCourse, IsEmptyWhereTheArmRests) {
+  const MotionCourse course(motion_of({.mm_per_s = 0}));
   EXPECT_FALSE(course.moves_at_all());
 }
 
-TEST(ArmCourse, BeginsMovesAndStopsInItsBins) {
-  const ArmCourse course(motion_of({}));
+TEST(MotionCourse, BeginsMovesAndStopsInItsBins) {
+  const MotionCourse course(motion_of({}));
   const auto conditions = course.conditions(camera_time(5'000'000), 1000us, 3000, 5'000'000);
   const auto start = std::find(conditions.begin(), conditions.end(), arm_starts);
   ASSERT_NE(start, conditions.end());

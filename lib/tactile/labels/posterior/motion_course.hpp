@@ -12,10 +12,10 @@ namespace tactile::labels {
 
 /// The speed of the arm against time on the robot's clock, 0 where it rests. Or, without a log, when a film shows any motion, on
 /// the film's clock.
-class ArmCourse {
+class MotionCourse {
  public:
-  explicit ArmCourse(const alignment::ArmMotion& motion);
-  explicit ArmCourse(const alignment::MotionEnergy& film);
+  explicit MotionCourse(const alignment::ArmMotion& motion);
+  explicit MotionCourse(const alignment::MotionEnergy& film);
 
   bool is_of_film() const { return speed_.empty(); }
   RobotTime begin() const { return begin_; }  ///< of what is known
@@ -28,10 +28,10 @@ class ArmCourse {
   /// Whether nothing moves within [first, last], nor has just stopped.
   bool rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const;
 
-  /// How many starts and stops lie outside [first, last], if the camera's clock is ahead of the robot's by `offset`.
+  /// How many starts and stops lie outside [first, last], if the camera's clock is ahead by `offset`.
   double changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const;
 
-  /// The arm's condition in each of `bins` bins from `first` on, if the camera's clock is ahead of the robot's by `offset`.
+  /// The arm's condition in each of `bins` bins from `first` on, if the camera's clock is ahead by `offset`.
   std::vector<std::uint8_t> conditions(CameraTime first, microseconds bin, std::size_t bins, std::int64_t offset_us) const;
 
  private:
