@@ -88,10 +88,10 @@ Rates rates_in_film(const State& from, bool moves) {
                 {H::press, 0.05},
                 {H::release, 1},
                 {H::untouched, 0.02}};
-      return {{H::slip, 0.02}, {H::disturbance, 0.15}, {H::press, 0.01}, {H::release, 0.05}, {H::untouched, 0.02}};
+      return {{H::slip, 0.005}, {H::disturbance, 0.15}, {H::press, 0.01}, {H::release, 0.05}, {H::untouched, 0.02}};
     case H::carried:
       if (moves) return {{H::slip, 0.2}, {H::disturbance, 0.2}, {H::release, 0.5}, {H::untouched, 0.1}, {H::held, 0.1}};
-      return {{H::slip, 0.02}, {H::disturbance, 0.3}, {H::release, 0.05}, {H::untouched, 0.02}, {H::held, 2}};
+      return {{H::slip, 0.005}, {H::disturbance, 0.3}, {H::release, 0.05}, {H::untouched, 0.02}, {H::held, 2}};
     case H::slip:
       return {{H::carried, (calm ? 1 : 0.3) * (moves ? 0.5 : 20)}, {H::untouched, 0.1}, {H::release, 0.2}};
     default:
@@ -124,11 +124,11 @@ Rates rates_from(const State& from, std::size_t arm, double bin_s) {
       if (unknown)
         return {{H::slip, 0.4},   {H::firm_shear, 0.1}, {H::disturbance, 0.1},
                 {H::press, 0.05}, {H::release, 0.25},   {H::untouched, 0.02}};
-      return {{H::slip, 0.02}, {H::disturbance, stopped ? 1 : 0.15}, {H::press, 0.01}, {H::release, 0.25}, {H::untouched, 0.02}};
+      return {{H::slip, 0.005}, {H::disturbance, stopped ? 1 : 0.15}, {H::press, 0.01}, {H::release, 0.25}, {H::untouched, 0.02}};
     case H::carried:
       if (moves) return {{H::slip, 0.05}, {H::disturbance, 0.2}, {H::press, 0.005}, {H::release, 0.02}, {H::untouched, 0.1}};
       if (unknown) return {{H::slip, 0.2}, {H::disturbance, 0.1}, {H::release, 0.2}, {H::untouched, 0.05}, {H::held, 1}};
-      return {{H::slip, 0.02},
+      return {{H::slip, 0.005},
               {H::disturbance, stopped ? 1 : 0.15},
               {H::release, 0.1},
               {H::untouched, 0.02},
@@ -138,7 +138,7 @@ Rates rates_from(const State& from, std::size_t arm, double bin_s) {
       return {{H::carried, calm ? ends : 0.3 * ends}, {H::untouched, 0.1}, {H::release, moves ? 0.02 : 0.2}};
     }
     case H::release:
-      return {{H::untouched, from.phase == Phase::even ? 2 : calm ? 6 : 0.3}, {H::held, calm ? 0.3 : 0.02}, {H::press, 0.02}};
+      return {{H::untouched, from.phase == Phase::even ? 0.7 : calm ? 4 : 0.3}, {H::held, calm ? 0.3 : 0.02}, {H::press, 0.02}};
     case H::firm_shear:
       return {{H::carried, calm ? 20 : 8}, {H::slip, 0.1}};
     case H::knock:
