@@ -231,6 +231,13 @@ std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions
   return nearest(motions, t, apart, &VideoMotion::end, &VideoMotion::end_cut);
 }
 
+std::optional<UncertainTime> video_start_around(std::span<const VideoMotion> motions, const UncertainTime& onset) {
+  const auto motion = std::find_if(motions.begin(), motions.end(), [&](const VideoMotion& one) {
+    return !one.start_cut && one.start.low <= onset.high && one.end.high >= onset.low;
+  });
+  return motion == motions.end() ? std::nullopt : std::optional(motion->start);
+}
+
 bool video_rises_near(const MotionEnergy& energy, const FittedClock& clock, CameraTime t, microseconds apart) {
   constexpr double clear = 10.0, times_more = 3.0;
   const auto mean_over = [&](CameraTime from, CameraTime to, double& largest) {

@@ -52,6 +52,9 @@ std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedC
 std::optional<UncertainTime> video_start_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart);
 std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart);
 
+/// The start of the motion in the film within which a touch begins, such as that of a stage; no cut ones.
+std::optional<UncertainTime> video_start_around(std::span<const VideoMotion> motions, const UncertainTime& onset);
+
 /// Whether the film's energy grows to three times as much or more around `t`: on average from `apart` to three times that after
 /// it, against as long before it. A motion may so begin while another one fades.
 bool video_rises_near(const MotionEnergy& energy, const FittedClock& clock, CameraTime t, microseconds apart);

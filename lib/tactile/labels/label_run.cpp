@@ -263,7 +263,7 @@ class Labeller {
     std::optional<alignment::UncertainTime> filmed;
     if (interval.touch == Touch::press) {
       interval.evidence.robot = stage_command(signals_, clocks_, interval.start.at);
-      filmed = filmed_stage(interval.start);
+      filmed = alignment::video_start_around(video_motions_, interval.start);  // of the stage
     } else {
       filmed = alignment::video_start_near(video_motions_, interval.start, options_.longest_disagreement);
       if (const ArmMove* lift = lift_of(moves_, interval)) {
@@ -285,15 +285,6 @@ class Labeller {
           lift != nullptr && lift->uncertainty <= options_.longest_disagreement && is_slip_of(*lift, interval.start.at);
       lift_agrees ? labels_.remarks.push_back(unseen.words) : flag(unseen, index);
     }
-  }
-
-  /// The start of the motion in the film during which the press starts: that of the stage.
-  std::optional<alignment::UncertainTime> filmed_stage(const alignment::UncertainTime& onset) const {
-    const auto holds = [&](const alignment::VideoMotion& motion) {
-      return !motion.start_cut && motion.start.low <= onset.high && motion.end.high >= onset.low;
-    };
-    const auto motion = std::find_if(video_motions_.begin(), video_motions_.end(), holds);
-    return motion == video_motions_.end() ? std::nullopt : std::optional(motion->start);
   }
 
   void compare_with_lift(std::size_t index, const ArmMove& lift) {

@@ -35,58 +35,54 @@ class Paths {
   PathSample sample_;
 };
 
-TEST(LikelyTouches, HaveTheShareOfThePathsAndTheSpreadOfTheirOnsets) {
+/// Paths that `fill` puts stretches into: it gets all, one of them and its number.
+template <class Fill>
+std::vector<LikelyTouch> touches_in(std::size_t count, Fill fill) {
   const RunStates states(1000us);
   Paths paths(states);
-  for (std::size_t i = 0; i < 100; ++i) {
-    Path& path = paths.add();
+  for (std::size_t i = 0; i < count; ++i) fill(paths, paths.add(), i);
+  return likely_touches(paths.sample());
+}
+
+double ms(CameraTime t) { return in_ms(between(camera_time(0), t)); }
+
+TEST(LikelyTouches, HaveTheShareOfThePathsAndTheSpreadOfTheirOnsets) {
+  const auto touches = touches_in(100, [](const Paths& paths, Path& path, std::size_t i) {
     if (i < 80) paths.put(path, Happening::press, 6, 500 + i / 4, 700);
-  }
-  const auto touches = likely_touches(paths.sample());
+  });
   ASSERT_EQ(touches.size(), 1U);
   EXPECT_EQ(touches[0].touch, Touch::press);
   EXPECT_NEAR(touches[0].probability, 0.8, 1e-9);
-  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].start.at)), 510, 2);
+  EXPECT_NEAR(ms(touches[0].start.at), 510, 2);
   EXPECT_NEAR(in_ms(between(touches[0].start.low, touches[0].start.high)), 19, 3);
-  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].end.at)), 700, 3);
+  EXPECT_NEAR(ms(touches[0].end.at), 700, 3);
 }
 
 TEST(LikelyTouches, AreOneWhereASlipIsSometimesInterrupted) {
-  const RunStates states(1000us);
-  Paths paths(states);
-  for (std::size_t i = 0; i < 100; ++i) {
-    Path& path = paths.add();
+  const auto touches = touches_in(100, [](const Paths& paths, Path& path, std::size_t i) {
     paths.put(path, Happening::slip, 5, 400, i < 40 ? 600 : 1400);
     if (i < 40) paths.put(path, Happening::slip, 5, 900, 1400);
-  }
-  const auto touches = likely_touches(paths.sample());
+  });
   ASSERT_EQ(touches.size(), 1U);
   EXPECT_NEAR(touches[0].probability, 1, 1e-9);
-  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].start.at)), 400, 2);
+  EXPECT_NEAR(ms(touches[0].start.at), 400, 2);
 }
 
 TEST(LikelyTouches, AreTwoWhereMostPathsHaveTwo) {
-  const RunStates states(1000us);
-  Paths paths(states);
-  for (std::size_t i = 0; i < 100; ++i) {
-    Path& path = paths.add();
+  const auto touches = touches_in(100, [](const Paths& paths, Path& path, std::size_t) {
     paths.put(path, Happening::slip, 5, 400, 700);
     paths.put(path, Happening::slip, 5, 1200, 1500);
-  }
-  EXPECT_EQ(likely_touches(paths.sample()).size(), 2U);
+  });
+  EXPECT_EQ(touches.size(), 2U);
 }
 
 TEST(LikelyTouches, EndAPressWhereItsSpeedIsAHundredthOfItsPeak) {
-  const RunStates states(1000us);
-  Paths paths(states);
-  for (std::size_t i = 0; i < 50; ++i) {
-    Path& path = paths.add();
+  const auto touches = touches_in(50, [](const Paths& paths, Path& path, std::size_t) {
     paths.put(path, Happening::press, 6, 400, 600);
     paths.put(path, Happening::press, 2, 600, 900);
-  }
-  const auto touches = likely_touches(paths.sample());
+  });
   ASSERT_EQ(touches.size(), 1U);
-  EXPECT_NEAR(in_ms(between(camera_time(0), touches[0].end.at)), 600, 4);
+  EXPECT_NEAR(ms(touches[0].end.at), 600, 4);
 }
 
 TEST(LikelyTouches, OfOnePathInFiftyAreNone) {

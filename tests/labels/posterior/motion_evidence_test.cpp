@@ -96,7 +96,7 @@ TEST(MotionEvidence, FollowsADriftOfTheNoise) {
   const PlaceRates rates = rates_given(counts, always, never);
   EXPECT_NEAR(rates.gain[5000] / rates.gain[1000], 1.1, 0.025);
   PlaceRates without = rates;
-  without.gain.clear();
+  without.gain.assign(6000, 1.0);
   EXPECT_GT(log_likelihood_of_quiet(counts, rates), log_likelihood_of_quiet(counts, without));
 }
 

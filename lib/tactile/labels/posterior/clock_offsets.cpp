@@ -37,18 +37,29 @@ std::vector<std::int64_t> refined(std::vector<WeighedOffset> likely, std::int64_
     chosen.push_back(one.us);
     for (std::int64_t d = -around_us; d <= around_us; d += step_us) finer.push_back(one.us + d);
   }
-  std::sort(finer.begin(), finer.end());
-  finer.erase(std::unique(finer.begin(), finer.end()), finer.end());
-  return finer;
+  return ascending(std::move(finer));
 }
 
 }  // namespace
 
+std::vector<std::int64_t> ascending(std::vector<std::int64_t> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+double log_sum(std::span<const double> logarithms) {
+  const double most = logarithms.empty() ? 0 : *std::max_element(logarithms.begin(), logarithms.end());
+  double sum = 0;
+  for (const double one : logarithms) sum += std::exp(one - most);
+  return most + std::log(sum);
+}
+
 void normalise(std::vector<WeighedOffset>& offsets) {
-  double most = -1e300, sum = 0;
-  for (const WeighedOffset& one : offsets) most = std::max(most, one.log_weight);
-  for (const WeighedOffset& one : offsets) sum += std::exp(one.log_weight - most);
-  for (WeighedOffset& one : offsets) one.log_weight -= most + std::log(sum);
+  std::vector<double> logarithms(offsets.size());
+  std::transform(offsets.begin(), offsets.end(), logarithms.begin(), [](const WeighedOffset& one) { return one.log_weight; });
+  const double all = log_sum(logarithms);
+  for (WeighedOffset& one : offsets) one.log_weight -= all;
 }
 
 double log_density(std::span<const WeighedOffset> offsets, double us) {
@@ -166,8 +177,7 @@ void ClockOffsets::consider(std::span<const WeighedOffset> prior, std::span<cons
   const auto on_grid = [&](std::int64_t us) { return likely_.front().us + (us - likely_.front().us) / step * step; };
   Offsets others;
   for (const WeighedOffset& one : prior) others.push_back(on_grid(one.us));
-  std::sort(others.begin(), others.end());
-  others.erase(std::unique(others.begin(), others.end()), others.end());
+  others = ascending(std::move(others));
   std::erase_if(others, [&](std::int64_t us) {
     return std::any_of(likely_.begin(), likely_.end(), [us](const WeighedOffset& one) { return one.us == us; });
   });

@@ -66,6 +66,12 @@ class ClockOffsets {
 /// probability of 5 % of none of them.
 double log_density(std::span<const WeighedOffset> offsets, double us);
 
+/// In order, each once.
+std::vector<std::int64_t> ascending(std::vector<std::int64_t> values);
+
+/// ln sum exp(x), without overflow. @param logarithms  at least one
+double log_sum(std::span<const double> logarithms);
+
 /// The logarithms of weights that sum to 1.
 void normalise(std::vector<WeighedOffset>& offsets);
 

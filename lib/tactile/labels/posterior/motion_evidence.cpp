@@ -20,6 +20,15 @@ void normalise(std::vector<double>& share) {
     one = (1 - spread_evenly) * (sum > 0 ? one / sum : 1.0 / PlaceCounts::places) + spread_evenly / PlaceCounts::places;
 }
 
+/// The events of all places together, in each whole stretch of `width` bins; in all bins if there are fewer.
+std::vector<double> events_by_block(const PlaceCounts& counts, std::size_t width) {
+  std::vector<double> sums(std::max<std::size_t>(1, counts.bins() / width), 0.0);
+  for (std::size_t b = 0; b < std::min(counts.bins(), sums.size() * width); ++b) {
+    for (const std::uint16_t n : counts.at(b)) sums[b / width] += n;
+  }
+  return sums;
+}
+
 /// The half of the places whose events grow least by motions.
 std::vector<std::size_t> calm_places(const PlaceRates& rates) {
   std::vector<std::size_t> order(PlaceCounts::places);
@@ -89,18 +98,14 @@ class PlaceLevel {
 
 PlaceRates first_rates(const PlaceCounts& counts) {
   const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 100ms / counts.bin));
-  const std::size_t blocks = std::max<std::size_t>(1, counts.bins() / width);
-  std::vector<double> sums(blocks, 0.0);
+  const std::vector<double> sums = events_by_block(counts, width);
+  const std::size_t blocks = sums.size();
   std::vector<std::size_t> order(blocks);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t block = 0; block < blocks; ++block) {
-    for (std::size_t b = block * width; b < std::min(counts.bins(), (block + 1) * width); ++b) {
-      for (const std::uint16_t n : counts.at(b)) sums[block] += n;
-    }
-  }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sums[a] < sums[b]; });
   const std::size_t calm = std::max<std::size_t>(std::min<std::size_t>(3, blocks), blocks / 3);
-  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.0), std::vector<double>(PlaceCounts::places, 1.0)};
+  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.0), std::vector<double>(PlaceCounts::places, 1.0),
+                   std::vector<double>(counts.bins(), 1.0)};
   double bins = 0;
   for (std::size_t i = 0; i < calm; ++i) {
     for (std::size_t b = order[i] * width; b < std::min(counts.bins(), (order[i] + 1) * width); ++b, ++bins) {
@@ -140,10 +145,8 @@ PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet,
 double dispersion_of_noise(const PlaceCounts& counts) {
   constexpr double median_of_chi_square = 0.4549;
   const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 8ms / counts.bin));
-  std::vector<double> sums(counts.bins() / width, 0.0), squares;
-  for (std::size_t b = 0; b < sums.size() * width; ++b) {
-    for (const std::uint16_t n : counts.at(b)) sums[b / width] += n;
-  }
+  const std::vector<double> sums = events_by_block(counts, width);
+  std::vector<double> squares;
   for (std::size_t i = 1; i < sums.size(); ++i) {
     const double both = sums[i] + sums[i - 1], apart = sums[i] - sums[i - 1];
     if (both > 0) squares.push_back(apart * apart / both);
@@ -158,7 +161,7 @@ double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rate
   double sum = 0;
   for (std::size_t b = 0; b < counts.bins(); ++b) {
     const auto row = counts.at(b);
-    const double gain = rates.gain.empty() ? 1 : rates.gain[b];
+    const double gain = rates.gain[b];
     double events = 0;
     for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += row[place] * log_quiet[place], events += row[place];
     sum += events * std::log(gain) - gain * quiet;
@@ -172,7 +175,7 @@ std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates&
   const double bin_ms = 1e-3 * static_cast<double>(counts.bin.count());
   std::vector<double> evidence(counts.bins() * motion_levels.size(), 0.0);
   std::map<double, std::vector<std::size_t>> bins_of_gain;
-  for (std::size_t b = 0; b < counts.bins(); ++b) bins_of_gain[rates.gain.empty() ? 1.0 : rates.gain[b]].push_back(b);
+  for (std::size_t b = 0; b < counts.bins(); ++b) bins_of_gain[rates.gain[b]].push_back(b);
   for (const auto& [gain, bins] : bins_of_gain) {
     for (std::size_t level = 1; level < motion_levels.size(); ++level) {
       std::vector<PlaceLevel> of_place;

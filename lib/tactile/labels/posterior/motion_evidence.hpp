@@ -11,7 +11,7 @@ namespace tactile::labels {
 /// Of each place: its events per bin while nothing moves, > 0, and its share of the events of motions. Shares sum to 1.
 struct PlaceRates {
   std::vector<double> quiet, share;
-  std::vector<double> gain = {};  ///< of the noise, in each bin: it drifts by some percent; empty: 1
+  std::vector<double> gain = {};  ///< of the noise, in each bin: it drifts by some percent
 };
 
 /// From the calmest third of the recording, corrected for this choice: the mean of the lowest third of Poisson counts with mean m

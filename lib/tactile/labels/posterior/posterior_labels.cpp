@@ -92,8 +92,8 @@ class Witnesses {
   void testify(LabelledInterval& interval) const {
     const bool is_press = interval.touch == Touch::press;
     interval.evidence.robot = is_press ? stage_command(signals_, clocks_, interval.start.at) : start_of_lift(interval);
-    const auto filmed =
-        is_press ? filmed_stage(interval.start) : alignment::video_start_near(motions_, interval.start, longest_disagreement);
+    const auto filmed = is_press ? alignment::video_start_around(motions_, interval.start)
+                                 : alignment::video_start_near(motions_, interval.start, longest_disagreement);
     if (filmed) interval.evidence.video = filmed->at;
   }
 
@@ -105,14 +105,6 @@ class Witnesses {
       if (move.begin <= after(slip.start.high, longest_disagreement) && move.end >= slip.start.low) return move.begin;
     }
     return std::nullopt;
-  }
-
-  /// The start of the motion in the film during which the press starts: that of the stage.
-  std::optional<alignment::UncertainTime> filmed_stage(const alignment::UncertainTime& onset) const {
-    const auto motion = std::find_if(motions_.begin(), motions_.end(), [&](const alignment::VideoMotion& one) {
-      return !one.start_cut && one.start.low <= onset.high && one.end.high >= onset.low;
-    });
-    return motion == motions_.end() ? std::nullopt : std::optional(motion->start);
   }
 
   const alignment::RunSignals& signals_;

@@ -40,9 +40,7 @@ std::vector<std::int64_t> candidates(const std::vector<Other>& others, double dr
       found.push_back(std::llround(here / step_us) * step_us);
     }
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  return ascending(std::move(found));
 }
 
 std::vector<WeighedOffset> offsets_by(const std::vector<Other>& others) {
@@ -55,13 +53,10 @@ std::vector<WeighedOffset> offsets_by(const std::vector<Other>& others) {
       weights[us].push_back(weight);
     }
   }
-  std::vector<WeighedOffset> offsets;
-  for (const auto& [us, of_drift] : weights) {
-    const double most = *std::max_element(of_drift.begin(), of_drift.end());
-    double sum = 0;
-    for (const double one : of_drift) sum += std::exp(one - most);
-    offsets.push_back({us, most + std::log(sum)});
-  }
+  std::vector<WeighedOffset> offsets(weights.size());
+  std::transform(weights.begin(), weights.end(), offsets.begin(), [](const auto& one) {
+    return WeighedOffset{one.first, log_sum(one.second)};
+  });
   normalise(offsets);
   std::erase_if(offsets, [](const WeighedOffset& one) { return one.log_weight < -least_likely; });
   normalise(offsets);
