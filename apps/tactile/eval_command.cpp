@@ -42,6 +42,7 @@ evaluation::EvaluationOptions options_of(const EvalArguments& args, const Common
   evaluation::EvaluationOptions options;
   options.confirmation = confirmation_of(args.decision);
   options.thresholds = thresholds_of(args.decision, kind);
+  options.onset_visible = args.onset == "visible";
   options.threads = common.threads;
   return options;
 }
@@ -61,6 +62,7 @@ std::string write_result(const fs::path& file, const nlohmann::json& json, std::
 /// The file of results. Options that change the figures have their own file, so that none replaces another.
 fs::path result_file(const fs::path& usual, const evaluation::EvaluationOptions& options, model::ModelKind kind) {
   std::string name = usual.stem().string();
+  if (options.onset_visible) name += "-onset-visible";
   if (options.confirmation != Confirmation{})
     name += fmt::format("-confirm-{}-of-{}", options.confirmation.needed, options.confirmation.of);
   if (options.thresholds != model::usual_thresholds(kind) && options.confirmation == Confirmation{}) {
@@ -303,13 +305,21 @@ void add_eval_command(CLI::App& app) {
   add_confirm_option(command, args->decision);
   add_thresholds_option(command, args->decision);
   add_engine_option(command, args->engine);
+  const Option onset = command
+                           .add_option("--onset", args->onset,
+                                       "From when delays count: first: the first motion; visible: the first time at which a "
+                                       "person sees the touch in the events, as in the paper")
+                           .type_name("NAME")
+                           .check(one_of({"first", "visible"}))
+                           .show_default();
   const Option run =
       command
           .add_option("--run", args->runs,
                       "Write every tick of these runs as CSV, PNG and SVG instead; object/run or folders, separated by commas")
           .delimiter(',')
           .type_name("RUN,...")
-          .excludes(unseen);
+          .excludes(unseen)
+          .excludes(onset);
   command.add_option("--out", args->out, "With --run: output folder; default: runs/ in the model's folder")
       .type_name("DIR")
       .needs(run);

@@ -15,6 +15,7 @@ namespace tactile::cli {
 
 std::string heading_of(const results::Evaluation& evaluation) {
   std::string heading = results::title_of(evaluation);
+  if (evaluation.onset == "visible") heading += ", from visible onsets";
   if (evaluation.confirm != "1/1") heading += ", confirmed in " + evaluation.confirm + " ticks";
   if (!evaluation.thresholds.empty()) heading += ", decided by the thresholds " + evaluation.thresholds;
   return heading;

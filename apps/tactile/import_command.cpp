@@ -146,7 +146,7 @@ std::string label_text(const std::string& runs, bool several, const std::vector<
   std::string text = runs + (several ? " have no " : " has no ");
   for (std::size_t i = 0; i < lacks.size(); ++i) text += (i == 0 ? "" : i + 1 == lacks.size() ? " and no " : ", no ") + lacks[i];
   if (!has("robot log") && !has("IMU") && !has("film"))
-    return text + ". The order of the touches alone then decides which one is the slip: look at each with 'tactile review'.";
+    return text + ". The events alone then decide which touch is the slip: look at each with 'tactile review'.";
   return text + fmt::format(". 'tactile label' finds the lift by the {}.", has("robot log") ? "robot log"
                                                                            : has("IMU")     ? "IMU"
                                                                                             : "film");

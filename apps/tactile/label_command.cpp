@@ -40,7 +40,6 @@ struct LabelArguments {
   bool strict = false;
   bool no_pictures = false;
   bool camera_time = false;
-  std::string method = "stages";
   labels::DoubtLimits doubt;
   std::string roi;
   std::string robot_columns;
@@ -99,7 +98,6 @@ CameraTime first_event_of(const labels::Labels& labels, const RunFolder& run) {
 
 Outcome label_all(const CommonArguments& common, const LabelArguments& arguments, const std::vector<RunFolder>& runs) {
   labels::LabelRunsOptions options{.label = {}, .force = arguments.force, .threads = common.threads};
-  if (arguments.method == "model") options.label.method = labels::LabelMethod::model;
   options.label.doubt = arguments.doubt;
   if (!arguments.roi.empty()) options.label.signals.video.region = region_in(arguments.roi);
   options.label.signals.robot.columns = arguments.robot_columns;
@@ -263,20 +261,14 @@ void add_label_command(CLI::App& app) {
       "--summary", arguments->summary, "Only print tables of the existing labels and of the differences between their sources");
   command.add_flag("--strict", arguments->strict, "Exit with 2 if a run has an unconfirmed flag");
   command.add_flag("--no-pictures", arguments->no_pictures, "Do not draw labels.png").excludes(summary);
-  command.add_option("--method", arguments->method, "stages: step by step; model: all at once, with probabilities; in trial")
-      .type_name("NAME")
-      .check(one_of({"stages", "model"}))
-      .show_default()
-      .excludes(summary);
-  command
-      .add_option("--least-probability", arguments->doubt.least_probability, "By the model: flag a touch that is less probable")
+  command.add_option("--least-probability", arguments->doubt.least_probability, "Flag a touch that is less probable")
       .type_name("P")
       .check(in_range(0.5, 1.0))
       .show_default()
       .excludes(summary);
   command
       .add_option("--widest-onset", arguments->doubt.widest_onset_ms,
-                  "By the model: flag an onset with a 95 % interval wider than this many ms")
+                  "Flag an onset with a 95 % interval wider than this many ms")
       .type_name("MS")
       .check(in_range(1.0, 1e5))
       .show_default()

@@ -296,6 +296,8 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
                            {"start_low_us", us_of(interval.start.low)},
                            {"start_high_us", us_of(interval.start.high)},
                            {"end_us", us_of(interval.end.at)},
+                           {"visible_us", interval.visible ? nlohmann::json(us_of(*interval.visible)) : nlohmann::json()},
+                           {"probability", interval.probability ? nlohmann::json(*interval.probability) : nlohmann::json()},
                            {"confirmed", interval.confirmed}});
     }
     nlohmann::json flags = nlohmann::json::array();

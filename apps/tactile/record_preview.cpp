@@ -50,7 +50,7 @@ nlohmann::json offset_json(const std::optional<ClockOffset>& clock) {
 
 nlohmann::json robot_json(const capture::RunRecorder& recorder, std::vector<std::string>& warnings) {
   if (recorder.robot() == nullptr) {
-    if (!has_imu(recorder)) warnings.emplace_back("no robot and no IMU: a slip is known only by the order of the touches");
+    if (!has_imu(recorder)) warnings.emplace_back("no robot and no IMU: press and slip are distinguished by the events alone");
     return nullptr;
   }
   if (!has_imu(recorder)) warnings.emplace_back("no IMU: the robot's clock is known less exactly");

@@ -28,7 +28,7 @@ namespace tactile::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using labels::BurstKind;
+using splitting::BurstKind;
 
 struct SplitArguments {
   std::string recording;

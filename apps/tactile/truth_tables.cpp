@@ -22,10 +22,7 @@
 namespace tactile::cli {
 namespace {
 
-constexpr microseconds far_off{20'000};     ///< an unflagged error beyond this is named
-constexpr microseconds clock_goal{10'000};  ///< a clock with a symmetric anchor should be off by no more
-constexpr std::array symmetric_anchors{alignment::AnchorKind::imu, alignment::AnchorKind::sync_tap,
-                                       alignment::AnchorKind::ring_down};
+constexpr microseconds far_off{20'000};  ///< an unflagged error beyond this is named
 
 /// A run, its comparison with the truth, and the sources that its labels have.
 struct ComparedRun {
@@ -194,61 +191,6 @@ std::vector<Group> all_groups() {
           {"own_clocks", "clocks of its own", [](const ComparedRun& r) { return !r.shares_session; }}};
 }
 
-/// Whether an anchor that is symmetric about its moment places the robot's clock: no lag of skin or stage enters it.
-bool has_symmetric_anchor(const ComparedRun& run) {
-  const std::vector<alignment::FittedClock>& clocks = run.labelled->labels.robot_clocks;
-  return std::any_of(clocks.begin(), clocks.end(), [](const alignment::FittedClock& clock) {
-    return std::any_of(symmetric_anchors.begin(), symmetric_anchors.end(),
-                       [&](alignment::AnchorKind kind) { return clock.method.find(name_of(kind)) != std::string::npos; });
-  });
-}
-
-/// The error of the robot's clock by the kind of its anchors.
-struct ClocksByAnchor {
-  Errors errors;
-  std::size_t within = 0;  ///< `clock_goal`
-};
-
-std::array<ClocksByAnchor, 2> clocks_by_anchor(const std::vector<ComparedRun>& runs) {
-  std::array<ClocksByAnchor, 2> groups;
-  for (const ComparedRun& run : runs) {
-    if (!run.comparison.robot_clock) continue;
-    ClocksByAnchor& group = groups[has_symmetric_anchor(run) ? 0 : 1];
-    group.errors.add(*run.comparison.robot_clock, run.comparison.clocks_flagged);
-    group.within += std::chrono::abs(run.comparison.robot_clock->error) <= clock_goal ? 1 : 0;
-  }
-  return groups;
-}
-
-constexpr std::array<const char*, 2> anchor_groups{"symmetric", "others"};
-
-nlohmann::json json_of(const std::array<ClocksByAnchor, 2>& groups) {
-  nlohmann::json object = nlohmann::json::object();
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].errors.n() == 0) continue;
-    object[anchor_groups[i]] = groups[i].errors.json(true);
-    object[anchor_groups[i]]["within_10_ms"] = groups[i].within;
-  }
-  return object;
-}
-
-std::string text_of(const std::array<ClocksByAnchor, 2>& groups) {
-  std::vector<std::vector<std::string>> rows;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].errors.n() == 0) continue;
-    std::vector<std::string> cells = groups[i].errors.cells(i == 0 ? "symmetric" : "others", true);
-    cells.push_back(std::to_string(groups[i].within));
-    rows.push_back(std::move(cells));
-  }
-  if (rows.empty()) return {};
-  return "\n" +
-         text_table({"robot clock [ms]", "n", "flagged", "median", "p95", "largest", "covered", "width", "≤ 10 ms"}, rows) +
-         wrapped(
-             "Symmetric anchors: the IMU, sync taps or the arm's ringing. The others follow from the times of touches and "
-             "drags; their intervals are wider.") +
-         "\n";
-}
-
 /// Errors that no flag names, one sentence each.
 std::vector<std::string> silent_errors(const std::vector<ComparedRun>& runs) {
   std::vector<std::string> named;
@@ -367,7 +309,6 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
   const std::vector<Group> groups = all_groups();
   ErrorsByGroup errors = errors_by_group(runs, groups);
   const std::vector<std::string> silent = silent_errors(runs);
-  const std::array<ClocksByAnchor, 2> by_anchor = clocks_by_anchor(runs);
   tables.json = {{"runs", runs.size()},
                  {"intervals", totals.intervals},
                  {"missed", totals.missed},
@@ -381,7 +322,6 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
                    {"undamaged_with_press_and_slip", {{"runs", totals.plain}, {"flagged", totals.plain_flagged}}}}},
                  {"unflagged_errors", silent},
                  {"errors_ms", json_of(errors["all"])},
-                 {"robot_clock_by_anchor", json_of(by_anchor)},
                  {"groups", groups_json(runs, groups, errors)}};
   tables.text =
       "\n" +
@@ -395,7 +335,7 @@ TruthTables compare_all(const std::vector<LabelledRun>& labelled) {
       wrapped(
           "Covered: truths inside the 95 % interval; width: the median of these intervals. A clock's offset is compared "
           "where the lift starts.") +
-      "\n" + text_of(by_anchor) + flagged_text(totals, runs.size()) + silent_text(silent);
+      "\n" + flagged_text(totals, runs.size()) + silent_text(silent);
   return tables;
 }
 

@@ -58,14 +58,12 @@ double slip_per_ms(const MadeArm& arm, double t, double start_s, double end_s, d
 }
 
 FoundAnchors anchors_of(const robot::RobotLog& log, const EventRate& rate, std::span<const events::ImuSample> imu = {},
-                        std::span<const CameraArrival> arrivals = {}, std::optional<CoarseOffset> coarse = {},
-                        std::span<const Burst> slow_bursts = {}) {
+                        std::span<const CameraArrival> arrivals = {}, std::optional<CoarseOffset> coarse = {}) {
   const std::vector<MotionPhase> motions = motion_phases(log);
   return clock_anchors({.robot = log,
                         .motions = motions,
                         .rate = rate,
                         .quiet = quiet_rate(rate),
-                        .slow_bursts = slow_bursts,
                         .imu = imu,
                         .host_from_camera = arrivals,
                         .coarse = coarse});
@@ -222,22 +220,6 @@ TEST(ClockAnchors, ALiftFollowsAPress) {
   const FoundAnchors found = anchors_of_two_slips(-1.0);
   const ClockAnchor* shear = first_of(found, AnchorKind::first_shear);
   ASSERT_NE(shear, nullptr) << "nothing was held when the first burst began";
-  EXPECT_NEAR(error_ms(*shear), 0.0, 5.0);
-}
-
-TEST(ClockAnchors, ASlowPressThatTheRateHidesIsAPress) {
-  MadeArm arm;
-  arm.lift(2.4, 0.7, 0.08);
-  const robot::RobotLog log = arm.log(-0.9, 5.9, robot_zero_us);
-  const EventRate rate = rate_of(0, 5.5, [&](double t) {
-    const double release = t > 4.2 && t < 4.3 ? 150.0 : 0.0;
-    return quiet_per_ms + release + slip_per_ms(arm, t, 2.4, 3.1, 0.01, 0.02);
-  });
-  EXPECT_TRUE(says(anchors_of(log, rate), "may be a press")) << "more moves when the arm rests again";
-  const Burst slow{.begin = 5'000, .end = 7'500, .events = 400, .slow = true};
-  const FoundAnchors found = anchors_of(log, rate, {}, {}, {}, std::span(&slow, 1));
-  const ClockAnchor* shear = first_of(found, AnchorKind::first_shear);
-  ASSERT_NE(shear, nullptr);
   EXPECT_NEAR(error_ms(*shear), 0.0, 5.0);
 }
 

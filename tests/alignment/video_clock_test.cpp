@@ -7,7 +7,6 @@
 
 #include "tactile/alignment/film_motions.hpp"
 #include "tactile/alignment/film_of_arm.hpp"
-#include "tactile/alignment/film_of_skin.hpp"
 #include "tactile/core/random.hpp"
 
 namespace tactile::alignment {
@@ -249,46 +248,6 @@ TEST(VideoClock, IsFoundAtTheEndsOfTime) {
   EXPECT_EQ(fit_video_clock(film, seen).refused, "the two clocks lie further apart than 64 bits of microseconds");
 }
 
-SeenBurst burst(double start_s, double end_s) {
-  return {camera_time(run_begin_us + std::llround(1e6 * start_s)), camera_time(run_begin_us + std::llround(1e6 * end_s))};
-}
-
-TEST(VideoClock, IsFoundFromBurstsOfEventsLessAccurately) {
-  const MadeFilm made{.motions = {closing, arm_lift}};
-  // A press in the closing's last part, a slip that starts late, and something that nobody sees.
-  const std::vector<SeenBurst> bursts{burst(1.4, 1.61), burst(2.115, 2.85), burst(3.6, 3.66)};
-  const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
-  ASSERT_TRUE(fit.clock) << fit.refused;
-  EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 25);
-  EXPECT_LE(fit.clock->offset_low_us, made.offset_us());
-  EXPECT_GE(fit.clock->offset_high_us, made.offset_us());
-  EXPECT_GT(fit.clock->offset_high_us - fit.clock->offset_low_us, 30'000);
-
-  const std::vector<SeenBurst> alike{burst(0.5, 1.23), burst(2.1, 2.83)};
-  EXPECT_NE(fit_video_clock(film_of({.motions = {arm_lift}}), alike).refused.find("at two offsets"), std::string::npos);
-  EXPECT_EQ(fit_video_clock(film_of({.motions = {arm_lift}}), std::span<const SeenBurst>{}).refused,
-            "the events show nothing that moves");
-  EXPECT_EQ(fit_video_clock(MotionEnergy{}, bursts).refused, "nothing moves in the film");
-}
-
-TEST(VideoClock, IsRefusedIfOnlyTheEndOfOneBurstGivesIt) {
-  const MadeFilm made{.motions = {arm_lift}};
-  const std::vector<SeenBurst> ends{burst(2.6, 2.85)}, starts_too{burst(2.115, 2.85)};
-  // It may as well start with the motion.
-  EXPECT_NE(fit_video_clock(film_of(made), ends).refused.find("at two offsets"), std::string::npos);
-  EXPECT_TRUE(fit_video_clock(film_of(made), starts_too).clock);
-}
-
-TEST(VideoClock, IsNotGivenByTwoEndsThatAreAsFarApartByChance) {
-  // The object is gone from the film when the stage stops, and from the skin before the arm does: 0.11 s later both fit.
-  const MadeFilm made{.motions = {closing, arm_lift}};
-  const std::vector<SeenBurst> bursts{burst(1.4, 1.72), burst(2.115, 2.96)};
-  const VideoClockFit fit = fit_video_clock(film_of(made), bursts);
-  if (fit.clock) {
-    EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 1e-3 * static_cast<double>(fit.clock->uncertainty().count()));
-  }
-}
-
 FittedClock clock_of(const MadeFilm& made, std::int64_t within_us = 2'000) {
   FittedClock clock;
   clock.relation.offset_us = made.offset_us();
@@ -316,11 +275,11 @@ TEST(VideoMotions, StartAndEndWithinTheirIntervals) {
     ASSERT_EQ(motions.size(), 2U);
     EXPECT_FALSE(motions[0].start_cut || motions[0].end_cut || motions[1].start_cut || motions[1].end_cut);
     const std::optional<UncertainTime> lift_start = video_start_near(motions, certain(arm_lift.start_s + 0.02), 100ms);
-    const std::optional<UncertainTime> closed = video_end_near(motions, certain(closing.end_s - 0.03), 100ms);
-    ASSERT_TRUE(lift_start && closed);
+    const UncertainTime& closed = motions[0].end;
+    ASSERT_TRUE(lift_start);
     EXPECT_LT(between(lift_start->low, lift_start->high), 70ms);
     starts += holds(*lift_start, arm_lift.start_s) ? 1 : 0;
-    ends += holds(*closed, closing.end_s) ? 1 : 0;
+    ends += holds(closed, closing.end_s) ? 1 : 0;
     EXPECT_FALSE(video_start_near(motions, certain(4.0), 100ms));
   }
   EXPECT_GE(starts, films * 9 / 10);
@@ -348,7 +307,6 @@ TEST(VideoMotions, GiveNoStartThatTheFilmDoesNotShow) {
   EXPECT_TRUE(motions[0].start_cut);
   EXPECT_FALSE(motions[0].end_cut);
   EXPECT_FALSE(video_start_near(motions, certain(2.4), 1s));
-  EXPECT_TRUE(video_end_near(motions, certain(arm_lift.end_s), 100ms));
 }
 
 TEST(VideoMotions, IgnoreChangesOfTheWholePicture) {
@@ -367,36 +325,6 @@ TEST(VideoMotions, ThatAreFaintGiveNoOnset) {
   ASSERT_EQ(motions.size(), 1U);
   EXPECT_TRUE(motions[0].faint);
   EXPECT_FALSE(video_start_near(motions, certain(arm_lift.start_s), 200ms));
-}
-
-TEST(VideoSawMotion, IsUnknownWhereTheFilmDoesNotShowIt) {
-  const MadeFilm made{.motions = {closing, arm_lift}};
-  MotionEnergy film = film_of(made);
-  const FittedClock clock = clock_of(made);
-  const auto saw = [&](double from_s, double to_s) {
-    return video_saw_motion(film, clock, certain(from_s).at, certain(to_s).at);
-  };
-  EXPECT_EQ(saw(0.0, 2.0), true);
-  EXPECT_EQ(saw(0.0, 0.8), false);
-  EXPECT_EQ(saw(3.0, 4.5), false);
-  EXPECT_EQ(saw(-1.0, 0.5), std::nullopt) << "the film begins later";
-  EXPECT_EQ(saw(3.0, 6.0), std::nullopt) << "it ends earlier";
-  EXPECT_EQ(saw(2.0, 1.0), std::nullopt);
-  // Six frames are lost.
-  film.steps.erase(film.steps.begin() + 120, film.steps.begin() + 126);
-  EXPECT_EQ(saw(3.0, 4.5), std::nullopt);
-  EXPECT_EQ(saw(0.0, 0.8), false);
-}
-
-TEST(VideoRisesNear, KnowsAMotionThatBeginsWhileAnotherFades) {
-  const MadeFilm made{.motions = {closing, arm_lift}};
-  MotionEnergy film = film_of(made);
-  const FittedClock clock = clock_of(made);
-  for (MotionStep& step : film.steps)
-    step.energy += 5.0 * film.noise * 1e6 / static_cast<double>((step.end - step.begin).count());
-  EXPECT_TRUE(video_rises_near(film, clock, certain(arm_lift.start_s).at, 100ms));
-  EXPECT_FALSE(video_rises_near(film, clock, certain(0.5).at, 100ms));
-  EXPECT_FALSE(video_rises_near(film, clock, certain(arm_lift.end_s).at, 100ms));
 }
 
 TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {

@@ -46,6 +46,12 @@ class LabelEdits : public testing::Test {
   }
 
   std::string text_of(const std::string& file) const { return read_text(folder / "data" / file); }
+  /// The run gets a flag.
+  void leave_incomplete(const std::string& run) const {
+    json info = json::parse(text_of(run + "/run.json"));
+    info["complete"] = false;
+    write_whole(folder / "data" / run / "run.json", info.dump());
+  }
   json labels(const std::string& run = "fan/01") const { return json::parse(text_of(run + "/labels.json")); }
   json interval(std::size_t index) const { return labels().at("intervals").at(index); }
 
@@ -114,7 +120,7 @@ TEST_F(LabelEdits, SeveralAreMadeInTheirOrderEachWithItsEntry) {
 }
 
 TEST_F(LabelEdits, ConfirmingARunLiftsItsFlags) {
-  std::filesystem::remove(folder / "data/fan/01/robot.csv");
+  leave_incomplete("fan/01");
   ASSERT_EQ(label("data/fan/01 --strict").exit_code, 2);
   done("data --confirm fan/01");
   EXPECT_EQ(label("data/fan/01 --strict --summary").exit_code, 0);
@@ -122,15 +128,15 @@ TEST_F(LabelEdits, ConfirmingARunLiftsItsFlags) {
 }
 
 TEST_F(LabelEdits, AFlagIsLiftedByItsWordsWithAReason) {
-  std::filesystem::remove(folder / "data/fan/01/robot.csv");
+  leave_incomplete("fan/01");
   ASSERT_EQ(label("data/fan/01 --no-pictures").exit_code, 0);
-  expect_refused("--lift 'fan/01:no robot log'", "without a reason; expected why the label is right");
+  expect_refused("--lift 'fan/01:not completed'", "without a reason; expected why the label is right");
   expect_refused("--lift 'fan/01:no such words' --why seen", "0 flags have these words; expected words of one of ");
-  done("--lift 'fan/01:no robot log' --why 'the arm stood still' --no-pictures");
+  done("--lift 'fan/01:not completed' --why 'it is long enough' --no-pictures");
   const json now = labels();
   ASSERT_FALSE(now.at("flags").empty());
   for (const json& flag : now.at("flags")) {
-    const bool is_lifted = flag.at("reason").get<std::string>().find("no robot log") != std::string::npos;
+    const bool is_lifted = flag.at("reason").get<std::string>().find("not completed") != std::string::npos;
     EXPECT_EQ(flag.at("confirmed").get<bool>(), is_lifted) << flag;
   }
 }
@@ -154,15 +160,15 @@ TEST_F(LabelEdits, APatternEditsAllRunsThatItMatches) {
 }
 
 TEST_F(LabelEdits, AFlagOfOneKindIsLiftedInAllRuns) {
-  std::filesystem::remove(folder / "data/fan/01/robot.csv");
-  std::filesystem::remove(folder / "data/usb-hub/01/robot.csv");
+  leave_incomplete("fan/01");
+  leave_incomplete("usb-hub/01");
   ASSERT_EQ(label("--no-pictures").exit_code, 0);
-  done("--lift '*/*:no robot log' --why 'the arm stood still' --no-pictures");
+  done("--lift '*/*:not completed' --why 'it is long enough' --no-pictures");
   for (const char* run : {"fan/01", "usb-hub/01"}) {
     const json now = labels(run);
     ASSERT_FALSE(now.at("flags").empty());
     for (const json& flag : now.at("flags")) {
-      const bool is_lifted = flag.at("reason").get<std::string>().find("no robot log") != std::string::npos;
+      const bool is_lifted = flag.at("reason").get<std::string>().find("not completed") != std::string::npos;
       EXPECT_EQ(flag.at("confirmed").get<bool>(), is_lifted) << flag;
     }
   }

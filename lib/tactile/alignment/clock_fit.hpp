@@ -21,7 +21,6 @@ enum class AnchorKind : std::uint8_t {
   first_shear,   ///< events of the first shear, whose rate grows as the arm's speed does
   host_time,     ///< when elements of both devices arrived at one host
   film_of_arm,   ///< a motion in a film, and the arm's by its log
-  film_of_skin,  ///< a motion in a film, and the skin's by its events
 };
 
 std::string_view name_of(AnchorKind kind);  ///< "stage output", "sync tap", "IMU", …

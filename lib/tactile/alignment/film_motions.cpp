@@ -171,17 +171,6 @@ microseconds distance(const UncertainTime& a, const UncertainTime& b) {
   return std::max({between(a.high, b.low), between(b.high, a.low), 0us});
 }
 
-std::optional<UncertainTime> nearest(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds most,
-                                     UncertainTime VideoMotion::*end, bool VideoMotion::*cut) {
-  std::optional<UncertainTime> best;
-  for (const VideoMotion& motion : motions) {
-    const UncertainTime& found = motion.*end;
-    if (motion.*cut || motion.faint || distance(found, t) > most) continue;
-    if (!best || std::chrono::abs(between(t.at, found.at)) < std::chrono::abs(between(t.at, best->at))) best = found;
-  }
-  return best;
-}
-
 }  // namespace
 
 std::vector<FilmedMotion> filmed_motions(const MotionEnergy& energy, std::size_t most) {
@@ -224,11 +213,13 @@ std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedC
 }
 
 std::optional<UncertainTime> video_start_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart) {
-  return nearest(motions, t, apart, &VideoMotion::start, &VideoMotion::start_cut);
-}
-
-std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart) {
-  return nearest(motions, t, apart, &VideoMotion::end, &VideoMotion::end_cut);
+  std::optional<UncertainTime> best;
+  for (const VideoMotion& motion : motions) {
+    if (motion.start_cut || motion.faint || distance(motion.start, t) > apart) continue;
+    if (!best || std::chrono::abs(between(t.at, motion.start.at)) < std::chrono::abs(between(t.at, best->at)))
+      best = motion.start;
+  }
+  return best;
 }
 
 std::optional<UncertainTime> video_start_around(std::span<const VideoMotion> motions, const UncertainTime& onset) {
@@ -236,43 +227,6 @@ std::optional<UncertainTime> video_start_around(std::span<const VideoMotion> mot
     return !one.start_cut && one.start.low <= onset.high && one.end.high >= onset.low;
   });
   return motion == motions.end() ? std::nullopt : std::optional(motion->start);
-}
-
-bool video_rises_near(const MotionEnergy& energy, const FittedClock& clock, CameraTime t, microseconds apart) {
-  constexpr double clear = 10.0, times_more = 3.0;
-  const auto mean_over = [&](CameraTime from, CameraTime to, double& largest) {
-    double sum = 0, length = 0;
-    for (const MotionStep& step : energy.steps) {
-      const CameraTime middle = clock.relation.camera_from(step.begin + (step.end - step.begin) / 2);
-      if (middle < from || middle >= to) continue;
-      const auto step_us = static_cast<double>((step.end - step.begin).count());
-      sum += step.energy * step_us;
-      length += step_us;
-      largest = std::max(largest, size_of(step, energy.noise));
-    }
-    return length > 0 ? sum / length : 0.0;
-  };
-  double ignored = 0, largest = 0;
-  const double earlier = mean_over(before(t, 3 * apart), before(t, apart), ignored);
-  const double later = mean_over(after(t, apart), after(t, 3 * apart), largest);
-  return largest >= clear && later > times_more * earlier;
-}
-
-std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClock& clock, CameraTime begin, CameraTime end) {
-  if (energy.steps.empty() || begin >= end) return std::nullopt;
-  constexpr std::int64_t longest_in_frames = 4;
-  const auto camera_from = [&](VideoTime t) { return clock.relation.camera_from(t); };
-  if (camera_from(energy.begin()) > begin || camera_from(energy.end()) < end) return std::nullopt;
-  std::optional<VideoTime> last;
-  for (const MotionStep& step : energy.steps) {
-    const CameraTime from = camera_from(last.value_or(step.begin)), to = camera_from(step.end);
-    last = step.end;
-    if (to <= begin || from >= end) continue;
-    if (to - from >= longest_in_frames * energy.median_step) return std::nullopt;
-  }
-  const std::vector<VideoMotion> motions = video_motions(energy, clock);
-  return std::any_of(motions.begin(), motions.end(),
-                     [&](const VideoMotion& motion) { return motion.start.at < end && motion.end.at > begin; });
 }
 
 }  // namespace tactile::alignment

@@ -47,20 +47,10 @@ struct VideoMotion {
 
 std::vector<VideoMotion> video_motions(const MotionEnergy& energy, const FittedClock& clock);
 
-/// The start (or end) of motion in the film nearest to `t`, if the intervals of both come within `apart` of each other; no cut
-/// ones.
+/// The start of motion in the film nearest to `t`, if the intervals of both come within `apart` of each other; no cut ones.
 std::optional<UncertainTime> video_start_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart);
-std::optional<UncertainTime> video_end_near(std::span<const VideoMotion> motions, const UncertainTime& t, microseconds apart);
 
 /// The start of the motion in the film within which a touch begins, such as that of a stage; no cut ones.
 std::optional<UncertainTime> video_start_around(std::span<const VideoMotion> motions, const UncertainTime& onset);
-
-/// Whether the film's energy grows to three times as much or more around `t`: on average from `apart` to three times that after
-/// it, against as long before it. A motion may so begin while another one fades.
-bool video_rises_near(const MotionEnergy& energy, const FittedClock& clock, CameraTime t, microseconds apart);
-
-/// Whether anything moved in the film in [begin, end) of camera time. Nothing if the film does not show all of that, or lacks
-/// frames for the time of four frames or more.
-std::optional<bool> video_saw_motion(const MotionEnergy& energy, const FittedClock& clock, CameraTime begin, CameraTime end);
 
 }  // namespace tactile::alignment

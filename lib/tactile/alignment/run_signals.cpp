@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 #include <utility>
 
-#include "tactile/alignment/slow_bursts.hpp"
 #include "tactile/core/doubt.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/sha256.hpp"
@@ -63,7 +63,6 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   signals.event_stream = events::event_stream(recording).id;
   signals.rate = event_rate(recording, signals.event_stream, options.rate);
   signals.quiet = quiet_rate(signals.rate);
-  signals.bursts = bursts_in(signals.rate, signals.quiet, options.activity);
   for (const events::PacketRecord& packet : recording.packets()) {
     if (recording.stream(packet.stream_id).type != events::StreamType::imu) continue;
     const std::vector<events::ImuSample> samples = recording.read_imu(packet);
@@ -97,14 +96,6 @@ void read_recording(RunSignals& signals, const RunSignalsOptions& options) {
   }
 }
 
-/// Without an IMU, the robot's clock follows from what the skin does, and a slow press is part of that.
-void read_slow_bursts(RunSignals& signals) {
-  events::RecordingReader recording(signals.run.events());
-  signals.slow_bursts =
-      slow_bursts(recording, signals.event_stream, signals.rate, without_after_effects(signals.bursts, signals.rate));
-  for (Burst& slow : signals.slow_bursts) slow.events = events_above(signals.rate, signals.quiet, slow.begin, slow.end);
-}
-
 /// How far the camera's clock is ahead of the host's, by the packet that arrived fastest.
 std::optional<std::int64_t> camera_ahead_of_host(const std::vector<CameraArrival>& arrivals) {
   std::optional<std::int64_t> ahead;
@@ -125,6 +116,11 @@ std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const robot:
     ahead = std::min(ahead.value_or(us), us);
   }
   return ahead;
+}
+
+bool are_too_far_apart(CameraTime camera, RobotTime robot) {
+  const std::int64_t apart_us = saturating_subtract(us_of(camera), us_of(robot));
+  return apart_us == std::numeric_limits<std::int64_t>::max() || apart_us == std::numeric_limits<std::int64_t>::min();
 }
 
 /// Data arrive late by some ms, in bursts more, and clocks drift: the content decides within this.
@@ -163,6 +159,11 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
           doubt("robot-log-gap", "the robot log has {} gap{}, the longest of {} ms, {} after its first row (at {} of its clock)",
                 log.gaps.size(), log.gaps.size() == 1 ? "" : "s", (longest->first_after - longest->last_before).count() / 1000,
                 in_seconds((longest->last_before - log.states.front().t).count()), in_seconds(us_of(longest->last_before))));
+    }
+    if (are_too_far_apart(signals.rate.begin, log.states.front().t)) {
+      signals.problems.push_back(
+          doubt("clocks-apart", "the robot log is left out: the two clocks lie further apart than 64 bits of microseconds"));
+      continue;
     }
     std::vector<MotionPhase> phases = motion_phases(log);
     signals.coarse_offsets.push_back(coarse_offset(signals, log));
@@ -204,7 +205,6 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
   signals.info.simulated = events::is_simulated(run);
   signals.host_from_camera = arrivals_in(signals.info);
   if (std::filesystem::exists(run.robot())) read_robot(signals, options.robot);
-  if (signals.has_robot && signals.imu.empty()) read_slow_bursts(signals);
   if (std::filesystem::exists(run.video())) {
     try {
       const std::vector<VideoTime> times =

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tactile/alignment/activity.hpp"
+#include "tactile/alignment/camera_span.hpp"
 #include "tactile/alignment/clock_anchors.hpp"
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/motion_energy.hpp"
@@ -19,16 +20,10 @@ namespace tactile::alignment {
 
 struct RunSignalsOptions {
   EventRateOptions rate{};
-  ActivityOptions activity{};
   MotionEnergyOptions video{};
   robot::RobotLogOptions robot{};
   /// Reported if no pixel fires for this long, where the noise alone gives at least 30 events on average.
   microseconds shortest_gap{5'000};
-};
-
-/// A stretch of camera time, half-open.
-struct CameraSpan {
-  CameraTime begin{}, end{};
 };
 
 /// A piece of the robot's log on one clock, and the motions of the arm in it.
@@ -44,11 +39,9 @@ struct RunSignals {
   std::int32_t event_stream = 0;
   EventRate rate;
   QuietRate quiet;
-  std::vector<Burst> bursts;       ///< of the rate of the whole image, by time
-  std::vector<Burst> slow_bursts;  ///< that only a few places show, by time; looked for where there is a robot log, but no IMU
-  std::vector<CameraSpan> gaps;    ///< in which no pixel fires, too long for chance, by time
-  bool has_robot = false;          ///< there is a log, perhaps an empty one
-  std::vector<RobotPiece> robot;
+  std::vector<CameraSpan> gaps;   ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;         ///< there is a log, perhaps an empty one
+  std::vector<RobotPiece> robot;  ///< but for those whose clock lies further from the camera's than int64 holds
   robot::RobotSpeedSource speed_from = robot::RobotSpeedSource::actual_tcp_speed;  ///< of the log
   std::optional<robot::ArmModel> arm;                       ///< whose kinematics gave poses from joints, if the log has no poses
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where the host times of both devices are known

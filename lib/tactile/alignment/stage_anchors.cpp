@@ -71,16 +71,8 @@ std::vector<StageCommand> stage_commands(const AnchorSearch& search) {
 
 std::vector<ActivityStart> activity_starts(const AnchorInputs& inputs) {
   std::vector<ActivityStart> starts;
-  const auto add = [&](const Burst& burst) {
+  for (const Burst& burst : bursts_in(inputs.rate, inputs.quiet))
     starts.push_back({.at_s = in_s(inputs.rate.bin) * static_cast<double>(burst.begin), .events = burst.events});
-  };
-  for (const Burst& burst : bursts_in(inputs.rate, inputs.quiet)) {
-    const bool is_part = std::any_of(inputs.slow_bursts.begin(), inputs.slow_bursts.end(),
-                                     [&](const Burst& slow) { return burst.begin < slow.end && slow.begin < burst.end; });
-    if (!is_part) add(burst);
-  }
-  for (const Burst& burst : inputs.slow_bursts) add(burst);
-  std::sort(starts.begin(), starts.end(), [](const ActivityStart& a, const ActivityStart& b) { return a.at_s < b.at_s; });
   return starts;
 }
 

@@ -28,14 +28,12 @@ struct Gradient {
   double value = 0, sigma = std::numeric_limits<double>::infinity();
 };
 
-/// By the distances between the arm's motions; infinitely uncertain if there is one. A burst of events may start after its motion
-/// and end before it, so its ends show no rate.
+/// By the distances between the arm's motions; infinitely uncertain if there is one.
 Gradient gradient_of(const std::vector<ClockAnchor>& anchors) {
   std::vector<WeightedPoint> points;
   points.reserve(anchors.size());
   const ClockAnchor& first = anchors.front();
   for (const ClockAnchor& anchor : anchors) {
-    if (anchor.kind != AnchorKind::film_of_arm) continue;
     const std::int64_t x = saturating_subtract(anchor.clock_us, first.clock_us);
     const std::int64_t y = saturating_subtract(between(first.camera, anchor.camera).count(), x);
     points.push_back({static_cast<double>(x), static_cast<double>(y), 1 / std::max(1.0, anchor.sigma_us * anchor.sigma_us)});

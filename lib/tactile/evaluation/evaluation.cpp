@@ -45,6 +45,7 @@ results::Evaluation description_of(const windows::Dataset& dataset, std::span<co
   evaluation.simulated = dataset.simulated();
   evaluation.sampling_guard = dataset.sampling().guard;
   evaluation.tick = first.rendering().tick;
+  evaluation.onset = options.onset_visible ? "visible" : "first";
   evaluation.confirm = text_of(options.confirmation);
   if (options.thresholds) evaluation.thresholds = text_of(*options.thresholds);
   evaluation.bootstrap = options.bootstrap;

@@ -20,6 +20,7 @@ namespace tactile::evaluation {
 struct EvaluationOptions {
   Confirmation confirmation{};
   std::optional<model::TwoThresholds> thresholds = std::nullopt;  ///< which then replace the confirmation
+  bool onset_visible = false;  ///< touches begin when the events show them by eye (`with_visible_onsets`)
   DelayOptions delay{};
   results::BootstrapOptions bootstrap{};
   unsigned threads = 0;  ///< 0: as many as the machine has cores; no figure depends on it

@@ -139,6 +139,7 @@ ClassifiedRun classified(const RunScoring& scoring, const RunFolder& folder, std
   if (index) run.samples = samples_in(scoring.dataset, *index);
   run.full = classify_full_run(folder.events(), scoring.classifier, options);
   run.truth = read_run_truth(folder, includes_flagged(scoring.dataset));
+  if (scoring.options.onset_visible) run.truth = with_visible_onsets(std::move(run.truth));
   run.verdicts = decided(decision_of(scoring.options), run.full);
   return run;
 }

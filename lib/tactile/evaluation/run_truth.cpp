@@ -42,6 +42,7 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
     truth.unclear = labels::unclear_motion(labels);
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
       truth.bounds.push_back({labels.intervals[i].start, labels.intervals[i].end});
+      truth.visible.push_back(labels.intervals[i].visible);
       truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
     }
   }
@@ -68,6 +69,7 @@ RunTruth with_truth_as_labels(const RunTruth& truth) {
   RunTruth exact = truth;
   exact.labels.clear();
   exact.bounds.clear();
+  exact.visible.clear();
   exact.releases.clear();
   exact.unclear = truth.unlabelled;
   for (const TouchInterval& interval : truth.true_ones) {
@@ -75,6 +77,19 @@ RunTruth with_truth_as_labels(const RunTruth& truth) {
     exact.bounds.push_back({{interval.start, interval.start, interval.start}, {interval.end, interval.end, interval.end}});
   }
   return exact;
+}
+
+RunTruth with_visible_onsets(RunTruth truth) {
+  for (std::size_t i = 0; i < truth.visible.size(); ++i) {
+    TouchInterval& label = truth.labels[i].interval;
+    if (!truth.visible[i] || *truth.visible[i] >= label.end) continue;
+    for (TouchInterval& touch : truth.true_ones) {
+      const bool is_this = touch.touch == label.touch && touch.start < label.end && label.start < touch.end;
+      if (is_this) touch.start = std::clamp(*truth.visible[i], touch.start, touch.end);
+    }
+    label.start = std::max(label.start, *truth.visible[i]);
+  }
+  return truth;
 }
 
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals) {

@@ -24,6 +24,7 @@ struct RunTruth {
   std::vector<windows::SampledInterval> labels;     ///< by start; those whose labels are in doubt are not `used`
   bool has_labels = false, run_is_flagged = false;  ///< the file is there; it has an unconfirmed flag on the whole run
   std::vector<LabelBounds> bounds;                  ///< of each of `labels`
+  std::vector<std::optional<CameraTime>> visible;   ///< of each of `labels`: when the events show it by eye
   std::vector<TouchInterval> releases;              ///< that `label` found
   std::vector<TouchInterval> unclear;               ///< releases, and where an end may lie: no `none` sample is near
   bool has_truth = false;                           ///< the rest is empty without
@@ -47,6 +48,10 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged = false);
 /// The same run with its truth in the place of its labels: exact, none in doubt, without releases. Motion without labels is
 /// unclear. @throws Error  if it has no truth
 RunTruth with_truth_as_labels(const RunTruth& truth);
+
+/// The same run with touches that begin when the events show them by eye, as the paper labelled: labels, and the true ones that
+/// have a label. Others, and those without a visible onset, keep theirs.
+RunTruth with_visible_onsets(RunTruth truth);
 
 /// The class of the interval that contains the tick; none where there is no such interval.
 Touch touch_at(CameraTime tick, std::span<const TouchInterval> intervals);

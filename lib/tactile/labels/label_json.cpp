@@ -105,6 +105,7 @@ LabelledInterval interval_in(const json& object, const std::string& where) {
                             .evidence = {},
                             .confirmed = member<bool>(object, "confirmed", where)};
   if (object.contains("probability")) interval.probability = member<double>(object, "probability", where);
+  interval.visible = time_in(object, "visible_us", where);
   const auto evidence = member<json>(object, "evidence", where);
   interval.evidence = {time_in(evidence, "events_us", where), time_in(evidence, "robot_us", where),
                        time_in(evidence, "video_us", where), time_in(evidence, "imu_us", where)};
@@ -122,6 +123,7 @@ json json_of(const LabelledInterval& interval) {
                   {"video_us", json_of(interval.evidence.video)},
                   {"imu_us", json_of(interval.evidence.imu)}}}};
   if (interval.probability) entry["probability"] = *interval.probability;
+  if (interval.visible) entry["visible_us"] = us_of(*interval.visible);
   add_time(entry, "start", interval.start);
   add_time(entry, "end", interval.end);
   return entry;

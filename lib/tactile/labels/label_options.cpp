@@ -7,75 +7,23 @@
 namespace tactile::labels {
 
 nlohmann::json settings_of(const LabelOptions& options) {
-  // A long list of one line per setting, in the groups of labels.json: divided, it would no longer show the whole.
   nlohmann::json region;
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
-  const alignment::AnchorOptions& anchors = options.clocks.anchors;
-  const alignment::ClockFitOptions& fit = options.clocks.fit;
+  const alignment::VideoClockOptions& film = options.video_clock;
   nlohmann::json settings = {
-      {"method", options.method == LabelMethod::model ? "model" : "stages"},
       {"doubt", {{"least_probability", options.doubt.least_probability}, {"widest_onset_ms", options.doubt.widest_onset_ms}}},
       {"rate",
        {{"bin_us", options.signals.rate.bin.count()},
         {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
         {"flickers", options.signals.rate.flickers}}},
-      {"activity",
-       {{"smoothing_us", options.signals.activity.smoothing.count()},
-        {"enter", options.signals.activity.enter},
-        {"leave", options.signals.activity.leave},
-        {"merge_us", options.signals.activity.merge.count()},
-        {"shortest_us", options.signals.activity.shortest.count()}}},
       {"shortest_gap_us", options.signals.shortest_gap.count()},
       {"video", {{"width", options.signals.video.width}, {"region", region}}},
-      {"touches",
-       {{"releases", options.touches.releases},
-        {"deepens", options.touches.deepens},
-        {"like_a_press", options.touches.like_a_press},
-        {"shortest_press_us", options.touches.shortest_press.count()},
-        {"shortest_slow_press_us", options.touches.shortest_slow_press.count()},
-        {"longest_recontact_us", options.touches.longest_recontact.count()}}},
-      {"onset",
-       {{"before_us", options.onset.before.count()},
-        {"first_contact_us", options.onset.first_contact.count()},
-        {"rise_us", options.onset.rise.count()},
-        {"first_drag_us", options.onset.first_drag.count()},
-        {"latency_us", options.onset.latency.count()},
-        {"noise_ahead_us", options.onset.noise_ahead.count()},
-        {"longest_blind_us", options.onset.longest_blind.count()},
-        {"blind_anew_us", options.onset.blind_reset.count()},
-        {"press_blind_share", options.onset.press_blind_share},
-        {"too_wide_ms", options.onset.too_wide_ms}}},
-      {"end",
-       {{"still_share", options.end.still_share},
-        {"press_still_us", options.end.press_still.count()},
-        {"slip_still_us", options.end.slip_still.count()},
-        {"rung_out_us", options.end.rung_out.count()},
-        {"longest_unseen_us", options.end.longest_unseen.count()},
-        {"stick_phase_us", options.end.stick_phase.count()},
-        {"least_error_us", options.end.least_error.count()},
-        {"too_wide_ms", options.end.too_wide_ms}}},
-      {"anchors",
-       {{"grid_us", anchors.grid.count()},
-        {"ambiguous_below", anchors.ambiguous_below},
-        {"least_likeness", anchors.least_likeness},
-        {"most_slack_m", anchors.most_slack_m},
-        {"stage_delay_us", anchors.stage_delay.count()}}},
-      {"clock_fit",
-       {{"most_drift_ppm", fit.most_drift_ppm},
-        {"usual_drift_ppm", fit.usual_drift_ppm},
-        {"drift_needs_anchors", fit.drift_needs_anchors},
-        {"drift_needs_span_us", fit.drift_needs_span.count()},
-        {"reject_beyond", fit.reject_beyond}}},
       {"video_clock",
-       {{"coarse_offset_us",
-         options.video_clock.coarse_offset_us ? nlohmann::json(*options.video_clock.coarse_offset_us) : nlohmann::json(nullptr)},
-        {"search_us", options.video_clock.search.count()},
-        {"least_likeness", options.video_clock.least_likeness},
-        {"least_ambiguity", options.video_clock.least_ambiguity},
-        {"most_disagreement_us", options.video_clock.most_disagreement_us}}},
-      {"longest_disagreement_us", options.longest_disagreement.count()},
-      {"latest_slip_us", options.latest_slip.count()},
-      {"earliest_slip_us", options.earliest_slip.count()}};
+       {{"coarse_offset_us", film.coarse_offset_us ? nlohmann::json(*film.coarse_offset_us) : nlohmann::json(nullptr)},
+        {"search_us", film.search.count()},
+        {"least_likeness", film.least_likeness},
+        {"least_ambiguity", film.least_ambiguity},
+        {"most_disagreement_us", film.most_disagreement_us}}}};
   if (!options.signals.rate.mask.empty()) settings["rate"]["mask"] = options.signals.rate.mask;
   if (!options.signals.robot.columns.empty()) settings["robot_columns"] = options.signals.robot.columns;
   return settings;

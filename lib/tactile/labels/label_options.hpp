@@ -3,31 +3,20 @@
 #include <nlohmann/json.hpp>
 
 #include "tactile/alignment/run_signals.hpp"
-#include "tactile/alignment/session_clocks.hpp"
 #include "tactile/alignment/video_clock.hpp"
-#include "tactile/labels/onset.hpp"
-#include "tactile/labels/posterior/posterior_labels.hpp"
-#include "tactile/labels/touch_end.hpp"
-#include "tactile/labels/touches.hpp"
 
 namespace tactile::labels {
 
-/// How labels are found: stage by stage, or all at once by a model of the run.
-enum class LabelMethod { stages, model };
+/// What a person should look at.
+struct DoubtLimits {
+  double least_probability = 0.9;  ///< of a touch and its class, 0.5 to 1
+  double widest_onset_ms = 80;     ///< 95 % interval of its onset, > 0
+};
 
 struct LabelOptions {
-  LabelMethod method = LabelMethod::stages;
-  DoubtLimits doubt{};  ///< of the model
+  DoubtLimits doubt{};
   alignment::RunSignalsOptions signals{};
-  alignment::RobotClocksOptions clocks{};
-  TouchesOptions touches{};
-  OnsetOptions onset{};
-  EndOptions end{};
   alignment::VideoClockOptions video_clock{};
-  microseconds longest_disagreement{100'000};  ///< flagged if slip and lift differ by more in length, or film and events in
-                                               ///< an onset
-  microseconds latest_slip{250'000};           ///< flagged if the slip starts this long after the lift
-  microseconds earliest_slip{5'000};           ///< flagged if it starts this long before, minus the clock's uncertainty
 };
 
 nlohmann::json settings_of(const LabelOptions& options);

@@ -7,26 +7,18 @@
 
 namespace tactile::labels {
 
-/// Finds press and slip in the signals of a run, in camera time:
+/// The labels of a run, in camera time: the touches that are more likely than not by the model of the run
+/// (docs/numerics/labels.md), with what each witness says of their onsets.
 ///
-/// 1. Bursts of the event rate without hot pixels are classified (`kinds_of`) by the arm's lifts and taps in camera time, and by
-///    what they change in the picture. A burst that is neither press nor slip stays unlabelled.
-/// 2. Onsets and ends follow by maximum likelihood from the events alone, so that no error of the clocks enters them.
-/// 3. Robot, film and IMU are witnesses: the time that each gives for an onset is its evidence.
-///
-/// Doubts are flagged in words: problems of the files, a lift without slip, a missing press, onsets that the events do not
-/// decide, sources that disagree, clocks that could not be related.
-/// @param clocks  of this run, by `robot_clocks_of`
-/// @throws Error  if the events cannot be read
-/// Source: Faris et al., arXiv:2403.10120, section IV.
-Labels label_signals(const alignment::RunSignals& signals, const alignment::RobotClocks& clocks,
-                     const LabelOptions& options = {});
-
-/// The same by a model of the run.
+/// Flags: problems of the files; a touch below the least probability, or one without a label that the limit does not rule out; an
+/// onset that is not known well enough, or lies outside the recording; a witness that contradicts: a film of another run, a
+/// command to the stage that no press follows.
+/// @param posterior  of this run
 Labels label_signals(const alignment::RunSignals& signals, const RunPosterior& posterior, const LabelOptions& options = {});
 
 /// The labels of one run by itself, from its events, robot log, film and run.json.
 /// @throws Error  if events or robot log cannot be read
+/// Source: Faris et al., arXiv:2403.10120, section IV.
 Labels label_run(const RunFolder& run, const LabelOptions& options = {});
 
 }  // namespace tactile::labels

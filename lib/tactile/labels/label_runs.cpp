@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "tactile/alignment/session_clocks.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"
 #include "tactile/core/folder_lock.hpp"
@@ -26,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Increases with every change that gives the same files other labels.
-constexpr int method_version = 12;
+constexpr int method_version = 13;
 
 /// Runs that are labelled together because they share their clocks: those of a session, or one alone.
 struct Group {
@@ -136,10 +135,7 @@ class GroupLabeller {
     for (const ReadRun& run : read) {
       if (run.signals) readable.push_back(&*run.signals);
     }
-    const bool by_model = options_.label.method == LabelMethod::model;
-    const auto clocks =
-        by_model ? std::vector<alignment::RobotClocks>() : alignment::robot_clocks_of(readable, options_.label.clocks);
-    const auto posteriors = by_model ? session_posteriors(readable, options_.threads) : std::vector<RunPosterior>();
+    const std::vector<RunPosterior> posteriors = session_posteriors(readable, options_.threads);
     parallel_for(to_label.size(), options_.threads, [&](std::size_t n) {
       const std::size_t i = group.requested[to_label[n]];
       RunOutcome& result = results[group.result_index[to_label[n]]];
@@ -147,8 +143,7 @@ class GroupLabeller {
         if (!read[i].signals) throw Error(read[i].error);
         const alignment::RunSignals& signals = *read[i].signals;
         const auto place = static_cast<std::size_t>(std::find(readable.begin(), readable.end(), &signals) - readable.begin());
-        Labels labels = by_model ? label_signals(signals, posteriors[place], options_.label)
-                                 : label_signals(signals, clocks[place], options_.label);
+        Labels labels = label_signals(signals, posteriors[place], options_.label);
         labels.provenance["inputs"] = inputs[i];
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);
         labels = write_over(signals.run, std::move(labels));

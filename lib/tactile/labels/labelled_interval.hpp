@@ -24,7 +24,8 @@ struct LabelledInterval {
   std::string source;  ///< of the onset: "events", or "person" if a person made or moved it
   Evidence evidence;
   bool confirmed = false;                  ///< a person has looked at it
-  std::optional<double> probability = {};  ///< that it is a touch of this class, where the labels are from a model of the run
+  std::optional<double> probability = {};  ///< that it is a touch of this class; nothing if a person added it
+  std::optional<CameraTime> visible = {};  ///< when the events show it by eye (`visible_onset`)
 
   TouchInterval interval() const { return {touch, start.at, end.at}; }
 };

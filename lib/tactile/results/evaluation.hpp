@@ -87,6 +87,7 @@ struct Evaluation {
   NamedDataset dataset{};
   bool simulated = false;
   microseconds sampling_guard{0}, tick{0};
+  std::string onset = "first";  ///< of touches: their first motion; or "visible": when the events show them by eye
   std::string confirm = "1/1";  ///< "2/3": a class is reported once 2 of the last 3 ticks predict it
   std::string thresholds{};     ///< "2.5:-1.5:20:3.5": of a decision by two thresholds; empty: none
   BootstrapOptions bootstrap{};
@@ -112,6 +113,7 @@ void list_members(Members& members, Evaluation& evaluation) {
   members("simulated", evaluation.simulated);
   members("sampling_guard_ms", evaluation.sampling_guard);
   members("tick_ms", evaluation.tick);
+  members("onset", evaluation.onset);
   members("confirm", evaluation.confirm);
   members("thresholds", evaluation.thresholds);
   members("bootstrap", evaluation.bootstrap);

@@ -78,7 +78,7 @@ void add_moves(const robot::RobotLog& log, const std::vector<alignment::MotionPh
   };
   for (const alignment::MotionPhase& motion : motions) {
     if (motion.kind != alignment::MotionKind::lift && motion.kind != alignment::MotionKind::tap) continue;
-    const labels::ArmMove move{.start = camera_at(motion.start), .end = camera_at(motion.end), .uncertainty = clock.within};
+    const ArmMove move{.start = camera_at(motion.start), .end = camera_at(motion.end), .uncertainty = clock.within};
     (motion.kind == alignment::MotionKind::lift ? found.lifts : found.taps)->push_back(move);
   }
 }

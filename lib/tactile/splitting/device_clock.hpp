@@ -11,8 +11,8 @@
 #include "tactile/core/time.hpp"
 #include "tactile/events/other_streams.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/touches.hpp"
 #include "tactile/splitting/split_source.hpp"
+#include "tactile/splitting/touches.hpp"
 
 namespace tactile::splitting {
 
@@ -36,7 +36,7 @@ struct DeviceClockSearch {
   std::optional<DeviceClock> clock;
   std::string why_not = {};  ///< a sentence without its end; empty if there is a clock, or no device
   /// Of a robot with a clock: the lifts and taps of the arm. Nothing if they are not known.
-  std::optional<std::vector<labels::ArmMove>> lifts = {}, taps = {};
+  std::optional<std::vector<ArmMove>> lifts = {}, taps = {};
 };
 
 /// All samples of the IMU of an event stream's camera, by time.

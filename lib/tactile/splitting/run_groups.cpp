@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "tactile/alignment/felt_moves.hpp"
 #include "tactile/labels/brightening.hpp"
-#include "tactile/labels/unlogged_lift.hpp"
 
 namespace tactile::splitting {
 namespace {
@@ -47,28 +47,33 @@ RunGroups divided(const EventRate& rate, const Bursts& all, std::size_t quiet_bi
   return groups;
 }
 
-/// The lift of a run by the IMU, if it shows one.
-std::optional<std::vector<labels::ArmMove>> felt_lift(std::span<const events::ImuSample> imu, const EventRate& rate,
-                                                      const Bursts& run, std::span<const double> undoes) {
+/// The lift of a run by the IMU, if it shows one: the last motion that it felt during a burst that may be a slip. A camera on the
+/// stage also feels the press.
+std::optional<std::vector<ArmMove>> felt_lift(std::span<const events::ImuSample> imu, const EventRate& rate, const Bursts& run,
+                                              std::span<const double> undoes) {
   constexpr microseconds around = 1s;
   const auto at = [&](CameraTime t) {
     return std::lower_bound(imu.begin(), imu.end(), t, [](const events::ImuSample& s, CameraTime time) { return s.t < time; });
   };
   const std::span<const events::ImuSample> samples(at(before(rate.begin_of(run.front().begin), around)),
                                                    at(after(rate.begin_of(run.back().end), around)));
-  std::vector<bool> may_slip;
-  for (std::size_t i = 0; i < run.size(); ++i)
-    may_slip.push_back(i > 0 && undoes[i] <= labels::TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run));
-  const auto lift = labels::unlogged_lift(samples, {}, rate, run, may_slip);
-  return lift ? std::optional(std::vector{lift->move}) : std::nullopt;
+  const std::vector<alignment::CameraSpan> moves = alignment::felt_moves(samples);
+  for (auto felt = moves.rbegin(); felt != moves.rend(); ++felt) {
+    const ArmMove move{.start = felt->begin, .end = felt->end, .uncertainty = 30ms};
+    for (std::size_t i = 1; i < run.size(); ++i) {
+      const bool may_slip = undoes[i] <= TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run);
+      if (may_slip && move_around({move}, rate, run[i]) != nullptr) return std::vector{move};
+    }
+  }
+  return std::nullopt;
 }
 
 /// Whether the last touch of a run is a press: the object is still held.
 bool ends_in_press(const RunGroup& run) {
-  const auto last = std::find_if(run.kinds.rbegin(), run.kinds.rend(), [](labels::BurstKind kind) {
-    return kind == labels::BurstKind::press || kind == labels::BurstKind::slip || kind == labels::BurstKind::release;
+  const auto last = std::find_if(run.kinds.rbegin(), run.kinds.rend(), [](BurstKind kind) {
+    return kind == BurstKind::press || kind == BurstKind::slip || kind == BurstKind::release;
   });
-  return last != run.kinds.rend() && *last == labels::BurstKind::press;
+  return last != run.kinds.rend() && *last == BurstKind::press;
 }
 
 /// Classifies the bursts of runs, and joins runs whose press continues.
@@ -125,7 +130,7 @@ class Grouping {
       labels::add(so_far, change);
     }
     const auto lifts = robot_.lifts ? robot_.lifts : felt_lift(imu_, rate_, group.bursts, undoes);
-    group.kinds = labels::kinds_of(rate_, group.bursts, lifts, robot_.taps.value_or(std::vector<labels::ArmMove>()), undoes);
+    group.kinds = kinds_of(rate_, group.bursts, lifts, robot_.taps.value_or(std::vector<ArmMove>()), undoes);
   }
 
   /// What the first burst of a run changes; a slow one only if there is no other.
@@ -140,7 +145,7 @@ class Grouping {
   bool begins_with_press(std::size_t index) const {
     const labels::Brightening& change = first_change(runs_[index]);
     const auto is_like = [&](const labels::Brightening& press) {
-      return labels::correlation_of(change, press) > labels::TouchesOptions{}.deepens;
+      return labels::correlation_of(change, press) > TouchesOptions{}.deepens;
     };
     labels::Brightening before(change.size());
     for (const labels::Brightening& part : runs_[index - 1].changes) labels::add(before, part);

@@ -6,16 +6,16 @@
 #include "tactile/alignment/activity.hpp"
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/touches.hpp"
 #include "tactile/splitting/activity_stretches.hpp"
 #include "tactile/splitting/device_clock.hpp"
+#include "tactile/splitting/touches.hpp"
 
 namespace tactile::splitting {
 
 /// The bursts of one run, by time, and what each comes from.
 struct RunGroup {
   std::vector<alignment::Burst> bursts;
-  std::vector<labels::BurstKind> kinds;  ///< of each burst
+  std::vector<BurstKind> kinds;  ///< of each burst
 };
 
 /// The bursts of a long recording, run by run.
@@ -34,7 +34,7 @@ struct RunGroups {
 ///   neighbouring run that has its slip or release (a correlation of `Brightening` above `TouchesOptions::deepens`). Presses of
 ///   one sensor have correlations above 0.9, a press and a slip have some below 0.1.
 ///
-/// Kinds follow from the arm's lifts if they are known, else from the motions that the IMU felt (`unlogged_lift`), else from the
+/// Kinds follow from the arm's lifts if they are known, else from the motions that the IMU felt (`felt_moves`), else from the
 /// order of the bursts.
 ///
 /// @param all    of `rate`, by time, slow ones too

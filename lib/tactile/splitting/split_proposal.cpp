@@ -8,7 +8,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/cut_recording.hpp"
-#include "tactile/labels/run_bursts.hpp"
+#include "tactile/splitting/joined_bursts.hpp"
 #include "tactile/splitting/run_groups.hpp"
 
 namespace tactile::splitting {
@@ -99,9 +99,8 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   report_progress(progress, 1, 4, name + ": clocks");
   find_clocks(proposal, source, recording, rate, activity.quiet);
   report_progress(progress, 2, 4, name + ": slow touches");
-  const Bursts all =
-      labels::joined_and_slow_bursts(recording, proposal.event_stream, rate, activity.quiet, std::move(activity.bursts),
-                                     proposal.robot.lifts.value_or(std::vector<labels::ArmMove>()), activity.pauses);
+  const Bursts all = joined_and_slow_bursts(recording, proposal.event_stream, rate, activity.quiet, std::move(activity.bursts),
+                                            proposal.robot.lifts.value_or(std::vector<ArmMove>()), activity.pauses);
 
   const auto quiet_bins = static_cast<std::size_t>(std::max<std::int64_t>(1, options.quiet / rate.bin));
   report_progress(progress, 3, 4, name + ": touches");
@@ -174,12 +173,12 @@ std::optional<microseconds> longest_quiet_within(const SplitProposal& proposal) 
   return longest;
 }
 
-std::size_t count_of(const ProposedRun& run, labels::BurstKind kind) {
+std::size_t count_of(const ProposedRun& run, BurstKind kind) {
   return static_cast<std::size_t>(
       std::count_if(run.touches.begin(), run.touches.end(), [&](const SeenTouch& touch) { return touch.kind == kind; }));
 }
 
-std::string_view name_of(labels::BurstKind kind) {
+std::string_view name_of(BurstKind kind) {
   constexpr std::array<std::string_view, 6> names{"press", "slip", "release", "tap", "brief", "after"};
   return names.at(static_cast<std::size_t>(kind));
 }
@@ -197,8 +196,8 @@ nlohmann::json json_of(const SplitProposal& proposal) {
                            {"events", run.events}};
     json["quiet_before_s"] =
         run.quiet_before ? nlohmann::json(1e-6 * static_cast<double>(run.quiet_before->count())) : nlohmann::json();
-    json["presses"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, labels::BurstKind::press)) : nlohmann::json();
-    json["slips"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, labels::BurstKind::slip)) : nlohmann::json();
+    json["presses"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, BurstKind::press)) : nlohmann::json();
+    json["slips"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, BurstKind::slip)) : nlohmann::json();
     json["touches"] = proposal.looked_for_touches ? touches : nlohmann::json();
     runs.push_back(std::move(json));
   }

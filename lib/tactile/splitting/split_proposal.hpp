@@ -9,17 +9,17 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/labels/touches.hpp"
 #include "tactile/splitting/activity_stretches.hpp"
 #include "tactile/splitting/device_clock.hpp"
 #include "tactile/splitting/split_source.hpp"
+#include "tactile/splitting/touches.hpp"
 
 namespace tactile::splitting {
 
 /// A stretch in which the skin moves, and what it seems to be by its events alone.
 struct SeenTouch {
   CameraTime begin{}, end{};
-  labels::BurstKind kind = labels::BurstKind::press;
+  BurstKind kind = BurstKind::press;
 };
 
 /// Where a long recording could be cut into runs. A plain value: `with_cuts` adjusts it, `split_recording` carries it out.
@@ -54,8 +54,7 @@ struct ProposeOptions {
 /// The quiet rate follows from the recording itself (`activity_in`). Bursts are those that `tactile label` finds, slow ones too;
 /// a burst that is too brief and small for a touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Within
 /// each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else by the motions that the
-/// IMU felt
-/// (`unlogged_lift`).
+/// IMU felt (`felt_moves`).
 ///
 /// Reads the recording up to seven times. Memory: 20 bytes per bin, and 50 KB per burst.
 /// @throws Error  if the recording has no event or no sane sensor, or its events lie more than two days apart; if robot log or
@@ -80,10 +79,10 @@ std::vector<ProposedRun> runs_of(const SplitProposal& proposal);
 std::optional<microseconds> longest_quiet_within(const SplitProposal& proposal);
 
 /// How many touches of a kind a run has.
-std::size_t count_of(const ProposedRun& run, labels::BurstKind kind);
+std::size_t count_of(const ProposedRun& run, BurstKind kind);
 
 /// "press", "slip", "release", "tap", "brief", "after".
-std::string_view name_of(labels::BurstKind kind);
+std::string_view name_of(BurstKind kind);
 
 nlohmann::json json_of(const SplitProposal& proposal);
 

@@ -23,8 +23,8 @@ const std::string small =
     "2 ";
 
 void simulate_runs(const fs::path& folder, const std::string& objects) {
-  for (const std::string& command :
-       {"simulate --preset tiny --runs 3 --objects " + objects, std::string("label --no-pictures")}) {
+  for (const std::string& command : {"simulate --preset tiny --runs 3 --objects " + objects,
+                                     std::string("label --no-pictures --least-probability 0.5 --widest-onset 1000")}) {
     const auto result = test::run_tactile(command, folder);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
@@ -203,8 +203,8 @@ TEST(TradeCommand, RecommendsASettingAsAConfigThatDetectReads) {
 
 TEST(TradeCommand, MarksASettingThatIsNotConfirmedAndConfirmsOneOverRuns) {
   const test::TemporaryFolder folder;
-  for (const char* command :
-       {"simulate --preset tiny --runs 4 --objects sprayer", "label --no-pictures", "windows --history-ms 400"}) {
+  for (const char* command : {"simulate --preset tiny --runs 4 --objects sprayer",
+                              "label --no-pictures --least-probability 0.5 --widest-onset 1000", "windows --history-ms 400"}) {
     const auto result = test::run_tactile(command, folder.path());
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }

@@ -39,21 +39,21 @@ void expect_move(const MotionCourse& course, double within_ms) {
   EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].end)), 2000, within_ms);
 }
 
-TEST(MotionCourse, HasTheStartAndTheStopOfALift) { expect_move(MotionCourse(motion_of({})), 8); }
+TEST(MotionCourse, HasTheStartAndTheStopOfALift) { expect_move(MotionCourse(motion_of({}), {}), 8); }
 
 TEST(MotionCourse, FindsASlowLiftInANoisyLog) {
-  expect_move(MotionCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8})), 30);
+  expect_move(MotionCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8}), {}), 30);
 }
 
-TEST(MotionCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(MotionCourse(motion_of({.rings_mm_per_s = 1.4})), 12); }
+TEST(MotionCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(MotionCourse(motion_of({.rings_mm_per_s = 1.4}), {}), 12); }
 
 TEST(MotionCourse, IsEmptyWhereTheArmRests) {
-  const MotionCourse course(motion_of({.mm_per_s = 0}));
+  const MotionCourse course(motion_of({.mm_per_s = 0}), {});
   EXPECT_FALSE(course.moves_at_all());
 }
 
 TEST(MotionCourse, BeginsMovesAndStopsInItsBins) {
-  const MotionCourse course(motion_of({}));
+  const MotionCourse course(motion_of({}), {});
   const auto conditions = course.conditions(camera_time(5'000'000), 1000us, 3000, 5'000'000);
   const auto start = std::find(conditions.begin(), conditions.end(), arm_starts);
   ASSERT_NE(start, conditions.end());

@@ -8,7 +8,6 @@
 #include "support/temporary_folder.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/labels/label_run.hpp"
-#include "tactile/labels/posterior/posterior_labels.hpp"
 
 namespace tactile::labels {
 namespace {
@@ -32,9 +31,9 @@ TEST(RunPosterior, FindsPressSlipAndTheRobotsClock) {
   EXPECT_EQ(slip.touch, Touch::slip);
   EXPECT_GT(slip.probability, 0.8);
   EXPECT_NEAR(ms_from_begin(slip.start.at), 1503, 10);
-  ASSERT_TRUE(posterior.robot.has_value());
-  EXPECT_LE(posterior.robot->low_us, -123'456'789);
-  EXPECT_GE(posterior.robot->high_us, -123'456'789);
+  ASSERT_EQ(posterior.robot.size(), 1U);
+  EXPECT_LE(posterior.robot[0].low_us, -123'456'789);
+  EXPECT_GE(posterior.robot[0].high_us, -123'456'789);
 }
 
 TEST(RunPosterior, IsTheSameInEveryThread) {
@@ -77,7 +76,7 @@ TEST(RunPosterior, FindsNoTouchInTheNoiseOfARealCamera) {
 TEST(PosteriorLabels, HaveAProbabilityAndNoFlagWhereAllIsClear) {
   const test::TemporaryFolder data;
   const RunFolder run = write_made_run(data.path(), press_and_slip, lift_after_press);
-  const Labels labels = label_run(run, {.method = LabelMethod::model});
+  const Labels labels = label_run(run);
   ASSERT_EQ(labels.intervals.size(), 2U);
   for (const LabelledInterval& interval : labels.intervals) {
     ASSERT_TRUE(interval.probability.has_value());
@@ -85,7 +84,6 @@ TEST(PosteriorLabels, HaveAProbabilityAndNoFlagWhereAllIsClear) {
     EXPECT_LE(interval.start.low, interval.start.at);
     EXPECT_LE(interval.start.at, interval.start.high);
   }
-  EXPECT_EQ(labels.provenance.at("settings").at("method"), "model");
   write_labels(run.labels(), labels);
   const Labels again = read_labels(run.labels());
   EXPECT_EQ(again.intervals[0].probability, labels.intervals[0].probability);
@@ -95,7 +93,7 @@ TEST(PosteriorLabels, HaveAProbabilityAndNoFlagWhereAllIsClear) {
 TEST(PosteriorLabels, FlagATouchThatBeganBeforeTheRecording) {
   const test::TemporaryFolder data;
   const MadeRun from_the_start{.bursts = {{0, 200'000}, {1'503'000, 2'097'000}}};
-  const Labels labels = label_run(write_made_run(data.path(), from_the_start, lift_after_press), {.method = LabelMethod::model});
+  const Labels labels = label_run(write_made_run(data.path(), from_the_start, lift_after_press));
   const bool found = std::any_of(labels.flags.begin(), labels.flags.end(), [](const LabelFlag& flag) {
     return flag.reason.find("the recording begins within it") != std::string::npos;
   });

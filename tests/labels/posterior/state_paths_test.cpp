@@ -95,6 +95,24 @@ TEST(StatePaths, HaveTheEvidenceOfADenseForwardPass) {
   }
 }
 
+TEST(StatePaths, HaveTheEvidenceOfSingleSequencesWhereSeveralShareTheirEnds) {
+  const RunStates states(1000us);
+  const auto of_level = drawn_evidence(60, motion_levels.size(), 7);
+  const BinLikelihoods likelihoods(of_level, {});
+  std::vector<std::vector<std::uint8_t>> arms{moving_arm(60), moving_arm(60), std::vector<std::uint8_t>(60, arm_still)};
+  arms[1][25] = arm_starts;
+  for (const std::size_t end : {std::size_t{60}, std::size_t{50}, std::size_t{1}}) {
+    std::vector<std::vector<std::uint8_t>> alike = arms;  // from `end` on
+    for (auto& arm : alike) std::fill(arm.begin() + static_cast<std::ptrdiff_t>(end), arm.end(), arm_still);
+    alike.push_back(alike.front());
+    const std::vector<double> evidences = log_evidences(states, likelihoods, alike);
+    ASSERT_EQ(evidences.size(), alike.size());
+    for (std::size_t i = 0; i < alike.size(); ++i)
+      EXPECT_NEAR(evidences[i], filtered(states, likelihoods, alike[i], false).log_evidence, 1e-6) << end << ", " << i;
+  }
+  EXPECT_TRUE(log_evidences(states, likelihoods, {}).empty());
+}
+
 TEST(StatePaths, AreDrawnFromTheSmoothedProbabilities) {
   constexpr int draws = 4000;
   const RunStates states(1000us);
@@ -105,8 +123,7 @@ TEST(StatePaths, AreDrawnFromTheSmoothedProbabilities) {
   const Filtered kept = filtered(states, likelihoods, arm, true);
   Random random(1);
   std::vector<std::vector<double>> share(40, std::vector<double>(happenings, 0.0));
-  for (int i = 0; i < draws; ++i) {
-    const auto path = drawn_path(states, kept, arm, random);
+  for (const Path& path : drawn_paths(states, kept, arm, draws, random)) {
     for (std::size_t b = 0; b < path.size(); ++b) share[b][static_cast<std::size_t>(states.happening_of(path[b]))] += 1.0 / draws;
   }
   for (std::size_t b = 0; b < 40; ++b) {
@@ -121,7 +138,7 @@ TEST(StatePaths, AreDrawnFromTheSmoothedProbabilities) {
 TEST(StatePaths, StayFiniteWhereEvidenceIsHuge) {
   const RunStates states(1000us);
   std::vector<double> of_level(30 * motion_levels.size(), 0.0);
-  for (std::size_t b = 10; b < 20; ++b) {
+  for (std::size_t b = 0; b < 20; ++b) {
     for (std::size_t level = 1; level < motion_levels.size(); ++level)
       of_level[b * motion_levels.size() + level] = level == 8 ? 1e9 : -200;
   }
@@ -130,7 +147,7 @@ TEST(StatePaths, StayFiniteWhereEvidenceIsHuge) {
   const Filtered kept = filtered(states, likelihoods, arm, true);
   EXPECT_TRUE(std::isfinite(kept.log_evidence));
   Random random(1);
-  const auto path = drawn_path(states, kept, arm, random);
+  const Path path = drawn_paths(states, kept, arm, 1, random).front();
   EXPECT_EQ(states.level_of(path[15], arm_unknown), 8U);
 }
 

@@ -22,19 +22,22 @@ std::vector<double> joined(std::span<const double> values, std::size_t width) {
   return sums;
 }
 
-/// A finer grid, within `around` of the likely offsets: of at most `most`, and at most a third of them within 100 ms, since where
-/// all offsets are alike they must not hide another possibility.
+/// A finer grid, within `around` of the likely offsets: of at most `most`, and at most a third of them within 100 ms or exactly
+/// alike, since where the arm rests during the recording all offsets are, and they must not hide another possibility.
 std::vector<std::int64_t> refined(std::vector<WeighedOffset> likely, std::int64_t around_us, std::int64_t step_us,
                                   std::size_t most, double less = negligible) {
   constexpr std::int64_t near_us = 100'000;
   std::stable_sort(likely.begin(), likely.end(),
                    [](const WeighedOffset& a, const WeighedOffset& b) { return a.log_weight > b.log_weight; });
-  std::vector<std::int64_t> chosen, finer;
+  std::vector<WeighedOffset> chosen;
+  std::vector<std::int64_t> finer;
   for (const WeighedOffset& one : likely) {
     if (chosen.size() == most || one.log_weight < likely.front().log_weight - less) break;
-    const auto is_near = [&](std::int64_t us) { return std::abs(us - one.us) <= near_us; };
+    const auto is_near = [&](const WeighedOffset& other) { return std::abs(other.us - one.us) <= near_us; };
+    const auto is_alike = [&](const WeighedOffset& other) { return other.log_weight == one.log_weight; };
     if (3 * static_cast<std::size_t>(std::count_if(chosen.begin(), chosen.end(), is_near)) >= most) continue;
-    chosen.push_back(one.us);
+    if (3 * static_cast<std::size_t>(std::count_if(chosen.begin(), chosen.end(), is_alike)) >= most) continue;
+    chosen.push_back(one);
     for (std::int64_t d = -around_us; d <= around_us; d += step_us) finer.push_back(one.us + d);
   }
   return ascending(std::move(finer));
@@ -73,21 +76,22 @@ double log_density(std::span<const WeighedOffset> offsets, double us) {
   return std::log((1 - elsewhere) * density + elsewhere / possible_us);
 }
 
-ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states)
-    : signals_(signals), counts_(counts), states_(states), coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)) {
-  for (const alignment::RobotPiece& piece : signals.robot) {
-    if (piece_ == nullptr || piece.log.states.size() > piece_->log.states.size()) piece_ = &piece;
-  }
-  if (const auto motion = piece_ != nullptr ? alignment::arm_motion(piece_->log) : std::nullopt) {
-    course_.emplace(*motion);
-    if (!course_->moves_at_all()) course_.reset();
-    if (course_ && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
+ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states,
+                           const alignment::RobotPiece* piece)
+    : signals_(signals),
+      counts_(counts),
+      states_(states),
+      coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)),
+      piece_(piece) {
+  if (piece != nullptr) {
+    const alignment::ArmMotion motion = alignment::arm_motion(piece->log).value();
+    course_.emplace(motion, piece->phases, signals.robot.size() == 1);
+    if (!signals.imu.empty()) imu_.emplace(signals.imu, motion);
     if (imu_ && imu_->empty()) imu_.reset();
-  }
-  if (!course_ && signals.video && !signals.video->steps.empty()) {
+  } else if (signals.video && !signals.video->steps.empty()) {
     course_.emplace(*signals.video);
-    if (!course_->moves_at_all()) course_.reset();
   }
+  if (course_ && !course_->moves_at_all()) course_.reset();
 }
 
 std::vector<std::uint8_t> ClockOffsets::conditions_at(std::int64_t offset_us) const {
@@ -98,13 +102,14 @@ std::vector<std::uint8_t> ClockOffsets::conditions_at(std::int64_t offset_us) co
 std::pair<std::int64_t, std::int64_t> ClockOffsets::possible() const {
   constexpr std::int64_t recorders_apart_us = 3'000'000;
   const auto known =
-      course_->is_of_film() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
+      !course_->has_speed() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
   if (known) return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
   const std::int64_t at_begin = saturating_subtract(us_of(signals_.rate.begin), us_of(course_->begin()));
   const std::int64_t longer =
       (us_of(course_->end()) - us_of(course_->begin())) - between(signals_.rate.begin, signals_.rate.last).count();
+  // A log of hours, or a piece of a log, lies anywhere.
   return {saturating_subtract(at_begin, std::max(recorders_apart_us, longer + 1'000'000)),
-          saturating_add(at_begin, recorders_apart_us)};
+          saturating_add(at_begin, std::max(recorders_apart_us, 1'000'000 - longer))};
 }
 
 std::vector<WeighedOffset> ClockOffsets::by_imu(const Offsets& offsets) const {
@@ -115,20 +120,26 @@ std::vector<WeighedOffset> ClockOffsets::by_imu(const Offsets& offsets) const {
   return weighed;
 }
 
+std::optional<std::int64_t> ClockOffsets::likeliest_by_imu() const {
+  if (!imu_ || likely_.empty()) return std::nullopt;
+  const auto likeliest = std::max_element(likely_.begin(), likely_.end(), [this](const WeighedOffset& a, const WeighedOffset& b) {
+    return imu_at(a.us) < imu_at(b.us);
+  });
+  return likeliest->us;
+}
+
 std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
                                                  const RunStates& states, microseconds bin) const {
   std::vector<WeighedOffset> weighed = by_imu(offsets);
+  std::vector<std::vector<std::uint8_t>> conditions;
+  for (const WeighedOffset& one : weighed)
+    conditions.push_back(course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us));
+  const std::vector<double> evidences = log_evidences(states, likelihoods, conditions);
   const double counted = imu_ ? numbers::counted : 1;
-  std::optional<double> at_rest;  // a log of hours rests during the recording at most offsets: all of them say the same
-  for (WeighedOffset& one : weighed) {
-    const bool rests = !course_->is_of_film() && course_->rests_in(counts_.begin, signals_.rate.last, one.us);
-    const auto evidence = [&] {
-      const auto conditions = course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us);
-      return counted * filtered(states, likelihoods, conditions, false).log_evidence;
-    };
-    if (rests && !at_rest) at_rest = evidence();
-    one.log_weight += rests ? *at_rest : evidence();
-    one.log_weight += course_->changes_outside(counts_.begin, signals_.rate.last, one.us) * std::log(numbers::changes_unrecorded);
+  for (std::size_t i = 0; i < weighed.size(); ++i) {
+    weighed[i].log_weight += counted * evidences[i];
+    weighed[i].log_weight +=
+        course_->changes_outside(counts_.begin, signals_.rate.last, weighed[i].us) * std::log(numbers::changes_unrecorded);
   }
   return weighed;
 }

@@ -22,17 +22,20 @@ struct WeighedOffset {
 };
 
 /// Looks for the offsets of the robot's clock that fit events and IMU; without a log, of the film's clock. The grid becomes
-/// finer: 32 ms and 8 ms with bins of 8 ms, then 8 ms, or 1 ms with an IMU, with bins of 1 ms. Of a log in pieces, the longest is
-/// used.
+/// finer: 32 ms and 8 ms with bins of 8 ms, then 8 ms, or 1 ms with an IMU, with bins of 1 ms.
 class ClockOffsets {
  public:
   /// @param signals, counts, states  of the run; they must live as long
-  ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states);
+  /// @param piece  of the robot's log; null: by the film
+  ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states,
+               const alignment::RobotPiece* piece);
 
-  /// By the log; by the film if there is no log, or the arm rests in it; nothing if nothing moves there.
+  /// Nothing if nothing moves there.
   const std::optional<MotionCourse>& course() const { return course_; }
   const alignment::RobotPiece* piece() const { return piece_; }
   bool has_imu() const { return imu_.has_value(); }
+  /// Of `likely`, by the IMU alone; nothing without it.
+  std::optional<std::int64_t> likeliest_by_imu() const;
   const std::vector<WeighedOffset>& likely() const { return likely_; }
   std::vector<std::uint8_t> conditions_at(std::int64_t offset_us) const;
 
@@ -56,7 +59,7 @@ class ClockOffsets {
   const PlaceCounts& counts_;
   const RunStates& states_;
   RunStates coarse_states_;
-  const alignment::RobotPiece* piece_ = nullptr;
+  const alignment::RobotPiece* piece_;
   std::optional<MotionCourse> course_;
   std::optional<ImuEvidence> imu_;
   std::vector<WeighedOffset> likely_;

@@ -4,11 +4,9 @@
 #include <vector>
 
 #include "tactile/labels/posterior/run_states.hpp"
+#include "tactile/labels/posterior/state_paths.hpp"
 
 namespace tactile::labels {
-
-/// A state in each bin.
-using Path = std::vector<std::uint16_t>;
 
 /// Paths that were drawn with one offset of the robot's clock.
 struct DrawnPaths {

@@ -53,7 +53,7 @@ double least_of_motion(const std::vector<double>& speed) { return std::max(least
 
 }  // namespace
 
-MotionCourse::MotionCourse(const alignment::ArmMotion& motion)
+MotionCourse::MotionCourse(const alignment::ArmMotion& motion, std::span<const alignment::MotionPhase> phases, bool is_whole)
     : begin_(motion.begin), end_(motion.time_of(motion.velocity.size() - 1)), step_(motion.step) {
   // A slow arm stands out of a noisy log only in means over more rows.
   std::vector<double> speed;
@@ -64,6 +64,12 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion)
     if (moving < clearly * *std::max_element(speed.begin(), speed.end())) break;
   }
   speed_.assign(speed.size(), 0.0F);
+  for (std::size_t i = 0; i < motion.known.size(); ++i) {
+    if (motion.known[i]) continue;
+    const bool continues = !gaps_.empty() && gaps_.back().end_us == us_of(motion.time_of(i));
+    if (!continues) gaps_.push_back({.start_us = us_of(motion.time_of(i)), .end_us = 0});
+    gaps_.back().end_us = us_of(motion.time_of(i + 1));
+  }
   const auto pause = static_cast<std::size_t>(longest_pause_us / step_.count());
   for (std::size_t first = 0; first < speed.size(); ++first) {
     if (speed[first] <= moving) continue;
@@ -75,13 +81,21 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion)
     if (stop - first >= shortest_steps) add_move(std::span(speed).subspan(first, stop - first + 1), first);
     first = last;
   }
+  if (is_whole && (moves_.empty() || !moves_.front().start_cut)) before_ = arm_still;
+  if (is_whole && (moves_.empty() || !moves_.back().end_cut)) after_ = arm_still;
+  for (Move& move : moves_) {
+    const std::int64_t middle_us = move.start_us + (move.end_us - move.start_us) / 2;
+    move.taps = std::any_of(phases.begin(), phases.end(), [&](const alignment::MotionPhase& phase) {
+      return phase.kind == alignment::MotionKind::tap && us_of(phase.start) <= middle_us && middle_us <= us_of(phase.end);
+    });
+  }
 }
 
 MotionCourse::MotionCourse(const alignment::MotionEnergy& film)
     : begin_(microseconds{us_of(film.begin())}), end_(microseconds{us_of(film.end())}), step_(film.median_step) {
   constexpr std::size_t most = 64;
   for (const alignment::FilmedMotion& motion : alignment::filmed_motions(film, most))
-    moves_.push_back({us_of(motion.start.low), us_of(motion.end.high)});
+    moves_.push_back({.start_us = us_of(motion.start.low), .end_us = us_of(motion.end.high)});
 }
 
 /// From rest, an arm speeds up about as t^2, because its acceleration is smoothed: the root of the speed is a line to its start.
@@ -110,7 +124,10 @@ void MotionCourse::add_move(std::span<const double> speed, std::size_t first) {
     speed_[last + i] = static_cast<float>(std::max(least_speed, speed.back() * part_at(i, after)));
   for (std::size_t i = 0; i < speed.size(); ++i) speed_[first + i] = static_cast<float>(speed[i]);
   const auto at_us = [&](double step) { return us_of(begin_) + std::llround(step * static_cast<double>(step_.count())); };
-  moves_.push_back({at_us(static_cast<double>(first) - before), at_us(static_cast<double>(last) + after)});
+  moves_.push_back({.start_us = at_us(static_cast<double>(first) - before),
+                    .end_us = at_us(static_cast<double>(last) + after),
+                    .start_cut = first == 0,
+                    .end_cut = last + 2 >= speed_.size()});
 }
 
 std::vector<alignment::CameraSpan> MotionCourse::moves_at(std::int64_t offset_us) const {
@@ -121,49 +138,52 @@ std::vector<alignment::CameraSpan> MotionCourse::moves_at(std::int64_t offset_us
   return moves;
 }
 
-bool MotionCourse::rests_in(CameraTime first, CameraTime last, std::int64_t offset_us) const {
-  return std::none_of(moves_.begin(), moves_.end(), [&](const Move& move) {
-    return move.start_us + offset_us <= us_of(last) && move.end_us + stopped_for_us + offset_us >= us_of(first);
-  });
-}
-
 double MotionCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   double count = 0;
-  for (const Move& move : moves_) {
-    for (const std::int64_t at : {move.start_us + offset_us, move.end_us + offset_us})
-      count += at < us_of(first) || at > us_of(last);
-  }
+  const auto is_outside = [&](std::int64_t at_us) { return at_us + offset_us < us_of(first) || at_us + offset_us > us_of(last); };
+  for (const Move& move : moves_)
+    count += (!move.start_cut && is_outside(move.start_us)) + (!move.end_cut && is_outside(move.end_us));
   return count;
 }
 
 std::vector<std::uint8_t> MotionCourse::conditions(CameraTime first, microseconds bin, std::size_t bins,
                                                    std::int64_t offset_us) const {
-  std::vector<std::uint8_t> conditions(bins, arm_still);
+  std::vector<std::uint8_t> conditions(bins, before_);
   // The middle of bin 0 on the robot's clock.
   const std::int64_t at_0 = saturating_subtract(us_of(first), offset_us) + bin.count() / 2;
   const auto bin_at = [&](std::int64_t robot_us) { return (robot_us - at_0 + bin.count() - 1) / bin.count(); };
   const auto limited = [&](std::int64_t b) { return std::clamp<std::int64_t>(b, 0, static_cast<std::int64_t>(bins)); };
-  if (is_of_film()) {
-    std::fill(conditions.begin(), conditions.end(), arm_unknown);
-    std::fill(conditions.begin() + limited(bin_at(us_of(begin_))), conditions.begin() + limited(bin_at(us_of(end_))), film_still);
+  std::fill(conditions.begin() + limited(bin_at(us_of(begin_))), conditions.begin() + limited(bin_at(us_of(end_))),
+            has_speed() ? arm_still : film_still);
+  std::fill(conditions.begin() + limited(bin_at(us_of(end_))), conditions.end(), after_);
+  if (!has_speed()) {
     for (const Move& move : moves_)
       std::fill(conditions.begin() + limited(bin_at(move.start_us)), conditions.begin() + limited(bin_at(move.end_us)),
                 film_moves);
     return conditions;
   }
+  for (const Move& gap : gaps_)
+    std::fill(conditions.begin() + limited(bin_at(gap.start_us)), conditions.begin() + limited(bin_at(gap.end_us)), arm_unknown);
   for (const Move& move : moves_) {
+    if (move.end_cut) continue;
     std::fill(conditions.begin() + limited(bin_at(move.end_us)),
               conditions.begin() + limited(bin_at(move.end_us + stopped_for_us)), arm_stopped);
   }
   for (const Move& move : moves_) {
-    for (std::int64_t b = limited(bin_at(move.start_us)); b < limited(bin_at(move.end_us)); ++b) {
+    if (move.taps) {
+      std::fill(conditions.begin() + limited(bin_at(move.start_us)), conditions.begin() + limited(bin_at(move.end_us)), arm_taps);
+      continue;
+    }
+    const std::int64_t end_us = move.end_cut ? std::min(move.end_us, us_of(end_)) : move.end_us;
+    for (std::int64_t b = limited(bin_at(move.start_us)); b < limited(bin_at(end_us)); ++b) {
       const std::int64_t since = at_0 + b * bin.count() - us_of(begin_);
       const auto i = static_cast<std::size_t>(
           std::clamp<std::int64_t>(since / step_.count(), 0, static_cast<std::int64_t>(speed_.size()) - 1));
       conditions[static_cast<std::size_t>(b)] = condition_of_speed(speed_[i]);
     }
     const std::int64_t begins = bin_at(move.start_us);
-    if (begins >= 0 && begins < static_cast<std::int64_t>(bins)) conditions[static_cast<std::size_t>(begins)] = arm_starts;
+    if (!move.start_cut && begins >= 0 && begins < static_cast<std::int64_t>(bins))
+      conditions[static_cast<std::size_t>(begins)] = arm_starts;
   }
   return conditions;
 }

@@ -29,6 +29,14 @@ std::vector<double> events_by_block(const PlaceCounts& counts, std::size_t width
   return sums;
 }
 
+/// Whether all of these bins were.
+bool is_recorded(const PlaceCounts& counts, std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < std::min(end, counts.bins()); ++b) {
+    if (!counts.is_recorded(b)) return false;
+  }
+  return true;
+}
+
 /// The half of the places whose events grow least by motions.
 std::vector<std::size_t> calm_places(const PlaceRates& rates) {
   std::vector<std::size_t> order(PlaceCounts::places);
@@ -52,11 +60,17 @@ std::vector<double> gain_of_noise(const PlaceCounts& counts, const PlaceRates& r
   for (std::size_t begin = 0; begin < counts.bins(); begin += width) {
     const std::size_t end = std::min(counts.bins(), begin + width);
     double sum = 0;
+    std::size_t recorded = 0;
     for (std::size_t b = begin; b < end; ++b) {
+      if (!counts.is_recorded(b)) continue;
+      ++recorded;
       for (const std::size_t place : places) sum += counts.at(b)[place];
     }
-    const double expected = quiet * static_cast<double>(end - begin),
-                 known = drift * drift / (drift * drift + 1 / (expected + 1));
+    if (recorded == 0) {
+      of_block.push_back(of_block.empty() ? 1 : of_block.back());
+      continue;
+    }
+    const double expected = quiet * static_cast<double>(recorded), known = drift * drift / (drift * drift + 1 / (expected + 1));
     of_block.push_back(1 + known * (sum / expected - 1));
   }
   std::vector<double> gain(counts.bins());
@@ -99,11 +113,12 @@ class PlaceLevel {
 PlaceRates first_rates(const PlaceCounts& counts) {
   const auto width = static_cast<std::size_t>(std::max<std::int64_t>(1, 100ms / counts.bin));
   const std::vector<double> sums = events_by_block(counts, width);
-  const std::size_t blocks = sums.size();
-  std::vector<std::size_t> order(blocks);
+  std::vector<std::size_t> order(sums.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t block) { return !is_recorded(counts, block * width, (block + 1) * width); });
+  if (order.empty()) order.push_back(0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sums[a] < sums[b]; });
-  const std::size_t calm = std::max<std::size_t>(std::min<std::size_t>(3, blocks), blocks / 3);
+  const std::size_t calm = std::max<std::size_t>(std::min<std::size_t>(3, order.size()), order.size() / 3);
   PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.0), std::vector<double>(PlaceCounts::places, 1.0),
                    std::vector<double>(counts.bins(), 1.0)};
   double bins = 0;
@@ -160,6 +175,7 @@ double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rate
   const double quiet = std::accumulate(rates.quiet.begin(), rates.quiet.end(), 0.0);
   double sum = 0;
   for (std::size_t b = 0; b < counts.bins(); ++b) {
+    if (!counts.is_recorded(b)) continue;
     const auto row = counts.at(b);
     const double gain = rates.gain[b];
     double events = 0;
@@ -175,7 +191,9 @@ std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates&
   const double bin_ms = 1e-3 * static_cast<double>(counts.bin.count());
   std::vector<double> evidence(counts.bins() * motion_levels.size(), 0.0);
   std::map<double, std::vector<std::size_t>> bins_of_gain;
-  for (std::size_t b = 0; b < counts.bins(); ++b) bins_of_gain[rates.gain[b]].push_back(b);
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    if (counts.is_recorded(b)) bins_of_gain[rates.gain[b]].push_back(b);
+  }
   for (const auto& [gain, bins] : bins_of_gain) {
     for (std::size_t level = 1; level < motion_levels.size(); ++level) {
       std::vector<PlaceLevel> of_place;

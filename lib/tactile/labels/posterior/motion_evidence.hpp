@@ -31,8 +31,8 @@ double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rate
 /// together. From the median of squared differences of neighbours, so that motions and drift count for little. At least 1.
 double dispersion_of_noise(const PlaceCounts& counts);
 
-/// ln p(counts of bin | level) - ln p(counts of bin | level 0), [bin, level]. With n events of a place of quiet rate q and share
-/// w, at a level of s events in a bin:
+/// ln p(counts of bin | level) - ln p(counts of bin | level 0), [bin, level]; 0 in gaps of the recording. With n events of a
+/// place of quiet rate q and share w, at a level of s events in a bin:
 ///
 ///   n ~ Poisson(q + m),  m ~ Gamma with mean s w and shape 1/2, approximated by the negative binomial of the same mean and
 ///   variance: r = mean^2 / (variance - mean),  ln p = lgamma(n + r) - lgamma(r) - lgamma(n + 1) + r ln(r / (r + mean)) + n

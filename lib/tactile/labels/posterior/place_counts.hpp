@@ -22,6 +22,7 @@ struct PlaceCounts {
   CameraTime begin{};
   microseconds bin{};
   std::vector<std::uint16_t> counts = {};      ///< [bin, place], at most 65535
+  std::vector<bool> recorded = {};             ///< of each bin: false in gaps of the recording; empty: all are
   std::vector<Sign> signs = {};                ///< by bin
   std::vector<std::uint64_t> first_sign = {};  ///< [bin + 1], of `signs`
 
@@ -30,6 +31,7 @@ struct PlaceCounts {
   std::span<const Sign> signs_in(std::size_t first, std::size_t end) const {
     return std::span(signs).subspan(first_sign[first], first_sign[end] - first_sign[first]);
   }
+  bool is_recorded(std::size_t b) const { return recorded.empty() || recorded[b]; }
   CameraTime begin_of(std::size_t b) const { return after(begin, bin * static_cast<std::int64_t>(b)); }
 };
 

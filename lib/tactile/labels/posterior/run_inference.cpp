@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
+#include "tactile/alignment/felt_moves.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/labels/posterior/press_pattern.hpp"
 #include "tactile/labels/posterior/run_model_numbers.hpp"
@@ -16,7 +18,52 @@ constexpr std::size_t paths_of_round = 60, paths_at_end = 400;
 
 PlaceCounts counts_in(const alignment::RunSignals& signals) {
   events::RecordingReader recording(signals.run.events());
-  return place_counts(recording, signals.event_stream, signals.rate, fine_bin);
+  PlaceCounts counts = place_counts(recording, signals.event_stream, signals.rate, fine_bin);
+  counts.recorded.assign(counts.bins(), true);
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    const CameraTime begin = counts.begin_of(b), end = counts.begin_of(b + 1);
+    counts.recorded[b] = std::none_of(signals.gaps.begin(), signals.gaps.end(),
+                                      [&](const alignment::CameraSpan& gap) { return gap.begin < end && begin < gap.end; });
+  }
+  return counts;
+}
+
+/// Whether the camera moves in each bin, by its IMU; empty if it never does.
+std::vector<std::uint8_t> felt_conditions(std::span<const events::ImuSample> imu, const PlaceCounts& counts) {
+  constexpr microseconds within = 30ms;
+  const std::vector<alignment::CameraSpan> felt = alignment::felt_moves(imu);
+  if (felt.empty()) return {};
+  std::vector<std::uint8_t> conditions(counts.bins(), arm_unknown);
+  const auto fill = [&](CameraTime begin, CameraTime end, std::uint8_t condition) {
+    const auto bin_of = [&](CameraTime t) {
+      return std::clamp<std::ptrdiff_t>(between(counts.begin, t) / counts.bin, 0, std::ssize(conditions));
+    };
+    if (bin_of(begin) < bin_of(end)) std::fill(conditions.begin() + bin_of(begin), conditions.begin() + bin_of(end), condition);
+  };
+  fill(imu.front().t, imu.back().t, camera_still);
+  for (const alignment::CameraSpan& move : felt) fill(before(move.begin, within), after(move.end, within), camera_moves);
+  return conditions;
+}
+
+/// The pieces of the log in which the arm moves, the longest first.
+std::vector<const alignment::RobotPiece*> moving_pieces(const alignment::RunSignals& signals) {
+  std::vector<const alignment::RobotPiece*> moving;
+  for (const alignment::RobotPiece& piece : signals.robot) {
+    const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece.log);
+    if (motion && MotionCourse(*motion, piece.phases).moves_at_all()) moving.push_back(&piece);
+  }
+  std::stable_sort(moving.begin(), moving.end(), [](const alignment::RobotPiece* a, const alignment::RobotPiece* b) {
+    return a->log.states.size() > b->log.states.size();
+  });
+  return moving;
+}
+
+/// Null if there is no log.
+const alignment::RobotPiece* longest_piece(const alignment::RunSignals& signals) {
+  const auto longest = std::max_element(
+      signals.robot.begin(), signals.robot.end(),
+      [](const alignment::RobotPiece& a, const alignment::RobotPiece& b) { return a.log.states.size() < b.log.states.size(); });
+  return longest == signals.robot.end() ? nullptr : &*longest;
 }
 
 /// How many of `count` draws each offset gets, by its weight.
@@ -33,29 +80,63 @@ std::vector<std::size_t> draws_of(const std::vector<WeighedOffset>& offsets, std
   return times;
 }
 
+/// The offset of a clock, with the time that skin or IMU follow the arm by.
+LikelyOffset offset_by(const std::vector<WeighedOffset>& offsets, bool has_imu, std::int64_t first_stamp_us) {
+  Random random(3);
+  std::vector<std::int64_t> sorted;
+  const std::vector<std::size_t> times = draws_of(offsets, paths_at_end, random);
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    for (std::size_t i = 0; i < times[k]; ++i) {
+      const double late_us = has_imu ? numbers::imu_lag_us * random.uniform() : numbers::arm_to_skin_us * random.normal();
+      sorted.push_back(offsets[k].us - std::llround(late_us));
+    }
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
+  return {.median_us = at(0.5), .low_us = at(0.025) - 1000, .high_us = at(0.975) + 1000, .first_stamp_us = first_stamp_us};
+}
+
+LikelyOffset offset_of(const ClockOffsets& clock) {
+  const bool is_of_film = !clock.course()->has_speed();
+  LikelyOffset offset = offset_by(clock.likely(), clock.has_imu(),
+                                  is_of_film ? us_of(clock.course()->begin()) : us_of(clock.piece()->log.states.front().t));
+  offset.imu_us = clock.likeliest_by_imu();
+  return offset;
+}
+
 }  // namespace
 
 RunInference::RunInference(const alignment::RunSignals& signals)
-    : counts_(counts_in(signals)),
+    : signals_(signals),
+      counts_(counts_in(signals)),
       states_(counts_.bin),
-      clock_(signals, counts_, states_),
+      pieces_(moving_pieces(signals)),
       rates_(first_rates(counts_)),
       evidence_(motion_evidence(counts_, rates_)),
       sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
+  for (const alignment::RobotPiece* piece : pieces_)
+    clocks_.push_back(std::make_unique<ClockOffsets>(signals, counts_, states_, piece));
+  if (clocks_.empty()) felt_ = felt_conditions(signals.imu, counts_);
+  if (clocks_.empty()) {
+    auto film = std::make_unique<ClockOffsets>(signals, counts_, states_, nullptr);
+    if (film->course()) clocks_.push_back(std::move(film));
+  }
   for (int round = 0; round < 2; ++round) {
-    if (clock_.course()) clock_.search(evidence_, pattern_, false);
+    search(false);
     draw(paths_of_round);
     learn();
     evidence_ = motion_evidence(counts_, rates_);
   }
   consider_noise_alone();
-  if (clock_.course()) clock_.search(evidence_, pattern_, true);
+  search(true);
 }
 
 /// Whether rates of noise by the whole recording explain it better. A drift of the noise may else be taken for a motion that
 /// never ends, from whose beginning alone the rates are learned.
 void RunInference::consider_noise_alone() {
-  const std::vector<double> always(counts_.bins(), 1.0), never(counts_.bins(), 0.0);
+  std::vector<double> always(counts_.bins(), 1.0);
+  for (std::size_t b = 0; b < counts_.bins(); ++b) always[b] = counts_.is_recorded(b) ? 1 : 0;
+  const std::vector<double> never(counts_.bins(), 0.0);
   const PlaceRates noise = rates_given(counts_, always, never);
   std::vector<double> evidence = motion_evidence(counts_, noise);
   const std::vector<std::uint8_t> unknown(counts_.bins(), arm_unknown);
@@ -68,20 +149,53 @@ void RunInference::consider_noise_alone() {
   pattern_.clear();
 }
 
+OffsetsOfRun RunInference::robot_offsets() const {
+  const alignment::RobotPiece* piece = longest_piece(signals_);
+  if (piece == nullptr) return {};
+  const RobotTime first = piece->log.states.front().t, last = piece->log.states.back().t;
+  OffsetsOfRun run{.at = first + (last - first) / 2, .offsets = {}};
+  if (pieces_.empty() || piece != pieces_.front()) return run;
+  run.offsets = clocks_.front()->likely();
+  normalise(run.offsets);
+  return run;
+}
+
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
-  clock_.consider(prior, evidence_, pattern_);
+  if (!pieces_.empty()) clocks_.front()->consider(prior, evidence_, pattern_);
   draw(paths_at_end);
   RunPosterior posterior{
       .touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = {}, .film = {}, .arm_moves = {}};
-  if (!clock_.course()) return posterior;
-  const LikelyOffset found = offset();
-  if (clock_.course()->is_of_film()) {
-    posterior.film = found;
-  } else {
-    posterior.robot = found;
-    posterior.arm_moves = clock_.course()->moves_at(found.median_us);
+  if (pieces_.empty()) {
+    if (!clocks_.empty()) posterior.film = offset_of(*clocks_.front());
+    // The arm rests, but commands are in its log.
+    if (const alignment::RobotPiece* piece = longest_piece(signals_); piece != nullptr && !prior.empty())
+      posterior.robot.push_back(offset_by({prior.begin(), prior.end()}, false, us_of(piece->log.states.front().t)));
+    return posterior;
+  }
+  for (const std::unique_ptr<ClockOffsets>& clock : clocks_) {
+    posterior.robot.push_back(offset_of(*clock));
+    std::ranges::move(clock->course()->moves_at(posterior.robot.back().median_us), std::back_inserter(posterior.arm_moves));
   }
   return posterior;
+}
+
+void RunInference::search(bool is_last) {
+  for (const std::unique_ptr<ClockOffsets>& clock : clocks_) clock->search(evidence_, pattern_, is_last);
+}
+
+/// What the arm does, if the first clock has this offset, and the others their likeliest.
+std::vector<std::uint8_t> RunInference::conditions_at(std::int64_t offset_us) const {
+  std::vector<std::uint8_t> conditions = clocks_.front()->conditions_at(offset_us);
+  for (std::size_t i = 1; i < clocks_.size(); ++i) {
+    const std::vector<WeighedOffset>& likely = clocks_[i]->likely();
+    const auto likeliest = std::max_element(
+        likely.begin(), likely.end(), [](const WeighedOffset& a, const WeighedOffset& b) { return a.log_weight < b.log_weight; });
+    const std::vector<std::uint8_t> others = clocks_[i]->conditions_at(likeliest->us);
+    for (std::size_t b = 0; b < conditions.size(); ++b) {
+      if (conditions[b] == arm_unknown) conditions[b] = others[b];
+    }
+  }
+  return conditions;
 }
 
 /// Draws paths from the posterior, with an offset of the clock each.
@@ -91,14 +205,15 @@ void RunInference::draw(std::size_t count) {
   sample_.drawn.clear();
   const auto draw_from = [&](std::int64_t offset_us, std::vector<std::uint8_t> conditions, std::size_t times) {
     const Filtered kept = filtered(states_, likelihoods, conditions, true);
-    DrawnPaths& drawn = sample_.drawn.emplace_back(DrawnPaths{offset_us, std::move(conditions), {}});
-    for (std::size_t i = 0; i < times; ++i) drawn.paths.push_back(drawn_path(states_, kept, drawn.conditions, random));
+    std::vector<Path> paths = drawn_paths(states_, kept, conditions, times, random);
+    sample_.drawn.push_back({offset_us, std::move(conditions), std::move(paths)});
   };
-  if (!clock_.course()) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
-  const std::vector<WeighedOffset>& offsets = clock_.likely();
+  if (!felt_.empty()) return draw_from(0, felt_, count);
+  if (clocks_.empty()) return draw_from(0, std::vector<std::uint8_t>(counts_.bins(), arm_unknown), count);
+  const std::vector<WeighedOffset>& offsets = clocks_.front()->likely();
   const std::vector<std::size_t> times = draws_of(offsets, count, random);
   for (std::size_t k = 0; k < offsets.size(); ++k) {
-    if (times[k] > 0) draw_from(offsets[k].us, clock_.conditions_at(offsets[k].us), times[k]);
+    if (times[k] > 0) draw_from(offsets[k].us, conditions_at(offsets[k].us), times[k]);
   }
 }
 
@@ -108,6 +223,7 @@ void RunInference::learn() {
   std::vector<double> quiet(counts_.bins(), 0.0), moves(counts_.bins(), 0.0), strong(counts_.bins(), 0.0);
   sample_.for_all_paths([&](const Path& path, const DrawnPaths& drawn) {
     for (std::size_t b = 0; b < path.size(); ++b) {
+      if (!counts_.is_recorded(b)) continue;
       const std::size_t level = states_.level_of(path[b], drawn.conditions[b]);
       const Happening happening = states_.happening_of(path[b]);
       if (level == 0 && happening != Happening::slip) quiet[b] += each;
@@ -124,20 +240,6 @@ void RunInference::learn() {
     return std::min(counts_.bins(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(counts_.begin, t) / counts_.bin)));
   };
   pattern_ = pattern_evidence(counts_, bin_of(press->start.at), std::min(counts_.bins(), bin_of(press->end.at) + 1), moves);
-}
-
-LikelyOffset RunInference::offset() const {
-  std::vector<std::int64_t> sorted;
-  Random random(3);
-  sample_.for_all_paths([&](const Path&, const DrawnPaths& drawn) {
-    const double late_us = clock_.has_imu() ? numbers::imu_lag_us * random.uniform() : numbers::arm_to_skin_us * random.normal();
-    sorted.push_back(drawn.offset_us - std::llround(late_us));
-  });
-  std::sort(sorted.begin(), sorted.end());
-  const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
-  const std::int64_t first_stamp_us =
-      clock_.course()->is_of_film() ? us_of(clock_.course()->begin()) : us_of(clock_.piece()->log.states.front().t);
-  return {at(0.5), at(0.025) - 1000, at(0.975) + 1000, first_stamp_us};
 }
 
 }  // namespace tactile::labels

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "tactile/labels/posterior/motion_evidence.hpp"
 #include "tactile/labels/posterior/place_counts.hpp"
 #include "tactile/labels/posterior/run_posterior.hpp"
+#include "tactile/labels/posterior/session_offsets.hpp"
 
 namespace tactile::labels {
 
@@ -24,20 +26,25 @@ class RunInference {
   RunInference& operator=(RunInference&&) = delete;
   ~RunInference() = default;
 
-  const ClockOffsets& clock() const { return clock_; }
+  /// Of the robot's clock, by this run alone.
+  OffsetsOfRun robot_offsets() const;
 
   /// @param prior  of the robot's offset, by other runs; empty: none
   RunPosterior posterior(std::span<const WeighedOffset> prior);
 
  private:
+  void search(bool is_last);
+  std::vector<std::uint8_t> conditions_at(std::int64_t offset_us) const;
   void draw(std::size_t count);
   void learn();
   void consider_noise_alone();
-  LikelyOffset offset() const;
 
+  const alignment::RunSignals& signals_;
   PlaceCounts counts_;
   RunStates states_;
-  ClockOffsets clock_;
+  std::vector<const alignment::RobotPiece*> pieces_;   ///< in which the arm moves, the longest first
+  std::vector<std::unique_ptr<ClockOffsets>> clocks_;  ///< of these pieces; without them, of the film
+  std::vector<std::uint8_t> felt_;                     ///< conditions by the IMU, without a log; empty: it felt nothing
   PlaceRates rates_;
   std::vector<double> evidence_, pattern_;
   PathSample sample_;

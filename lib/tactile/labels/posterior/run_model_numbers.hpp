@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-/// The numbers of the model of a run, with units and sources. docs/numerics/run-model.md has the formulas that they stand in.
+/// The numbers of the model of a run, with units and sources. docs/numerics/labels.md has the formulas that they stand in.
 namespace tactile::labels::numbers {
 
 inline constexpr double slack_mm = 0.12;  ///< way of the arm until it shears the skin, mean: play and compliance of the mount
@@ -29,6 +29,6 @@ inline constexpr double counted = 0.5;  ///< part of the evidence on the robot's
 inline constexpr double arm_to_skin_us = 12'000;  ///< standard deviation of the time that the skin follows the arm by
 inline constexpr double imu_lag_us = 2'000;       ///< most that the IMU's own filter delays it
 
-inline constexpr double end_known_ms = 6;  ///< standard deviation of what is the end of a motion that fades
+inline constexpr double end_known_ms = 9;  ///< standard deviation of what is the end of a motion that fades
 
 }  // namespace tactile::labels::numbers

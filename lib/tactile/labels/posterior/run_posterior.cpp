@@ -1,5 +1,6 @@
 #include "tactile/labels/posterior/run_posterior.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include "tactile/core/parallel.hpp"
@@ -7,18 +8,6 @@
 #include "tactile/labels/posterior/session_offsets.hpp"
 
 namespace tactile::labels {
-namespace {
-
-OffsetsOfRun offsets_of(const ClockOffsets& clock) {
-  if (!clock.course() || clock.course()->is_of_film()) return {};
-  OffsetsOfRun run{.at = clock.course()->begin() + (clock.course()->end() - clock.course()->begin()) / 2,
-                   .offsets = clock.likely()};
-  normalise(run.offsets);
-  return run;
-}
-
-}  // namespace
-
 RunPosterior run_posterior(const alignment::RunSignals& signals) { return RunInference(signals).posterior({}); }
 
 std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSignals* const> runs, unsigned threads) {
@@ -26,12 +15,15 @@ std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSigna
   std::vector<OffsetsOfRun> alone(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     inferences[i] = std::make_unique<RunInference>(*runs[i]);
-    alone[i] = offsets_of(inferences[i]->clock());
+    alone[i] = inferences[i]->robot_offsets();
   });
   const std::vector<std::vector<WeighedOffset>> others = offsets_by_others(alone);
+  const auto runs_with_clock = static_cast<std::size_t>(
+      std::count_if(alone.begin(), alone.end(), [](const OffsetsOfRun& run) { return !run.offsets.empty(); }));
   std::vector<RunPosterior> posteriors(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     posteriors[i] = inferences[i]->posterior(others[i]);
+    if (!others[i].empty()) posteriors[i].runs_of_robot = runs_with_clock;
     inferences[i].reset();
   });
   return posteriors;

@@ -99,12 +99,43 @@ Rates rates_in_film(const State& from, bool moves) {
   }
 }
 
+/// How often per second one happening ends in another, if the IMU shows whether the camera moves. It does not feel a slow lift.
+Rates rates_felt(const State& from, bool moves) {
+  const bool calm = from.level <= 2;
+  switch (from.happening) {
+    case H::untouched:
+      return {{H::press, moves ? 0.3 : 0.5}, {H::knock, moves ? 0.3 : 0.04}};
+    case H::held:
+      if (moves)
+        return {{H::slip, 3 * numbers::slips},
+                {H::firm_shear, 3 * (1 - numbers::slips)},
+                {H::disturbance, 0.1},
+                {H::press, 0.05},
+                {H::release, 0.1},
+                {H::untouched, 0.02}};
+      return {{H::slip, 0.05}, {H::disturbance, 0.1}, {H::press, 0.02}, {H::release, 0.25}, {H::untouched, 0.02}};
+    case H::carried:
+      if (moves) return {{H::slip, 0.2}, {H::disturbance, 0.2}, {H::release, 0.1}, {H::untouched, 0.1}, {H::held, 0.1}};
+      return {{H::slip, 0.02}, {H::disturbance, 0.15}, {H::release, 0.1}, {H::untouched, 0.02}, {H::held, 2}};
+    case H::slip:
+      return {{H::carried, (calm ? 1 : 0.3) * (moves ? 0.5 : 6)}, {H::untouched, 0.1}, {H::release, 0.2}};
+    default:
+      return {};
+  }
+}
+
 /// How often per second one happening ends in another.
 Rates rates_from(const State& from, std::size_t arm, double bin_s) {
   const bool calm = from.level <= 2, moves = arm_moves(arm), stopped = arm == arm_stopped, unknown = arm == arm_unknown;
   const double sheared = shear_rate(arm, bin_s);
+  if (arm == arm_taps && from.happening == H::untouched) return {{H::knock, 10}, {H::press, 0.05}};
+  if (arm == arm_taps && from.happening == H::held)
+    return {{H::disturbance, 5}, {H::slip, 0.1}, {H::release, 0.25}, {H::untouched, 0.02}};
   if (arm == film_still || arm == film_moves) {
     if (Rates rates = rates_in_film(from, arm == film_moves); !rates.empty()) return rates;
+  }
+  if (arm == camera_still || arm == camera_moves) {
+    if (Rates rates = rates_felt(from, arm == camera_moves); !rates.empty()) return rates;
   }
   switch (from.happening) {
     case H::untouched:
@@ -337,10 +368,11 @@ RunStates::RunStates(microseconds bin) {
   };
   begins(H::untouched, Phase::rest, 0, 0.93);
   begins(H::held, Phase::rest, 0, 0.04);
-  begins(H::press, Phase::moving, 4, 0.01);
-  begins(H::slip, Phase::moving, 3, 0.005);
-  begins(H::release, Phase::moving, 3, 0.005);
-  begins(H::knock, Phase::moving, 1, 0.01);
+  for (std::size_t level = 1; level < motion_levels.size(); ++level) {
+    for (const auto& [happening, probability] :
+         {std::pair{H::press, 0.01}, {H::slip, 0.005}, {H::release, 0.005}, {H::knock, 0.01}})
+      begins(happening, Phase::moving, level, probability / (motion_levels.size() - 1));
+  }
 }
 
 }  // namespace tactile::labels

@@ -30,11 +30,13 @@ constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750
 /// The classes of the arm's speed [mm/s], each by its middle.
 constexpr std::array<double, 7> arm_speeds{0.5, 1.5, 4, 10, 25, 60, 150};
 /// What the arm does in a bin, as one number: it is still, moves at a speed from 1 to 7, begins to move, has just stopped, or is
-/// not known. Without a log, a film shows whether anything moves, be it the stage or the arm.
-constexpr std::size_t arm_conditions = arm_speeds.size() + 6;
+/// not known; or it sets the sensor down on something for an instant, a sync tap. Without a log, an IMU shows
+/// whether the camera moves, or a film whether anything does, be it the stage or the arm.
+constexpr std::size_t arm_conditions = arm_speeds.size() + 9;
 constexpr std::uint8_t arm_still = 0, arm_starts = arm_speeds.size() + 1, arm_stopped = arm_starts + 1,
                        arm_unknown = arm_starts + 2;
-constexpr std::uint8_t film_still = arm_unknown + 1, film_moves = arm_unknown + 2;
+constexpr std::uint8_t film_still = arm_unknown + 1, film_moves = arm_unknown + 2, arm_taps = arm_unknown + 3;
+constexpr std::uint8_t camera_still = arm_unknown + 4, camera_moves = arm_unknown + 5;
 constexpr bool arm_moves(std::size_t condition) { return condition != arm_still && condition <= arm_starts; }
 /// Of an arm that moves. It begins with the lowest speed.
 constexpr std::size_t speed_of_arm(std::size_t condition) { return condition == arm_starts ? 1 : condition; }

@@ -9,6 +9,9 @@
 
 namespace tactile::labels {
 
+/// A state in each bin.
+using Path = std::vector<std::uint16_t>;
+
 /// What the events say in each bin. All states with the same level and pattern say the same.
 class BinLikelihoods {
  public:
@@ -37,8 +40,13 @@ struct Filtered {
 Filtered filtered(const RunStates& states, const BinLikelihoods& likelihoods, std::span<const std::uint8_t> arm_conditions_of,
                   bool keep);
 
-/// A path of states drawn from its posterior, by the backward pass over what `filtered` kept.
-std::vector<std::uint16_t> drawn_path(const RunStates& states, const Filtered& filtered,
-                                      std::span<const std::uint8_t> arm_conditions_of, Random& random);
+/// `Filtered::log_evidence` for several sequences of conditions, in their order. Where all are alike, at the beginning and the
+/// end of the recording, the passes are made once.
+std::vector<double> log_evidences(const RunStates& states, const BinLikelihoods& likelihoods,
+                                  const std::vector<std::vector<std::uint8_t>>& conditions_of);
+
+/// Paths drawn from their posterior, by the backward pass over what `filtered` kept (Fruehwirth-Schnatter 1994).
+std::vector<Path> drawn_paths(const RunStates& states, const Filtered& filtered, std::span<const std::uint8_t> arm_conditions_of,
+                              std::size_t paths, Random& random);
 
 }  // namespace tactile::labels

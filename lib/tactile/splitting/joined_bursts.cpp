@@ -1,4 +1,4 @@
-#include "tactile/labels/run_bursts.hpp"
+#include "tactile/splitting/joined_bursts.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -6,35 +6,10 @@
 
 #include "tactile/alignment/slow_bursts.hpp"
 
-namespace tactile::labels {
+namespace tactile::splitting {
 namespace {
 
-/// Splits bursts that continue into a lift where the lift begins: an object that is lifted as soon as it is pressed, or tips that
-/// spring back just before, leave no quiet between the two.
-std::vector<alignment::Burst> split_at_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
-                                             std::vector<alignment::Burst> bursts, const std::vector<ArmMove>& lifts,
-                                             const alignment::ActivityOptions& options) {
-  constexpr microseconds well_before = 60ms;
-  for (const ArmMove& lift : lifts) {
-    if (lift.uncertainty > well_placed) continue;
-    const CameraTime split_at = before(lift.start, lift.uncertainty);
-    const auto split = std::find_if(bursts.begin(), bursts.end(), [&](const alignment::Burst& burst) {
-      return rate.begin_of(burst.begin) < before(split_at, well_before) && rate.begin_of(burst.end) > lift.start;
-    });
-    if (split == bursts.end()) continue;
-    const auto place = static_cast<std::size_t>(between(rate.begin, split_at) / rate.bin);
-    alignment::EventRate before_split = rate;
-    before_split.counts.resize(place);
-    std::vector<alignment::Burst> pieces = alignment::bursts_in(before_split, quiet, options);
-    std::erase_if(pieces, [&](const alignment::Burst& piece) { return piece.end <= split->begin; });
-    alignment::Burst rest = *split;
-    rest.begin = place;
-    rest.events = alignment::events_above(rate, quiet, rest.begin, rest.end);
-    pieces.push_back(rest);
-    bursts.insert(bursts.erase(split), pieces.begin(), pieces.end());
-  }
-  return bursts;
-}
+constexpr microseconds well_placed = 30ms;  // a lift whose clock is known so well joins all bursts that begin in it
 
 /// Joins bursts that begin within a lift: an object may stick for longer than the pause between two bursts.
 std::vector<alignment::Burst> join_in_lifts(const alignment::EventRate& rate, const alignment::QuietRate& quiet,
@@ -67,7 +42,7 @@ alignment::Burst* goes_on_in(const alignment::Burst& slow, std::vector<alignment
     return !burst.slow && burst.begin >= slow.end && burst.begin <= slow.end + soon;
   });
   if (next == bursts.end()) return nullptr;
-  const ArmMove* lift = lift_around(lifts, rate, *next);
+  const ArmMove* lift = move_around(lifts, rate, *next);
   return lift == nullptr || rate.begin_of(slow.begin) >= before(lift->start, lift->uncertainty) ? &*next : nullptr;
 }
 
@@ -104,10 +79,4 @@ std::vector<alignment::Burst> joined_and_slow_bursts(events::RecordingReader& re
   return bursts;
 }
 
-std::vector<alignment::Burst> bursts_of_run(events::RecordingReader& recording, const alignment::RunSignals& signals,
-                                            const std::vector<ArmMove>& lifts, const alignment::ActivityOptions& options) {
-  return joined_and_slow_bursts(recording, signals.event_stream, signals.rate, signals.quiet,
-                                split_at_lifts(signals.rate, signals.quiet, signals.bursts, lifts, options), lifts);
-}
-
-}  // namespace tactile::labels
+}  // namespace tactile::splitting

@@ -5,16 +5,17 @@
 #include <vector>
 
 #include "tactile/alignment/activity.hpp"
-#include "tactile/alignment/motion_phases.hpp"
 
-namespace tactile::labels {
+namespace tactile::splitting {
 
 /// A motion of the arm, in camera time.
 struct ArmMove {
   CameraTime start{}, end{};
-  microseconds uncertainty{0};                    ///< 95 %: how far the clock may be off, either way
-  const alignment::MotionPhase* phase = nullptr;  ///< in the robot log, which must outlive this
+  microseconds uncertainty{0};  ///< 95 %: how far the clock may be off, either way
 };
+
+/// The move that a burst lies in; null if there is none.
+const ArmMove* move_around(const std::vector<ArmMove>& moves, const alignment::EventRate& rate, const alignment::Burst& burst);
 
 /// What a burst of events comes from.
 enum class BurstKind : std::uint8_t {
@@ -49,9 +50,9 @@ struct TouchesOptions {
 ///   it had left bright.
 ///
 /// @param lifts   nothing: it is not known whether the arm rose
-/// @param undoes  of each burst, `LitRate::undoes`
+/// @param undoes  of each burst, how far it reverses all bursts before it, -1 to 1: minus the correlation of `Brightening`
 std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options = {});
 
-}  // namespace tactile::labels
+}  // namespace tactile::splitting

@@ -3,7 +3,7 @@
 #include "tactile/alignment/activity.hpp"
 #include "tactile/alignment/event_rate.hpp"
 
-namespace tactile::labels {
+namespace tactile::splitting {
 
 /// Of a recording of 4 s in bins of 1 ms, quiet but for the bursts that a test adds.
 inline const alignment::EventRate quiet_rate{.begin = camera_time(1'000'000),
@@ -24,4 +24,4 @@ inline alignment::Burst burst(std::size_t begin_ms, std::size_t end_ms, double e
   return made;
 }
 
-}  // namespace tactile::labels
+}  // namespace tactile::splitting

@@ -1,12 +1,12 @@
-#include "tactile/labels/touches.hpp"
+#include "tactile/splitting/touches.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "labels/made_bursts.hpp"
+#include "splitting/made_bursts.hpp"
 
-namespace tactile::labels {
+namespace tactile::splitting {
 namespace {
 
 using Kinds = std::vector<BurstKind>;
@@ -124,4 +124,4 @@ TEST(KindsOf, UsesTheOrderWhereNoLiftIsKnown) {
 }
 
 }  // namespace
-}  // namespace tactile::labels
+}  // namespace tactile::splitting

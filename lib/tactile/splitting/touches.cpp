@@ -1,8 +1,8 @@
-#include "tactile/labels/touches.hpp"
+#include "tactile/splitting/touches.hpp"
 
 #include <algorithm>
 
-namespace tactile::labels {
+namespace tactile::splitting {
 namespace {
 
 /// How long the burst and the move overlap, with the uncertainty of the clock.
@@ -128,6 +128,15 @@ class Classifier {
 
 }  // namespace
 
+const ArmMove* move_around(const std::vector<ArmMove>& moves, const alignment::EventRate& rate, const alignment::Burst& burst) {
+  const auto overlaps = [&](const ArmMove& move) {
+    return rate.begin_of(burst.begin) < after(move.end, move.uncertainty) &&
+           rate.begin_of(burst.end) > before(move.start, move.uncertainty);
+  };
+  const auto move = std::find_if(moves.begin(), moves.end(), overlaps);
+  return move == moves.end() ? nullptr : &*move;
+}
+
 std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<const alignment::Burst> bursts,
                                 const std::optional<std::vector<ArmMove>>& lifts, std::span<const ArmMove> taps,
                                 std::span<const double> undoes, const TouchesOptions& options) {
@@ -141,4 +150,4 @@ std::vector<BurstKind> kinds_of(const alignment::EventRate& rate, std::span<cons
   return classifier.kinds();
 }
 
-}  // namespace tactile::labels
+}  // namespace tactile::splitting

@@ -1,4 +1,4 @@
-#include "tactile/labels/stage_presses.hpp"
+#include "tactile/labels/stage_commands.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ CameraTime at_ms(std::int64_t ms) { return camera_time(1000 * ms); }
 /// A recording of 10 s with a robot log on the camera's clock, whose output changes at these times.
 struct StageRun {
   alignment::RunSignals signals;
-  alignment::RobotClocks clocks;
+  RobotPieceClocks clocks;
 
   explicit StageRun(const std::vector<std::int64_t>& closes_ms) {
     signals.rate.begin = at_ms(0);
@@ -30,50 +30,36 @@ struct StageRun {
     alignment::FittedClock clock;
     clock.offset_low_us = -10'000;
     clock.offset_high_us = 10'000;
-    clocks.pieces.emplace_back(clock);
+    clocks.emplace_back(clock);
   }
 };
 
-TEST(MissingPresses, AreCommandsWithoutAPress) {
+TEST(CommandsWithoutPress, AreThoseThatNoPressFollows) {
   const StageRun run({1000, 4000});
   Labels labels;
   labels.intervals = {made_interval(Touch::press, 1300, 1500), made_interval(Touch::slip, 7000, 8000)};
-  const std::vector<LabelFlag> flags = missing_presses(run.signals, run.clocks, labels);
+  const std::vector<LabelFlag> flags = commands_without_press(run.signals, run.clocks, labels);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_FALSE(flags[0].interval_index);
   EXPECT_EQ(flags[0].reason, "the stage was commanded to close at 4.00 s, and no press is labelled in the 2 s after it");
   EXPECT_EQ(stage_command(run.signals, run.clocks, at_ms(1300)), at_ms(1000));
 
   labels.intervals.insert(labels.intervals.begin() + 1, made_interval(Touch::press, 4400, 4600));
-  EXPECT_TRUE(missing_presses(run.signals, run.clocks, labels).empty());
+  EXPECT_TRUE(commands_without_press(run.signals, run.clocks, labels).empty());
 }
 
-TEST(MissingPresses, AreNotKnownByAnOutputThatIsNoStages) {
+TEST(CommandsWithoutPress, AreNotKnownByAnOutputThatIsNoStages) {
   Labels labels;
   labels.intervals = {made_interval(Touch::press, 1300, 1500)};
   const StageRun lamp({4000, 5000}), late({1000, 9000});
-  EXPECT_TRUE(missing_presses(lamp.signals, lamp.clocks, labels).empty());
-  EXPECT_TRUE(missing_presses(late.signals, late.clocks, labels).empty()) << "the recording may end before that press";
+  EXPECT_TRUE(commands_without_press(lamp.signals, lamp.clocks, labels).empty());
+  EXPECT_TRUE(commands_without_press(late.signals, late.clocks, labels).empty()) << "the recording may end before that press";
   StageRun two({1000, 4000});
   two.signals.robot[0].log.output_changes[1].output = "digital output 1";
-  EXPECT_TRUE(missing_presses(two.signals, two.clocks, labels).empty());
+  EXPECT_TRUE(commands_without_press(two.signals, two.clocks, labels).empty());
   StageRun unrelated({1000, 4000});
-  unrelated.clocks.pieces[0].reset();
-  EXPECT_TRUE(missing_presses(unrelated.signals, unrelated.clocks, labels).empty());
-}
-
-TEST(MissingPresses, AreBetweenAReleaseAndASlip) {
-  const StageRun run({});
-  Labels labels;
-  labels.intervals = {made_interval(Touch::press, 1300, 1500), made_interval(Touch::slip, 4000, 5000)};
-  labels.releases = {{Touch::none, at_ms(2000), at_ms(2200)}};
-  const std::vector<LabelFlag> flags = missing_presses(run.signals, run.clocks, labels);
-  ASSERT_EQ(flags.size(), 1U);
-  EXPECT_FALSE(flags[0].interval_index);
-  EXPECT_EQ(flags[0].reason, "the skin was released before the slip at 4.00 s, and no press is labelled between them");
-
-  labels.intervals.insert(labels.intervals.begin() + 1, made_interval(Touch::press, 3000, 3200));
-  EXPECT_TRUE(missing_presses(run.signals, run.clocks, labels).empty());
+  unrelated.clocks[0].reset();
+  EXPECT_TRUE(commands_without_press(unrelated.signals, unrelated.clocks, labels).empty());
 }
 
 }  // namespace

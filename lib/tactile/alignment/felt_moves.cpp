@@ -1,4 +1,4 @@
-#include "tactile/labels/felt_moves.hpp"
+#include "tactile/alignment/felt_moves.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,16 +6,12 @@
 #include "tactile/alignment/imu_motion.hpp"
 #include "tactile/alignment/moving_mean.hpp"
 
-namespace tactile::labels {
+namespace tactile::alignment {
 namespace {
-
-using alignment::dot;
-using alignment::length_of;
-using alignment::Vector3;
 
 constexpr double smoothed_s = 0.04, apart_s = 0.08;
 constexpr double least_m_s2 = 0.08, least_m_s = 0.01;  // of a push
-constexpr microseconds longest_move = 10s, edge = 30ms;
+constexpr microseconds longest_move = 10s;
 
 /// A stretch in which the camera speeds up or brakes.
 struct Push {
@@ -23,7 +19,7 @@ struct Push {
   Vector3 gained{};                ///< [m/s]
 };
 
-std::vector<Push> pushes_in(const alignment::ImuMotion& motion) {
+std::vector<Push> pushes_in(const ImuMotion& motion) {
   const std::size_t n = motion.t.size();
   const double step_s = motion.seconds(n - 1) / static_cast<double>(n - 1);
   if (!(step_s > 0)) return {};
@@ -32,7 +28,7 @@ std::vector<Push> pushes_in(const alignment::ImuMotion& motion) {
   std::vector<std::vector<double>> axes(3, std::vector<double>(n));
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < n; ++i) axes[k][i] = motion.acceleration[i][k];
-    axes[k] = alignment::moving_mean(axes[k], width);
+    axes[k] = moving_mean(axes[k], width);
   }
   const double limit = std::max(least_m_s2, 6.0 * motion.noise_m_s2 / std::sqrt(static_cast<double>(width)));
   std::vector<Push> pushes;
@@ -57,21 +53,21 @@ bool stops(const Push& start, const Push& stop) {
 
 }  // namespace
 
-std::vector<ArmMove> felt_moves(std::span<const events::ImuSample> samples) {
-  const alignment::ImuMotion motion = alignment::imu_motion(samples);
+std::vector<CameraSpan> felt_moves(std::span<const events::ImuSample> samples) {
+  const ImuMotion motion = imu_motion(samples);
   if (motion.t.size() < 50) return {};
   const std::vector<Push> pushes = pushes_in(motion);
-  std::vector<ArmMove> moves;
+  std::vector<CameraSpan> moves;
   for (std::size_t i = 0; i + 1 < pushes.size(); ++i) {
     const auto stop = std::find_if(pushes.begin() + static_cast<std::ptrdiff_t>(i) + 1, pushes.end(),
                                    [&](const Push& later) { return stops(pushes[i], later); });
     if (stop == pushes.end()) continue;
-    const ArmMove move{.start = motion.t[pushes[i].begin], .end = motion.t[stop->end - 1], .uncertainty = edge};
-    if (between(move.start, move.end) > longest_move) continue;
+    const CameraSpan move{.begin = motion.t[pushes[i].begin], .end = motion.t[stop->end - 1]};
+    if (between(move.begin, move.end) > longest_move) continue;
     moves.push_back(move);
     i = static_cast<std::size_t>(stop - pushes.begin());
   }
   return moves;
 }
 
-}  // namespace tactile::labels
+}  // namespace tactile::alignment
