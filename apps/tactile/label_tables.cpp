@@ -159,7 +159,9 @@ struct DifferenceKind {
   int of = 0, less = 0;  ///< indices of sources
   std::optional<std::string> clock_method;
 
-  friend auto operator<=>(const DifferenceKind&, const DifferenceKind&) = default;
+  friend bool operator<(const DifferenceKind& a, const DifferenceKind& b) {
+    return std::tie(a.touch, a.of, a.less, a.clock_method) < std::tie(b.touch, b.of, b.less, b.clock_method);
+  }
 };
 
 constexpr std::array<const char*, 4> source_names{"events", "robot", "video", "IMU"};
@@ -330,8 +332,7 @@ std::string objects_table(const std::vector<LabelledRun>& runs) {
     for (std::string& cell : cells_of(measured(object.lags_ms))) row.push_back(std::move(cell));
     rows.push_back(std::move(row));
   }
-  const std::string table =
-      text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows);
+  std::string table = text_table({"lift to slip [ms]", "runs", "flagged", "n", "median", "spread", "least", "largest"}, rows);
   if (!has_lag) return table;
   return table +
          wrapped(

@@ -27,7 +27,6 @@
 namespace tactile::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using splitting::BurstKind;
 
 struct SplitArguments {

@@ -28,6 +28,7 @@ StraightLine first_line(const std::vector<Point>& points, bool with_gradient) {
   StraightLine line;
   if (with_gradient) line.gradient = theil_sen_gradient(std::vector<UncertainPoint>(points.begin(), points.end()));
   std::vector<Weighted> offsets;
+  offsets.reserve(points.size());
   for (const Point& p : points) offsets.push_back({p.y - line.gradient * p.x, 1.0 / (p.sigma * p.sigma)});
   line.mean_y = weighted_median(std::move(offsets));
   return line;

@@ -10,7 +10,7 @@ namespace tactile::labels {
 /// What a person should look at.
 struct DoubtLimits {
   double least_probability = 0.9;  ///< of a touch and its class, 0.5 to 1
-  double widest_onset_ms = 80;     ///< 95 % interval of its onset, > 0
+  double widest_onset_ms = 100;    ///< 95 % interval of its onset, > 0
 };
 
 struct LabelOptions {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -58,8 +59,8 @@ std::optional<std::vector<ArmMove>> felt_lift(std::span<const events::ImuSample>
   const std::span<const events::ImuSample> samples(at(before(rate.begin_of(run.front().begin), around)),
                                                    at(after(rate.begin_of(run.back().end), around)));
   const std::vector<alignment::CameraSpan> moves = alignment::felt_moves(samples);
-  for (auto felt = moves.rbegin(); felt != moves.rend(); ++felt) {
-    const ArmMove move{.start = felt->begin, .end = felt->end, .uncertainty = 30ms};
+  for (const alignment::CameraSpan& felt : std::views::reverse(moves)) {
+    const ArmMove move{.start = felt.begin, .end = felt.end, .uncertainty = 30ms};
     for (std::size_t i = 1; i < run.size(); ++i) {
       const bool may_slip = undoes[i] <= TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run);
       if (may_slip && move_around({move}, rate, run[i]) != nullptr) return std::vector{move};

@@ -132,6 +132,7 @@ std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const B
                                                  const RunStates& states, microseconds bin) const {
   std::vector<WeighedOffset> weighed = by_imu(offsets);
   std::vector<std::vector<std::uint8_t>> conditions;
+  conditions.reserve(weighed.size());
   for (const WeighedOffset& one : weighed)
     conditions.push_back(course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us));
   const std::vector<double> evidences = log_evidences(states, likelihoods, conditions);
