@@ -21,7 +21,7 @@ constexpr std::int64_t robot_zero_us = 5'432'100'000;
 std::vector<events::ImuSample> felt_by(const MadeArm& arm, double from_s, double to_s, std::int64_t zero_us = camera_zero_us) {
   Random random(8);
   std::vector<events::ImuSample> samples;
-  for (double t = from_s; t < to_s; t += 0.001242) {
+  for (double t = from_s; t < to_s; t += 0.001242) {  // NOLINT(clang-analyzer-security.FloatLoopCounter)
     const double up_g = 1.0 + arm.acceleration(t) / 9.80665;
     events::ImuSample sample;
     sample.t = camera_time(zero_us + std::llround(1e6 * t) / 200 * 200);
@@ -42,6 +42,7 @@ EventRate rate_of(double from_s, double to_s, const std::function<double(double)
                  .hot_pixels = 0,
                  .last = {},
                  .hot = {}};
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter)
   for (double t = from_s; t < to_s; t += 0.0002)
     rate.counts.push_back(static_cast<std::uint32_t>(random.poisson(0.2 * per_ms(t))));
   rate.last = rate.begin_of(rate.counts.size());
@@ -134,6 +135,7 @@ TEST(ClockAnchors, ImuAgainstTheLogWithoutAnyKnownOffset) {
 TEST(ClockAnchors, ImuAnchorsOfALongRunMeasureTheDrift) {
   MadeArm arm;
   Random random(2);
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter)
   for (double t = 5; t < 150; t += random.uniform(9, 20)) arm.lift(t, random.uniform(0.5, 0.9), random.uniform(0.04, 0.1));
   // A controller that is fast by 120 ppm: the camera's time runs slower than its clock.
   Session session{.log = arm.log(-1, 161, robot_zero_us, 120), .rate = quiet_recording(160), .imu = felt_by(arm, 0, 160)};
@@ -163,6 +165,7 @@ TEST(ClockAnchors, EqualLiftsAtEvenStepsAreAmbiguous) {
 TEST(ClockAnchors, AnImuWithAnotherMotionIsRefused) {
   MadeArm arm, other;
   arm.lift(2.1, 0.7, 0.09);
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter)
   for (double t = 0.2; t < 4; t += 0.11) other.tap(t, 0.1, 0.002);
   Session session{.log = arm.log(0, 4.8, robot_zero_us), .rate = quiet_recording(4.5), .imu = felt_by(other, 0, 4.5)};
   const FoundAnchors found = session.anchors();

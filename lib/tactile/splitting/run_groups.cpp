@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -58,8 +57,9 @@ std::optional<std::vector<ArmMove>> felt_lift(std::span<const events::ImuSample>
   };
   const std::span<const events::ImuSample> samples(at(before(rate.begin_of(run.front().begin), around)),
                                                    at(after(rate.begin_of(run.back().end), around)));
-  const std::vector<alignment::CameraSpan> moves = alignment::felt_moves(samples);
-  for (const alignment::CameraSpan& felt : std::views::reverse(moves)) {
+  std::vector<alignment::CameraSpan> moves = alignment::felt_moves(samples);
+  std::reverse(moves.begin(), moves.end());
+  for (const alignment::CameraSpan& felt : moves) {
     const ArmMove move{.start = felt.begin, .end = felt.end, .uncertainty = 30ms};
     for (std::size_t i = 1; i < run.size(); ++i) {
       const bool may_slip = undoes[i] <= TouchesOptions{}.releases && !alignment::is_after_effect(run[i], rate, run);
