@@ -302,7 +302,7 @@ void add_label_edit_options(Command command, LabelEditArguments& arguments) {
   add_edit("--add", "EDIT", "Add a press or slip: fan/01:press=1.2..1.9");
   add_edit("--reject", "EDIT", "Remove an interval, which is not found again: fan/01:press-1");
   add_edit("--lift", "EDIT",
-           "Remove this flag: the label is right. Needs --why. Examples: fan/01:no robot log, 'fan/*:no robot log'");
+           "Remove this flag: the label is right. Needs --why. Examples: fan/01:not completed, 'fan/*:has a gap'");
   command.add_option("--undo", arguments.undo, "Undo the last N edits of a run").type_name("N").value_is_optional("1");
   command.add_option("--redo", arguments.redo, "Redo the last N undone edits of a run").type_name("N").value_is_optional("1");
   command.add_flag("--history", arguments.history, "Print all edits");

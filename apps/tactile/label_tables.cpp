@@ -80,7 +80,7 @@ class ClockMethods {
     return index < 26 ? std::string(1, static_cast<char>('a' + index)) : std::to_string(index + 1);
   }
 
-  /// "Method a: lift start and end (92 runs)."
+  /// "Method a: the model of the run (92 runs)."
   std::string legend() const {
     std::string text;
     for (const auto& [method, uses] : uses_) text += line("Method " + letter_of(method), method, uses);
@@ -209,7 +209,7 @@ bool has_session(const RunFolder& run) {
 std::string advice_on_sessions(const std::vector<LabelledRun>& runs) {
   const auto is_alone = [](const LabelledRun& labelled) {
     const alignment::FittedClock* clock = robot_clock_of(labelled.labels);
-    return clock != nullptr && clock->uncertainty() > 5ms && clock->method.find("a session's") == std::string::npos &&
+    return clock != nullptr && clock->uncertainty() > 5ms && clock->method.find("of a session") == std::string::npos &&
            !has_session(labelled.run);
   };
   if (std::count_if(runs.begin(), runs.end(), is_alone) < 2) return {};
@@ -366,8 +366,8 @@ std::string differences_table(const std::vector<LabelledRun>& runs) {
   return text_table({"onsets apart [ms]", "clock by", "n", "median", "spread", "least", "largest"}, rows) +
          wrapped(
              "Robot: when a stage command (press) or the lift (slip) began. Video: when the stage or the arm began to move. "
-             "Their differences therefore include the lag from there to the onset. If a clock was fitted to events, its source "
-             "follows the events, and their agreement proves little. The method shows this.") +
+             "Their differences therefore include the lag from there to the onset. The robot's clock follows from all "
+             "witnesses together, so its agreement with the events proves little.") +
          "\n" + methods.legend() + methods.video_legend();
 }
 

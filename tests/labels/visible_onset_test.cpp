@@ -29,7 +29,7 @@ TEST(VisibleOnset, IsWhereTheRateIsTwiceTheQuietOne) {
 TEST(VisibleOnset, OfAQuietSensorNeedsFiveEvents) {
   EXPECT_FALSE(visible(rate_with(0, 0, 0), 0));
   alignment::EventRate few = rate_with(0, 0, 0);
-  few.counts[2'600] = 5;
+  few.counts[2'600] = 4;
   EXPECT_FALSE(visible(few, 0));
   few.counts[2'605] = 1;
   EXPECT_EQ(visible(few, 0), in_run(520));

@@ -60,8 +60,6 @@ struct ClockFit {
 /// includes the anchors' own standard deviations (or their scatter, if larger), their common bias, and a drift that is not
 /// measured.
 ///
-/// Runs that share both clocks are one call with the anchors of all.
-///
 /// Refused: no anchor, a drift beyond `most_drift_ppm`, clocks further apart than int64 holds, anchors of which two fifths
 /// of the weight are left out, or that scatter by thirty times their own standard deviations.
 ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_us, const ClockFitOptions& options = {});

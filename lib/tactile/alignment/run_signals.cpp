@@ -221,7 +221,7 @@ RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& optio
       signals.problems.push_back(doubt("film-unusable", "the film cannot be used: {}", why));
     }
   } else {
-    signals.remarks.emplace_back("no film: press and slip follow from events and robot log only");
+    signals.remarks.emplace_back("no film");
   }
   return signals;
 }

@@ -20,7 +20,7 @@ struct ActivityStart {
   double events = 0;  ///< of the burst
 };
 
-/// Of bursts and slow bursts, by time.
+/// Of bursts, by time.
 std::vector<ActivityStart> activity_starts(const AnchorInputs& inputs);
 
 /// The first that lies in [from_s, to_s]; null if there is none.

@@ -71,6 +71,12 @@ std::string remark_on_counted(const MotionEnergy& energy, const FittedClock& clo
                      frames_per_s(energy));
 }
 
+/// Of films, standard deviation.
+double usual_drift_ppm_of(bool counts_frames) {
+  constexpr double of_rates_ppm = 5'000, of_lost_frames_ppm = 14'000;
+  return std::hypot(of_rates_ppm, counts_frames ? of_lost_frames_ppm : 0.0);
+}
+
 }  // namespace
 
 std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options) {
@@ -81,10 +87,16 @@ std::string set_ambiguity(VideoClockFit& fit, double best, double second, const 
                      options.least_ambiguity);
 }
 
-VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
-  constexpr double of_rates_ppm = 5'000, of_lost_frames_ppm = 14'000;
+std::string allow_for_drift(FittedClock& clock, const MotionEnergy& energy) {
   const bool counted = counts_frames(energy);
-  const double usual_drift_ppm = std::hypot(of_rates_ppm, counted ? of_lost_frames_ppm : 0.0);
+  clock.found_at_us = us_of(energy.begin() + (energy.end() - energy.begin()) / 2);
+  clock.drift_within_ppm = normal_95 * usual_drift_ppm_of(counted);
+  return counted ? remark_on_counted(energy, clock, false) : std::string();
+}
+
+VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
+  const bool counted = counts_frames(energy);
+  const double usual_drift_ppm = usual_drift_ppm_of(counted);
   const Gradient motions = gradient_of(fit.anchors);
   if (counted) fit.refused = contradiction_of_rate(energy, motions, 1e-6 * usual_drift_ppm);
   if (!fit.refused.empty()) return fit;

@@ -41,4 +41,8 @@ std::string set_ambiguity(VideoClockFit& fit, double best, double second, const 
 /// motions show it beyond three standard deviations; where they cannot, such as with one motion, the remark says so.
 VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy);
 
+/// Sets from where on, and how fast, a film's clock that was found by its motions may drift: as `with_clock` has it, from the
+/// film's middle. @return  the remark on its times, empty if there is none
+std::string allow_for_drift(FittedClock& clock, const MotionEnergy& energy);
+
 }  // namespace tactile::alignment

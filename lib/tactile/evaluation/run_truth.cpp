@@ -85,7 +85,7 @@ RunTruth with_visible_onsets(RunTruth truth) {
     if (!truth.visible[i] || *truth.visible[i] >= label.end) continue;
     for (TouchInterval& touch : truth.true_ones) {
       const bool is_this = touch.touch == label.touch && touch.start < label.end && label.start < touch.end;
-      if (is_this) touch.start = std::clamp(*truth.visible[i], touch.start, touch.end);
+      if (is_this && *truth.visible[i] < touch.end) touch.start = std::max(*truth.visible[i], touch.start);
     }
     label.start = std::max(label.start, *truth.visible[i]);
   }

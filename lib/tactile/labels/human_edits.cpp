@@ -98,6 +98,10 @@ Merged merge(const Labels& fresh, const Labels& old) {
       stays = false;
       if (person.touch != candidate.interval.touch) continue;
       take_evidence(person.evidence, candidate.interval.evidence);
+      if (person.source != "person") {
+        person.probability = candidate.interval.probability;
+        person.visible = candidate.interval.visible;
+      }
       became = i;
     }
     if (!stays) continue;

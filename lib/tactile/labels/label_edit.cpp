@@ -55,6 +55,7 @@ void check_place(const LabelledInterval& interval, const std::string& name, cons
 void make_persons(LabelledInterval& interval) {
   interval.source = "person";
   interval.confirmed = true;
+  interval.probability.reset();
 }
 
 /// The intervals with one that was placed, at `index`, in order.
@@ -101,6 +102,7 @@ struct Editor {
     std::vector<LabelledInterval> intervals = labels.intervals;
     alignment::UncertainTime& end = edit.which == IntervalEnd::start ? intervals[index].start : intervals[index].end;
     end = seen_at(edit.to, std::max(edit.within, microseconds{1}));
+    if (edit.which == IntervalEnd::start) intervals[index].visible.reset();
     make_persons(intervals[index]);
     return with_placed(std::move(labels), std::move(intervals), index, edit.end_earlier, recording);
   }

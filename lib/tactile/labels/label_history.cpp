@@ -18,7 +18,7 @@ auto values_of(const alignment::UncertainTime& time) { return std::tuple(time.at
 bool same(const LabelledInterval& a, const LabelledInterval& b) {
   const auto values = [](const LabelledInterval& one) {
     return std::tuple(one.id, one.touch, values_of(one.start), values_of(one.end), one.source, one.confirmed, one.evidence.events,
-                      one.evidence.robot, one.evidence.video, one.evidence.imu);
+                      one.evidence.robot, one.evidence.video, one.evidence.imu, one.probability, one.visible);
   };
   return values(a) == values(b);
 }

@@ -17,25 +17,33 @@ constexpr microseconds at_the_beginning = 20ms;
 constexpr microseconds same_onset = 100ms;
 constexpr microseconds longest_disagreement = 100ms;  // of two witnesses of one onset
 
-LabelledInterval interval_of(const LikelyTouch& touch) {
+/// The same time within [first, last].
+alignment::UncertainTime within(const alignment::UncertainTime& t, CameraTime first, CameraTime last) {
+  const CameraTime at = std::clamp(t.at, first, last);
+  return {at, std::min(t.low, at), std::max(t.high, at)};
+}
+
+LabelledInterval interval_of(const LikelyTouch& touch, CameraTime recorded_from, CameraTime last) {
+  const alignment::UncertainTime start = within(touch.start, recorded_from, std::max(recorded_from, before(last, 1us)));
   return {.id = {},
           .touch = touch.touch,
-          .start = touch.start,
-          .end = touch.end,
+          .start = start,
+          .end = within(touch.end, after(start.at, 1us), std::max(last, after(start.at, 1us))),
           .source = "events",
           .evidence = {.events = touch.start.at, .robot = {}, .video = {}, .imu = {}},
           .confirmed = false,
           .probability = touch.probability};
 }
 
-LabelFlag flag_of_unlabelled(const LikelyTouch& touch, CameraTime recorded_from) {
-  return flag_of(doubt("touch-unsure", "there is a {} at {:.3f} s with a probability of {:.0f} %", name_of(touch.touch),
-                       1e-3 * in_ms(between(recorded_from, touch.start.at)), 100 * touch.probability));
+/// Its key has no probability, which changes with each run of a session.
+Doubt doubt_of(std::string_view kind, const LikelyTouch& touch, CameraTime recorded_from, std::string words) {
+  return {.key = fmt::format("{} {} {:.1f}", kind, name_of(touch.touch), in_s(between(recorded_from, touch.start.at))),
+          .words = std::move(words)};
 }
 
-alignment::FittedClock clock_of(const LikelyOffset& offset, std::size_t runs = 1) {
+alignment::FittedClock clock_of(const LikelyOffset& offset, std::int64_t first_stamp_us, std::size_t runs = 1) {
   alignment::FittedClock clock;
-  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = offset.first_stamp_us};
+  clock.relation = {.offset_us = offset.median_us, .drift_ppm = 0, .reference_us = first_stamp_us};
   clock.offset_low_us = offset.low_us;
   clock.offset_high_us = offset.high_us;
   clock.anchors = static_cast<int>(runs);
@@ -65,11 +73,14 @@ class Labeller {
     for (const LikelyTouch& touch : posterior_.touches) {
       if (is_labelled(touch)) {
         flag(touch);
-        labels_.intervals.push_back(interval_of(touch));
+        labels_.intervals.push_back(interval_of(touch, signals_.rate.begin, signals_.rate.last));
         testify(labels_.intervals.back());
         labels_.intervals.back().visible = visible_onset(signals_.rate, signals_.quiet, touch.start, touch.end.at);
-      } else if (touch.probability > 1 - options_.doubt.least_probability) {
-        labels_.flags.push_back(flag_of_unlabelled(touch, signals_.rate.begin));
+      } else if (touch.probability > 1 - options_.doubt.least_probability && !is_of_labelled(touch)) {
+        labels_.flags.push_back(
+            flag_of(doubt_of("touch-unsure", touch, signals_.rate.begin,
+                             fmt::format("there is a {} at {:.3f} s with a probability of {:.0f} %", name_of(touch.touch),
+                                         in_s(between(signals_.rate.begin, touch.start.at)), 100 * touch.probability))));
       }
     }
     labels_.releases = posterior_.releases;
@@ -85,9 +96,9 @@ class Labeller {
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
       const RobotTime first = signals_.robot[i].log.states.front().t, last = signals_.robot[i].log.states.back().t;
       const auto found = std::find_if(posterior_.robot.begin(), posterior_.robot.end(),
-                                      [&](const LikelyOffset& piece) { return piece.first_stamp_us == us_of(first); });
+                                      [i](const LikelyOffset& offset) { return offset.piece == i; });
       if (found == posterior_.robot.end()) continue;
-      alignment::FittedClock clock = clock_of(*found, posterior_.runs_of_robot);
+      alignment::FittedClock clock = clock_of(*found, us_of(first), posterior_.runs_of_robot);
       if (signals_.robot.size() > 1) {
         clock.from = clock.relation.camera_from(first);
         clock.to = clock.relation.camera_from(last);
@@ -95,6 +106,7 @@ class Labeller {
       clocks_[i] = clock;
       labels_.robot_clocks.push_back(std::move(clock));
     }
+    if (!signals_.has_robot) labels_.remarks.emplace_back("no robot log");
     if (!signals_.robot.empty() && labels_.robot_clocks.empty())
       labels_.remarks.emplace_back("the robot's clock is not related: the arm does not move in its log");
   }
@@ -105,7 +117,9 @@ class Labeller {
     if (10 * signals_.video->rows_without_frame > signals_.video->frames)
       return labels_.remarks.emplace_back("the film's clock is not related: the film lacks frames"), void();
     if (posterior_.film) {
-      labels_.video_clock = clock_of(*posterior_.film);
+      labels_.video_clock = clock_of(*posterior_.film, us_of(signals_.video->begin()));
+      if (std::string remark = alignment::allow_for_drift(*labels_.video_clock, *signals_.video); !remark.empty())
+        labels_.remarks.push_back(std::move(remark));
     } else if (const auto seen = arm_in_film()) {
       alignment::VideoClockFit fit = alignment::fit_video_clock(*signals_.video, *seen, options_.video_clock);
       if (!fit.contradiction.empty()) return labels_.flags.push_back(flag_of(fit.contradiction));
@@ -131,11 +145,24 @@ class Labeller {
   bool is_labelled(const LikelyTouch& touch) const {
     double of_any_class = 0;
     for (const LikelyTouch& other : posterior_.touches) {
-      if (std::chrono::abs(between(other.start.at, touch.start.at)) > same_onset) continue;
+      if (&other != &touch && !are_alternatives(other, touch)) continue;
       of_any_class += other.probability;
       if (other.probability > touch.probability || (other.probability == touch.probability && &other < &touch)) return false;
     }
     return of_any_class >= 0.5;
+  }
+
+  /// Whether only one of the two happened, as far as is known.
+  static bool are_alternatives(const LikelyTouch& a, const LikelyTouch& b) {
+    constexpr double most = 1.05;  // shares of 400 paths
+    return std::chrono::abs(between(a.start.at, b.start.at)) <= same_onset && a.probability + b.probability <= most;
+  }
+
+  /// Whether it is another class of a touch that has a label, whose own flag says so.
+  bool is_of_labelled(const LikelyTouch& touch) const {
+    return std::any_of(posterior_.touches.begin(), posterior_.touches.end(), [&](const LikelyTouch& other) {
+      return &other != &touch && are_alternatives(other, touch) && is_labelled(other);
+    });
   }
 
   /// What is doubtful of the next interval.
@@ -143,33 +170,40 @@ class Labeller {
     const std::size_t index = labels_.intervals.size();
     if (touch.probability < options_.doubt.least_probability) {
       labels_.flags.push_back(flag_of(
-          doubt("class-unsure", "it is a {} with a probability of {:.0f} %", name_of(touch.touch), 100 * touch.probability),
+          doubt_of("class-unsure", touch, signals_.rate.begin,
+                   fmt::format("it is a {} with a probability of {:.0f} %", name_of(touch.touch), 100 * touch.probability)),
           index));
     }
     if (touch.start.at < after(signals_.rate.begin, at_the_beginning)) {
       labels_.flags.push_back(
           flag_of(doubt("onset-unrecorded", "the recording begins within it: its onset lies before the first event"), index));
     } else if (const double ms = in_ms(between(touch.start.low, touch.start.high)); ms > options_.doubt.widest_onset_ms) {
-      labels_.flags.push_back(flag_of(doubt("onset-wide", "its onset is known within {:.0f} ms", ms), index));
+      labels_.flags.push_back(flag_of(
+          doubt_of("onset-wide", touch, signals_.rate.begin, fmt::format("its onset is known within {:.0f} ms", ms)), index));
     }
   }
 
   /// What the other witnesses say of the onset.
   void testify(LabelledInterval& interval) const {
     const bool is_press = interval.touch == Touch::press;
-    interval.evidence.robot = is_press ? stage_command(signals_, clocks_, interval.start.at) : start_of_lift(interval);
-    if (const auto& lift = interval.evidence.robot; lift && !is_press && posterior_.robot.front().imu_us)
-      interval.evidence.imu = after(*lift, microseconds{*posterior_.robot.front().imu_us - posterior_.robot.front().median_us});
+    if (is_press) {
+      interval.evidence.robot = stage_command(signals_, clocks_, interval.start.at);
+    } else if (const LikelyMove* lift = lift_of(interval)) {
+      const LikelyOffset& clock = posterior_.robot[lift->clock];
+      interval.evidence.robot = lift->span.begin;
+      if (clock.imu_us) interval.evidence.imu = after(lift->span.begin, microseconds{*clock.imu_us - clock.median_us});
+    }
     const auto filmed = is_press ? alignment::video_start_around(filmed_, interval.start)
                                  : alignment::video_start_near(filmed_, interval.start, longest_disagreement);
     if (filmed) interval.evidence.video = filmed->at;
   }
 
-  std::optional<CameraTime> start_of_lift(const LabelledInterval& slip) const {
-    for (const alignment::CameraSpan& move : posterior_.arm_moves) {
-      if (move.begin <= after(slip.start.high, longest_disagreement) && move.end >= slip.start.low) return move.begin;
-    }
-    return std::nullopt;
+  /// Null if the arm does not move then.
+  const LikelyMove* lift_of(const LabelledInterval& slip) const {
+    const auto lift = std::find_if(posterior_.arm_moves.begin(), posterior_.arm_moves.end(), [&](const LikelyMove& move) {
+      return move.span.begin <= after(slip.start.high, longest_disagreement) && move.span.end >= slip.start.low;
+    });
+    return lift == posterior_.arm_moves.end() ? nullptr : &*lift;
   }
 
   void remark_what_is_missing() {

@@ -143,6 +143,7 @@ class GroupLabeller {
         if (!read[i].signals) throw Error(read[i].error);
         const alignment::RunSignals& signals = *read[i].signals;
         const auto place = static_cast<std::size_t>(std::find(readable.begin(), readable.end(), &signals) - readable.begin());
+        if (posteriors[place].failure) std::rethrow_exception(posteriors[place].failure);
         Labels labels = label_signals(signals, posteriors[place], options_.label);
         labels.provenance["inputs"] = inputs[i];
         labels.provenance["key"] = key_of(group, inputs, signals.run, options_.label);

@@ -33,8 +33,8 @@ struct RunOutcome {
   std::string error;       ///< why it could not be labelled; empty if it was
 };
 
-/// Labels runs and writes `labels.json` into each folder, whole or not at all. Runs of one session share their clocks, which are
-/// fitted to all of its runs in the data folder, requested or not. A person's edits stay. The result does not depend on the
+/// Labels runs and writes `labels.json` into each folder, whole or not at all. Runs of one session share their clocks: what all
+/// of its runs in the data folder say counts, requested or not. A person's edits stay. The result does not depend on the
 /// number of threads.
 /// @return in the order of `runs`
 std::vector<RunOutcome> label_runs(const std::vector<RunFolder>& runs, const LabelRunsOptions& options = {},

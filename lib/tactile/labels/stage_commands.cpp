@@ -61,7 +61,7 @@ std::vector<Closing> without_press(const std::vector<Closing>& closings, const L
 std::optional<CameraTime> stage_command(const alignment::RunSignals& signals, const RobotPieceClocks& clocks, CameraTime press) {
   std::optional<CameraTime> command;
   for (const Closing& closing : closings_of(signals, clocks)) {
-    if (closing.at <= press && closing.at >= before(press, longest_travel)) command = closing.at;
+    if (closing.may_cause(press)) command = closing.at;
   }
   return command;
 }

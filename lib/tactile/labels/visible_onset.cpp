@@ -12,10 +12,11 @@ std::optional<CameraTime> visible_onset(const alignment::EventRate& rate, const 
   const auto bin_of = [&](CameraTime t) {
     return std::clamp<std::ptrdiff_t>(between(rate.begin, t) / rate.bin, 0, std::ssize(rate.counts));
   };
-  const double limit = std::max(least_events, times_quiet * quiet.mean * static_cast<double>(width));
+  const double limit = times_quiet * quiet.mean * static_cast<double>(width);
   for (std::ptrdiff_t bin = bin_of(onset.low); bin + width <= bin_of(end); ++bin) {
     const auto first = rate.counts.begin() + bin;
-    if (*first > 0 && std::accumulate(first, first + width, 0.0) > limit) return rate.begin_of(static_cast<std::size_t>(bin));
+    const double events = std::accumulate(first, first + width, 0.0);
+    if (*first > 0 && events > limit && events >= least_events) return rate.begin_of(static_cast<std::size_t>(bin));
   }
   return std::nullopt;
 }

@@ -43,7 +43,7 @@ struct DeviceClockSearch {
 std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::int32_t event_stream);
 
 /// The robot's clock, and the arm's motions. In this order: host times of log and camera; labels that were made of the whole
-/// recording; the log's motions against the recording, as `tactile label` relates them (`clock_anchors`). A log whose clock
+/// recording; the log's motions against the recording (`clock_anchors`). A log whose clock
 /// restarts is related by host times only.
 /// @param rate, quiet  of the event stream
 /// @throws Error  if the log cannot be read

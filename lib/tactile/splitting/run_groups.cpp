@@ -124,7 +124,7 @@ class Grouping {
 
   void classify(Run& run) const {
     RunGroup& group = run.group;
-    std::vector<double> undoes;  // as LitRate::undoes
+    std::vector<double> undoes;  // how far it reverses all before it
     labels::Brightening so_far(run.changes.front().size());
     for (const labels::Brightening& change : run.changes) {
       undoes.push_back(-labels::correlation_of(change, so_far));

@@ -51,7 +51,7 @@ struct ProposeOptions {
 };
 
 /// Proposes a cut in the middle of each quiet stretch of at least `options.quiet` in which no object is held (`grouped_runs`).
-/// The quiet rate follows from the recording itself (`activity_in`). Bursts are those that `tactile label` finds, slow ones too;
+/// The quiet rate follows from the recording itself (`activity_in`). Slow bursts, which only a few places show, count too;
 /// a burst that is too brief and small for a touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Within
 /// each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else by the motions that the
 /// IMU felt (`felt_moves`).

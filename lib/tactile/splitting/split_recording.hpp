@@ -43,7 +43,7 @@ struct SplitResult {
 
 /// Cuts a recording into run folders, DATA/<object>/<run>/: events and the other streams of the camera, robot log, film and
 /// run.json with the hashes of all. The recording and its files are only read. Times stay those of the recording's clocks, and
-/// all runs have the same session, so that `tactile label` fits one clock to them.
+/// all runs have the same session, so that `tactile label` takes their clocks for one.
 ///
 /// - Robot log and film are cut with a margin if their clock is known (`proposal.robot`, `proposal.film`), and a run without rows
 /// or

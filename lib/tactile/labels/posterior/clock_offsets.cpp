@@ -10,7 +10,8 @@ namespace tactile::labels {
 namespace {
 
 constexpr std::size_t coarse_bins = 8;
-constexpr double negligible = 12, negligible_at_end = 7;  // [nats] below the likeliest offset
+constexpr std::int64_t longest_us = std::int64_t{12} * 3600 * 1'000'000;  // of a log or film
+constexpr double negligible = 12, negligible_at_end = 7;                  // [nats] below the likeliest offset
 
 /// The evidence of several bins together.
 std::vector<double> joined(std::span<const double> values, std::size_t width) {
@@ -91,7 +92,8 @@ ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCoun
   } else if (signals.video && !signals.video->steps.empty()) {
     course_.emplace(*signals.video);
   }
-  if (course_ && !course_->moves_at_all()) course_.reset();
+  const auto is_absurd = [&] { return saturating_subtract(us_of(course_->end()), us_of(course_->begin())) > longest_us; };
+  if (course_ && (!course_->moves_at_all() || is_absurd())) course_.reset();
 }
 
 std::vector<std::uint8_t> ClockOffsets::conditions_at(std::int64_t offset_us) const {
@@ -103,7 +105,9 @@ std::pair<std::int64_t, std::int64_t> ClockOffsets::possible() const {
   constexpr std::int64_t recorders_apart_us = 3'000'000;
   const auto known =
       !course_->has_speed() ? std::nullopt : signals_.coarse_offsets[static_cast<std::size_t>(piece_ - signals_.robot.data())];
-  if (known) return {known->offset_us - known->within.count(), known->offset_us + known->within.count()};
+  if (known)
+    return {saturating_subtract(known->offset_us, known->within.count()),
+            saturating_add(known->offset_us, known->within.count())};
   const std::int64_t at_begin = saturating_subtract(us_of(signals_.rate.begin), us_of(course_->begin()));
   const std::int64_t longer =
       (us_of(course_->end()) - us_of(course_->begin())) - between(signals_.rate.begin, signals_.rate.last).count();
@@ -130,17 +134,19 @@ std::optional<std::int64_t> ClockOffsets::likeliest_by_imu() const {
 
 std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const BinLikelihoods& likelihoods,
                                                  const RunStates& states, microseconds bin) const {
+  constexpr std::size_t at_once = 2048;  // offsets of a log of hours would take gigabytes
   std::vector<WeighedOffset> weighed = by_imu(offsets);
-  std::vector<std::vector<std::uint8_t>> conditions;
-  conditions.reserve(weighed.size());
-  for (const WeighedOffset& one : weighed)
-    conditions.push_back(course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us));
-  const std::vector<double> evidences = log_evidences(states, likelihoods, conditions);
   const double counted = imu_ ? numbers::counted : 1;
-  for (std::size_t i = 0; i < weighed.size(); ++i) {
-    weighed[i].log_weight += counted * evidences[i];
-    weighed[i].log_weight +=
-        course_->changes_outside(counts_.begin, signals_.rate.last, weighed[i].us) * std::log(numbers::changes_unrecorded);
+  for (std::size_t first = 0; first < weighed.size(); first += at_once) {
+    const auto some = std::span(weighed).subspan(first, std::min(at_once, weighed.size() - first));
+    std::vector<std::vector<std::uint8_t>> conditions(some.size());
+    std::transform(some.begin(), some.end(), conditions.begin(),
+                   [&](const WeighedOffset& one) { return course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us); });
+    const std::vector<double> evidences = log_evidences(states, likelihoods, conditions);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const double outside = course_->changes_outside(counts_.begin, signals_.rate.last, some[i].us);
+      some[i].log_weight += counted * evidences[i] + outside * std::log(numbers::changes_unrecorded);
+    }
   }
   return weighed;
 }
@@ -166,7 +172,7 @@ void ClockOffsets::search(std::span<const double> evidence, std::span<const doub
     const auto [low, high] = possible();
     Offsets grid;
     const std::int64_t step = std::min<std::int64_t>(32'000, std::max<std::int64_t>(8'000, (high - low) / 8));
-    for (std::int64_t us = low; us <= high; us += step) grid.push_back(us);
+    for (std::int64_t i = 0; i <= saturating_subtract(high, low) / step; ++i) grid.push_back(low + i * step);
     offsets = weighed_coarsely(grid);
     if (imu_) offsets = with_imu_between(offsets, step);
     offsets = weighed_coarsely(refined(std::move(offsets), imu_ ? 8'000 : step - 8'000, 8'000, 15));

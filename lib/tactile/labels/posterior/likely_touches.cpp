@@ -100,7 +100,8 @@ std::optional<LikelyTouch> take_likeliest(std::vector<std::vector<Stretch>>& of_
     if (first == touches.end()) continue;
     // A motion that is in a bin began somewhere in the one before, or in it.
     starts.push_back(static_cast<double>(first->begin) + random.uniform() - random.uniform());
-    ends.push_back(static_cast<double>(first->end) + numbers::end_known_ms * ms_in_bins * random.normal());
+    const double end = static_cast<double>(first->end) + numbers::end_known_ms * ms_in_bins * random.normal();
+    ends.push_back(std::max(end, starts.back() + 1));
   }
   const double share = sample.share_of_path() * static_cast<double>(starts.size());
   if (share < least) return std::nullopt;

@@ -71,6 +71,9 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion, std::span<const a
     gaps_.back().end_us = us_of(motion.time_of(i + 1));
   }
   const auto pause = static_cast<std::size_t>(longest_pause_us / step_.count());
+  struct {
+    bool begins = false, ends = false;  // while the arm moves
+  } moves_in_log;
   for (std::size_t first = 0; first < speed.size(); ++first) {
     if (speed[first] <= moving) continue;
     std::size_t last = first;
@@ -78,11 +81,17 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion, std::span<const a
       if (speed[i] > moving) last = i;
     }
     const std::size_t stop = stop_of(std::span(speed).subspan(first, last - first + 1), moving) + first;
-    if (stop - first >= shortest_steps) add_move(std::span(speed).subspan(first, stop - first + 1), first);
+    if (stop - first >= shortest_steps) {
+      add_move(std::span(speed).subspan(first, stop - first + 1), first);
+      moves_in_log.begins |= first == 0;
+      moves_in_log.ends |= stop + 2 >= speed.size();
+      moves_.back().start_cut = first == 0 || !motion.known[first - 1];
+      moves_.back().end_cut = stop + 2 >= speed.size() || !motion.known[stop + 1];
+    }
     first = last;
   }
-  if (is_whole && (moves_.empty() || !moves_.front().start_cut)) before_ = arm_still;
-  if (is_whole && (moves_.empty() || !moves_.back().end_cut)) after_ = arm_still;
+  if (is_whole && !moves_in_log.begins) before_ = arm_still;
+  if (is_whole && !moves_in_log.ends) after_ = arm_still;
   for (Move& move : moves_) {
     const std::int64_t middle_us = move.start_us + (move.end_us - move.start_us) / 2;
     move.taps = std::any_of(phases.begin(), phases.end(), [&](const alignment::MotionPhase& phase) {
@@ -96,6 +105,7 @@ MotionCourse::MotionCourse(const alignment::MotionEnergy& film)
   constexpr std::size_t most = 64;
   for (const alignment::FilmedMotion& motion : alignment::filmed_motions(film, most))
     moves_.push_back({.start_us = us_of(motion.start.low), .end_us = us_of(motion.end.high)});
+  if (moves_.size() == most) end_ = RobotTime{microseconds{moves_.back().end_us}};
 }
 
 /// From rest, an arm speeds up about as t^2, because its acceleration is smoothed: the root of the speed is a line to its start.
@@ -124,23 +134,24 @@ void MotionCourse::add_move(std::span<const double> speed, std::size_t first) {
     speed_[last + i] = static_cast<float>(std::max(least_speed, speed.back() * part_at(i, after)));
   for (std::size_t i = 0; i < speed.size(); ++i) speed_[first + i] = static_cast<float>(speed[i]);
   const auto at_us = [&](double step) { return us_of(begin_) + std::llround(step * static_cast<double>(step_.count())); };
-  moves_.push_back({.start_us = at_us(static_cast<double>(first) - before),
-                    .end_us = at_us(static_cast<double>(last) + after),
-                    .start_cut = first == 0,
-                    .end_cut = last + 2 >= speed_.size()});
+  moves_.push_back({.start_us = at_us(static_cast<double>(first) - before), .end_us = at_us(static_cast<double>(last) + after)});
 }
 
 std::vector<alignment::CameraSpan> MotionCourse::moves_at(std::int64_t offset_us) const {
   std::vector<alignment::CameraSpan> moves(moves_.size());
   std::transform(moves_.begin(), moves_.end(), moves.begin(), [offset_us](const Move& move) {
-    return alignment::CameraSpan{camera_time(move.start_us + offset_us), camera_time(move.end_us + offset_us)};
+    return alignment::CameraSpan{camera_time(saturating_add(move.start_us, offset_us)),
+                                 camera_time(saturating_add(move.end_us, offset_us))};
   });
   return moves;
 }
 
 double MotionCourse::changes_outside(CameraTime first, CameraTime last, std::int64_t offset_us) const {
   double count = 0;
-  const auto is_outside = [&](std::int64_t at_us) { return at_us + offset_us < us_of(first) || at_us + offset_us > us_of(last); };
+  const auto is_outside = [&](std::int64_t at_us) {
+    const std::int64_t camera_us = saturating_add(at_us, offset_us);
+    return camera_us < us_of(first) || camera_us > us_of(last);
+  };
   for (const Move& move : moves_)
     count += (!move.start_cut && is_outside(move.start_us)) + (!move.end_cut && is_outside(move.end_us));
   return count;
@@ -151,7 +162,11 @@ std::vector<std::uint8_t> MotionCourse::conditions(CameraTime first, microsecond
   std::vector<std::uint8_t> conditions(bins, before_);
   // The middle of bin 0 on the robot's clock.
   const std::int64_t at_0 = saturating_subtract(us_of(first), offset_us) + bin.count() / 2;
-  const auto bin_at = [&](std::int64_t robot_us) { return (robot_us - at_0 + bin.count() - 1) / bin.count(); };
+  // The first bin whose middle is not before it.
+  const auto bin_at = [&](std::int64_t robot_us) {
+    const std::int64_t since_us = saturating_subtract(robot_us, at_0);
+    return since_us > 0 ? (since_us - 1) / bin.count() + 1 : since_us / bin.count();
+  };
   const auto limited = [&](std::int64_t b) { return std::clamp<std::int64_t>(b, 0, static_cast<std::int64_t>(bins)); };
   std::fill(conditions.begin() + limited(bin_at(us_of(begin_))), conditions.begin() + limited(bin_at(us_of(end_))),
             has_speed() ? arm_still : film_still);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 
 #include "tactile/alignment/felt_moves.hpp"
@@ -81,7 +80,7 @@ std::vector<std::size_t> draws_of(const std::vector<WeighedOffset>& offsets, std
 }
 
 /// The offset of a clock, with the time that skin or IMU follow the arm by.
-LikelyOffset offset_by(const std::vector<WeighedOffset>& offsets, bool has_imu, std::int64_t first_stamp_us) {
+LikelyOffset offset_by(const std::vector<WeighedOffset>& offsets, bool has_imu) {
   Random random(3);
   std::vector<std::int64_t> sorted;
   const std::vector<std::size_t> times = draws_of(offsets, paths_at_end, random);
@@ -93,15 +92,11 @@ LikelyOffset offset_by(const std::vector<WeighedOffset>& offsets, bool has_imu, 
   }
   std::sort(sorted.begin(), sorted.end());
   const auto at = [&](double share) { return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]; };
-  return {.median_us = at(0.5), .low_us = at(0.025) - 1000, .high_us = at(0.975) + 1000, .first_stamp_us = first_stamp_us};
+  return {.median_us = at(0.5), .low_us = at(0.025) - 1000, .high_us = at(0.975) + 1000};
 }
 
-LikelyOffset offset_of(const ClockOffsets& clock) {
-  const bool is_of_film = !clock.course()->has_speed();
-  LikelyOffset offset = offset_by(clock.likely(), clock.has_imu(),
-                                  is_of_film ? us_of(clock.course()->begin()) : us_of(clock.piece()->log.states.front().t));
-  offset.imu_us = clock.likeliest_by_imu();
-  return offset;
+std::size_t index_of(const alignment::RobotPiece* piece, const alignment::RunSignals& signals) {
+  return static_cast<std::size_t>(piece - signals.robot.data());
 }
 
 }  // namespace
@@ -134,7 +129,7 @@ RunInference::RunInference(const alignment::RunSignals& signals)
 /// Whether rates of noise by the whole recording explain it better. A drift of the noise may else be taken for a motion that
 /// never ends, from whose beginning alone the rates are learned.
 void RunInference::consider_noise_alone() {
-  std::vector<double> always(counts_.bins(), 1.0);
+  std::vector<double> always(counts_.bins());
   for (std::size_t b = 0; b < counts_.bins(); ++b) always[b] = counts_.is_recorded(b) ? 1 : 0;
   const std::vector<double> never(counts_.bins(), 0.0);
   const PlaceRates noise = rates_given(counts_, always, never);
@@ -161,20 +156,26 @@ OffsetsOfRun RunInference::robot_offsets() const {
 }
 
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
-  if (!pieces_.empty()) clocks_.front()->consider(prior, evidence_, pattern_);
+  if (!pieces_.empty() && pieces_.front() == longest_piece(signals_)) clocks_.front()->consider(prior, evidence_, pattern_);
   draw(paths_at_end);
   RunPosterior posterior{
       .touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = {}, .film = {}, .arm_moves = {}};
   if (pieces_.empty()) {
-    if (!clocks_.empty()) posterior.film = offset_of(*clocks_.front());
+    if (!clocks_.empty()) posterior.film = offset_by(clocks_.front()->likely(), false);
     // The arm rests, but commands are in its log.
-    if (const alignment::RobotPiece* piece = longest_piece(signals_); piece != nullptr && !prior.empty())
-      posterior.robot.push_back(offset_by({prior.begin(), prior.end()}, false, us_of(piece->log.states.front().t)));
+    if (const alignment::RobotPiece* piece = longest_piece(signals_); piece != nullptr && !prior.empty()) {
+      posterior.robot.push_back(offset_by({prior.begin(), prior.end()}, false));
+      posterior.robot.back().piece = index_of(piece, signals_);
+    }
     return posterior;
   }
   for (const std::unique_ptr<ClockOffsets>& clock : clocks_) {
-    posterior.robot.push_back(offset_of(*clock));
-    std::ranges::move(clock->course()->moves_at(posterior.robot.back().median_us), std::back_inserter(posterior.arm_moves));
+    LikelyOffset offset = offset_by(clock->likely(), clock->has_imu());
+    offset.piece = index_of(clock->piece(), signals_);
+    offset.imu_us = clock->likeliest_by_imu();
+    for (const alignment::CameraSpan& move : clock->course()->moves_at(offset.median_us))
+      posterior.arm_moves.push_back({move, posterior.robot.size()});
+    posterior.robot.push_back(offset);
   }
   return posterior;
 }
@@ -235,6 +236,7 @@ void RunInference::learn() {
   const std::vector<LikelyTouch> found = likely_touches(sample_);
   const auto press = std::find_if(found.begin(), found.end(),
                                   [](const LikelyTouch& one) { return one.touch == Touch::press && one.probability > 0.3; });
+  pattern_.clear();
   if (press == found.end()) return;
   const auto bin_of = [&](CameraTime t) {
     return std::min(counts_.bins(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(counts_.begin, t) / counts_.bin)));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "tactile/core/error.hpp"
 #include "tactile/core/parallel.hpp"
 #include "tactile/labels/posterior/run_inference.hpp"
 #include "tactile/labels/posterior/session_offsets.hpp"
@@ -13,17 +14,22 @@ RunPosterior run_posterior(const alignment::RunSignals& signals) { return RunInf
 std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSignals* const> runs, unsigned threads) {
   std::vector<std::unique_ptr<RunInference>> inferences(runs.size());
   std::vector<OffsetsOfRun> alone(runs.size());
+  std::vector<RunPosterior> posteriors(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
-    inferences[i] = std::make_unique<RunInference>(*runs[i]);
-    alone[i] = inferences[i]->robot_offsets();
+    try {
+      inferences[i] = std::make_unique<RunInference>(*runs[i]);
+      alone[i] = inferences[i]->robot_offsets();
+    } catch (const Error&) {
+      posteriors[i].failure = std::current_exception();
+    }
   });
   const std::vector<std::vector<WeighedOffset>> others = offsets_by_others(alone);
   const auto runs_with_clock = static_cast<std::size_t>(
       std::count_if(alone.begin(), alone.end(), [](const OffsetsOfRun& run) { return !run.offsets.empty(); }));
-  std::vector<RunPosterior> posteriors(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
+    if (!inferences[i]) return;
     posteriors[i] = inferences[i]->posterior(others[i]);
-    if (!others[i].empty()) posteriors[i].runs_of_robot = runs_with_clock;
+    if (!others[i].empty()) posteriors[i].runs_of_robot = runs_with_clock + (alone[i].offsets.empty() ? 1 : 0);
     inferences[i].reset();
   });
   return posteriors;
