@@ -62,7 +62,7 @@ def models(folder):
     """Models of every activation and pooling, and of another input size; trained once for both rows."""
     data, place = folder.parent / "model-data", folder.parent / "models"
     if not data.exists():
-        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
+        tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer,usb-hub")
         tactile("label", data)
         tactile("windows", data)
     for activation, pool, factor in NETWORKS:
@@ -106,7 +106,7 @@ def tensorboard_scalars(folder):
     import csv
     from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
     data = folder / "data"
-    tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer")
+    tactile("simulate", data, "--preset", "tiny", "--objects", "fan,sprayer,usb-hub")
     tactile("label", data, "--no-pictures")
     arguments = ("train", data, "--epochs", "4", "--validation", "0.2", "--models", folder / "models", "--name", "mine",
                  "--tensorboard", folder / "logs")

@@ -134,7 +134,7 @@ Labels redone(Labels labels, std::size_t count) {
   return labels;
 }
 
-Labels relabelled(Labels fresh, const Labels& old) {
+Labels relabelled(const Labels& fresh, const Labels& old) {
   const Labels result = keep_human_edits(fresh, old);
   EditHistory history = old.history;
   std::vector<HistoryEntry>& entries = history.entries;

@@ -23,7 +23,7 @@ Labels redone(Labels labels, std::size_t count = 1);
 
 /// New labels of `tactile label`, with a person's edits of the `old` ones (`keep_human_edits`) and their history. Each edit can
 /// be undone as before: what then appears under it is the new label.
-Labels relabelled(Labels fresh, const Labels& old);
+Labels relabelled(const Labels& fresh, const Labels& old);
 /// New labels without a person's edits. That is an edit itself, so that it can be undone.
 Labels relabelled_without_edits(Labels fresh, const Labels& old, const EditNote& note);
 

@@ -185,7 +185,7 @@ class GroupLabeller {
     } catch (const Error&) {
       if (!options_.force) throw;
     }
-    if (old && !options_.force) fresh = relabelled(std::move(fresh), *old);
+    if (old && !options_.force) fresh = relabelled(fresh, *old);
     if (old && options_.force) fresh = relabelled_without_edits(std::move(fresh), *old, {.who = system_user(), .why = ""});
     write_labels(run.labels(), fresh);
     return fresh;
