@@ -23,7 +23,7 @@ test::CommandResult run_in(const fs::path& folder, const std::string& command) {
 
 /// Three objects of two simulated runs, and a model of one epoch.
 void make_model(const fs::path& folder) {
-  run_in(folder, "simulate --preset tiny --objects plastic-container,sprayer,water-bottle");
+  run_in(folder, "simulate --preset tiny --objects fan,small-box,water-bottle");
   run_in(folder, "label --no-pictures");
   run_in(folder, "windows");
   run_in(folder, "train --epochs 2");
@@ -37,7 +37,7 @@ TEST(StressCommand, JudgesWorsenedRunsAsEvalDoesAndResumes) {
   const test::TemporaryFolder folder;
   make_model(folder.path());
   const std::string arguments =
-      "--recipe loss:20,95 --recipe noise:500 --world light-dim:90 --quiet-recording data/sprayer/01/events.aedat4 ";
+      "--recipe loss:20,95 --recipe noise:100 --world light-dim:90 --quiet-recording data/small-box/01/events.aedat4 ";
   const auto dry_run = [&] { return stressed(folder.path(), arguments + "--dry-run"); };
   for (const auto& part : dry_run().at("parts")) EXPECT_EQ(part.at("exist"), 0) << part;
   EXPECT_FALSE(fs::exists(folder / "stress"));

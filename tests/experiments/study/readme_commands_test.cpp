@@ -42,20 +42,20 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
   // With this seed the label of water-bottle/01 is flagged by itself, or was by the labels of its time.
   ends_well("simulate --preset tiny --seed 424243");
   ends_well("label --no-pictures");
-  flag_slip(folder / "data/plastic-container/01");
+  flag_slip(folder / "data/fan/01");
   flag_slip(folder / "data/usb-hub/01");
   flag_slip(folder / "data/usb-hub/02");
   const auto windows = ends_well("windows");
   EXPECT_NE(windows.err.find("usb-hub: left out, none of its runs has samples: slip-1 is flagged in usb-hub/01, usb-hub/02"),
             std::string::npos)
       << windows.err;
-  EXPECT_NE(windows.err.find("'tactile view data/plastic-container/01'"), std::string::npos) << windows.err;
+  EXPECT_NE(windows.err.find("'tactile view data/fan/01'"), std::string::npos) << windows.err;
   ends_well("heatmaps --th 40");
 
-  const std::string in_place = "plastic-container: trained on run 02 in place of 01, whose slip-1 is flagged";
+  const std::string in_place = "fan: trained on run 02 in place of 01, whose slip-1 is flagged";
   const auto train = json_of("train --th 40 --epochs 1");
   const auto train_runs = train.at("train_runs").get<Names>();
-  EXPECT_NE(std::find(train_runs.begin(), train_runs.end(), "plastic-container/02"), train_runs.end());
+  EXPECT_NE(std::find(train_runs.begin(), train_runs.end(), "fan/02"), train_runs.end());
   EXPECT_TRUE(
       std::none_of(train_runs.begin(), train_runs.end(), [](const std::string& run) { return run.starts_with("usb-hub/"); }));
   EXPECT_GE(train_runs.size(), 5U) << "most objects have runs whose slip is not flagged";
@@ -67,19 +67,19 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
 
   const auto eval = json_of("eval");
   const auto test_runs = eval.at("test_runs").get<Names>();
-  EXPECT_EQ(std::find(test_runs.begin(), test_runs.end(), "plastic-container/02"), test_runs.end()) << "it was trained on";
-  EXPECT_FALSE(eval.at("accuracy").at("objects").contains("plastic-container")) << "none of its runs but 02 has samples";
+  EXPECT_EQ(std::find(test_runs.begin(), test_runs.end(), "fan/02"), test_runs.end()) << "it was trained on";
+  EXPECT_FALSE(eval.at("accuracy").at("objects").contains("fan")) << "none of its runs but 02 has samples";
   EXPECT_TRUE(eval.at("accuracy").at("objects").contains("water-bottle"));
 
   const auto unseen = json_of("eval --unseen");
   const auto compared = unseen.at("unseen").at("runs").get<Names>();
-  EXPECT_EQ(std::find(compared.begin(), compared.end(), "plastic-container/02"), compared.end())
+  EXPECT_EQ(std::find(compared.begin(), compared.end(), "fan/02"), compared.end())
       << "one of the models was trained on it";
   const auto remarks = unseen.at("warnings").get<Names>();
   EXPECT_EQ(std::count(remarks.begin(), remarks.end(),
-                       "plastic-container: not compared, each of its runs with samples was used to train one of the models"),
+                       "fan: not compared, each of its runs with samples was used to train one of the models"),
             1);
-  EXPECT_TRUE(unseen.at("unseen").at("objects").contains("sprayer"));
+  EXPECT_TRUE(unseen.at("unseen").at("objects").contains("small-box"));
 
   ends_well("export --onnx model.onnx --safetensors model.safetensors");
   ends_well("report");
@@ -93,25 +93,25 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
 }
 
 TEST_F(ReadmeCommands, StudyRunsThatAreFlaggedOrTakesThemWithTheirFlags) {
-  ends_well("simulate --preset tiny --objects plastic-container,sprayer,water-bottle --runs 3");
+  ends_well("simulate --preset tiny --objects fan,small-box,water-bottle --runs 3");
   ends_well("label --no-pictures");
-  flag_slip(folder / "data/plastic-container/01");
-  for (const char* run : {"01", "02", "03"}) flag_slip(folder / "data/sprayer" / run);
+  flag_slip(folder / "data/fan/01");
+  for (const char* run : {"01", "02", "03"}) flag_slip(folder / "data/small-box" / run);
   const std::string reproduce =
-      "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out plastic-container --no-report";
+      "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out fan --no-report";
   const auto study = json_of(reproduce);
-  EXPECT_EQ(study.at("remarks"), (Names{"plastic-container: trained on run 02 in place of 01, whose slip-1 is flagged",
-                                        "sprayer: left out, none of its runs has samples: slip-1 is flagged in sprayer/01, "
-                                        "sprayer/02, sprayer/03"}));
-  EXPECT_EQ(study.at("unseen")[0].at("accuracy").at("runs"), Names{"plastic-container/03"});
+  EXPECT_EQ(study.at("remarks"), (Names{"fan: trained on run 02 in place of 01, whose slip-1 is flagged",
+                                        "small-box: left out, none of its runs has samples: slip-1 is flagged in small-box/01, "
+                                        "small-box/02, small-box/03"}));
+  EXPECT_EQ(study.at("unseen")[0].at("accuracy").at("runs"), Names{"fan/03"});
   const auto whole = study.at("results")[0].at("whole_runs").at("runs").get<Names>();
-  EXPECT_EQ(whole, (Names{"plastic-container/01", "plastic-container/03", "sprayer/01", "sprayer/02", "sprayer/03",
+  EXPECT_EQ(whole, (Names{"fan/01", "fan/03", "small-box/01", "small-box/02", "small-box/03",
                           "water-bottle/02", "water-bottle/03"}))
       << "flagged ones are judged, too";
 
   const auto strict = test::run_tactile(reproduce + " --strict", folder.path());
   EXPECT_EQ(strict.exit_code, 1);
-  EXPECT_NE(strict.err.find("sprayer: left out"), std::string::npos) << strict.err;
+  EXPECT_NE(strict.err.find("small-box: left out"), std::string::npos) << strict.err;
 
   const auto again = json_of(reproduce + " --include-flagged --strict");
   EXPECT_TRUE(again.at("remarks").empty());
@@ -120,21 +120,21 @@ TEST_F(ReadmeCommands, StudyRunsThatAreFlaggedOrTakesThemWithTheirFlags) {
 }
 
 TEST_F(ReadmeCommands, EndWith1OnceTheOtherRunsAreDoneWhereOneCannotBeRead) {
-  ends_well("simulate --preset tiny --objects sprayer,uhu-glue-stick,water-bottle --runs 3");
+  ends_well("simulate --preset tiny --objects small-box,uhu-glue-stick,water-bottle --runs 3");
   ends_well("label --no-pictures");
-  write_whole(folder / "data/sprayer/03/run.json", "null");
+  write_whole(folder / "data/small-box/03/run.json", "null");
   const auto train = test::run_tactile("train --epochs 1", folder.path());
   EXPECT_EQ(train.exit_code, 1);
-  EXPECT_NE(train.err.find("sprayer/03/run.json"), std::string::npos) << train.err;
+  EXPECT_NE(train.err.find("small-box/03/run.json"), std::string::npos) << train.err;
   EXPECT_NE(train.out.find("th40-single-1"), std::string::npos) << train.out;
 
-  fs::remove(folder / "data/sprayer/03/labels.json");
+  fs::remove(folder / "data/small-box/03/labels.json");
   for (const bool kept : {false, true}) {
     const auto study = test::run_tactile(
-        "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out sprayer --no-report --json",
+        "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out small-box --no-report --json",
         folder.path());
     EXPECT_EQ(study.exit_code, 1);
-    EXPECT_NE(study.err.find("sprayer/03"), std::string::npos) << study.err;
+    EXPECT_NE(study.err.find("small-box/03"), std::string::npos) << study.err;
     const auto json = nlohmann::json::parse(study.out);
     EXPECT_EQ(json.at("worlds")[0].at("runs"), 8) << "all others";
     EXPECT_EQ(json.at("errors").size(), 1U) << json.at("errors");
