@@ -73,8 +73,7 @@ TEST_F(ReadmeCommands, EndWellWhereRunsOfSomeObjectsAreFlagged) {
 
   const auto unseen = json_of("eval --unseen");
   const auto compared = unseen.at("unseen").at("runs").get<Names>();
-  EXPECT_EQ(std::find(compared.begin(), compared.end(), "fan/02"), compared.end())
-      << "one of the models was trained on it";
+  EXPECT_EQ(std::find(compared.begin(), compared.end(), "fan/02"), compared.end()) << "one of the models was trained on it";
   const auto remarks = unseen.at("warnings").get<Names>();
   EXPECT_EQ(std::count(remarks.begin(), remarks.end(),
                        "fan: not compared, each of its runs with samples was used to train one of the models"),
@@ -97,16 +96,15 @@ TEST_F(ReadmeCommands, StudyRunsThatAreFlaggedOrTakesThemWithTheirFlags) {
   ends_well("label --no-pictures");
   flag_slip(folder / "data/fan/01");
   for (const char* run : {"01", "02", "03"}) flag_slip(folder / "data/small-box" / run);
-  const std::string reproduce =
-      "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out fan --no-report";
+  const std::string reproduce = "reproduce --preset quick --th 40 --epochs 1 --steps 10 --trainings 1 --held-out fan --no-report";
   const auto study = json_of(reproduce);
   EXPECT_EQ(study.at("remarks"), (Names{"fan: trained on run 02 in place of 01, whose slip-1 is flagged",
                                         "small-box: left out, none of its runs has samples: slip-1 is flagged in small-box/01, "
                                         "small-box/02, small-box/03"}));
   EXPECT_EQ(study.at("unseen")[0].at("accuracy").at("runs"), Names{"fan/03"});
   const auto whole = study.at("results")[0].at("whole_runs").at("runs").get<Names>();
-  EXPECT_EQ(whole, (Names{"fan/01", "fan/03", "small-box/01", "small-box/02", "small-box/03",
-                          "water-bottle/02", "water-bottle/03"}))
+  EXPECT_EQ(whole,
+            (Names{"fan/01", "fan/03", "small-box/01", "small-box/02", "small-box/03", "water-bottle/02", "water-bottle/03"}))
       << "flagged ones are judged, too";
 
   const auto strict = test::run_tactile(reproduce + " --strict", folder.path());
