@@ -134,7 +134,7 @@ TEST(LabelPicture, ShowsFlagsClocksAndTheTimesOfSources) {
   const LabelPicture picture = whole_picture();
   EXPECT_TRUE(says(picture, "Flagged: slip-1: events and video differ by 21 ms; expected at most 20"));
   EXPECT_TRUE(says(picture, "Flag lifted by a person: the robot log has a gap"));
-  EXPECT_TRUE(says(picture, "Robot clock: IMU against the arm’s acceleration, 3 anchors; offset −5.0 to +6.0 ms (95 %)"));
+  EXPECT_TRUE(says(picture, "Robot clock: IMU against the arm’s acceleration; offset −5.0 to +6.0 ms (95 %)"));
   EXPECT_TRUE(says(picture, "slip-1 at 2.0000 s, 95 %: −0.8 to +0.4 ms, flagged"));
   EXPECT_TRUE(says(picture, "press-1 at 1.0000 s, 95 %: −0.8 to +0.4 ms'"));
   EXPECT_TRUE(says(picture, "lift start −4.0 ms"));
