@@ -9,7 +9,6 @@
 #include <functional>
 #include <map>
 
-#include "tactile/alignment/clock_fit.hpp"
 #include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/error_text.hpp"

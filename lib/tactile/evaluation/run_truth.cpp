@@ -41,7 +41,6 @@ RunTruth read_run_truth(const RunFolder& run, bool include_flagged) {
     truth.releases = labels.releases;
     truth.unclear = labels::unclear_motion(labels);
     for (std::size_t i = 0; i < labels.intervals.size(); ++i) {
-      truth.bounds.push_back({labels.intervals[i].start, labels.intervals[i].end});
       truth.visible.push_back(labels.intervals[i].visible);
       truth.labels.push_back({labels.intervals[i].interval(), include_flagged || !labels.interval_is_flagged(i)});
     }
@@ -68,14 +67,10 @@ RunTruth with_truth_as_labels(const RunTruth& truth) {
   if (!truth.has_truth) throw Error("a run without truth.json; expected a simulated one");
   RunTruth exact = truth;
   exact.labels.clear();
-  exact.bounds.clear();
   exact.visible.clear();
   exact.releases.clear();
   exact.unclear = truth.unlabelled;
-  for (const TouchInterval& interval : truth.true_ones) {
-    exact.labels.push_back({interval, true});
-    exact.bounds.push_back({{interval.start, interval.start, interval.start}, {interval.end, interval.end, interval.end}});
-  }
+  for (const TouchInterval& interval : truth.true_ones) exact.labels.push_back({interval, true});
   return exact;
 }
 

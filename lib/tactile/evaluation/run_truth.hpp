@@ -7,23 +7,16 @@
 #include <string_view>
 #include <vector>
 
-#include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/core/touch.hpp"
 #include "tactile/windows/sample.hpp"
 
 namespace tactile::evaluation {
 
-/// When a label's interval begins and ends, with the 95 % intervals of both.
-struct LabelBounds {
-  alignment::UncertainTime start, end;
-};
-
 /// The touches of a run: its labels and, of a simulated run, its truth.
 struct RunTruth {
   std::vector<windows::SampledInterval> labels;     ///< by start; those whose labels are in doubt are not `used`
   bool has_labels = false, run_is_flagged = false;  ///< the file is there; it has an unconfirmed flag on the whole run
-  std::vector<LabelBounds> bounds;                  ///< of each of `labels`
   std::vector<std::optional<CameraTime>> visible;   ///< of each of `labels`: when the events show it by eye
   std::vector<TouchInterval> releases;              ///< that `label` found
   std::vector<TouchInterval> unclear;               ///< releases, and where an end may lie: no `none` sample is near

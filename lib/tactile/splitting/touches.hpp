@@ -30,7 +30,6 @@ enum class BurstKind : std::uint8_t {
 struct TouchesOptions {
   microseconds shortest_press{100'000};       ///< of a second press on top of the first
   microseconds shortest_slow_press{150'000};  ///< of one that only a few places show
-  microseconds longest_recontact{200'000};    ///< of a tip that touches once more after the slip
   double deepens = 0.4;                       ///< a burst whose `undoes` is less than the negative of this presses deeper, 0 to 1
   double like_a_press = 0.1;                  ///< of the standing press's events: the least of its release, or of a deeper press
   double releases = 0.5;                      ///< a burst whose `undoes` is greater is a release, 0 to 1

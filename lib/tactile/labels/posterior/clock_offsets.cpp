@@ -85,9 +85,9 @@ ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCoun
       coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)),
       piece_(piece) {
   if (piece != nullptr) {
-    const alignment::ArmMotion motion = alignment::arm_motion(piece->log).value();
-    course_.emplace(motion, piece->phases, signals.robot.size() == 1);
-    if (!signals.imu.empty()) imu_.emplace(signals.imu, motion);
+    const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece->log);
+    if (motion) course_.emplace(*motion, piece->phases, signals.robot.size() == 1);
+    if (motion && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
     if (imu_ && imu_->empty()) imu_.reset();
   } else if (signals.video && !signals.video->steps.empty()) {
     course_.emplace(*signals.video);

@@ -44,25 +44,15 @@ std::vector<std::uint8_t> felt_conditions(std::span<const events::ImuSample> imu
   return conditions;
 }
 
-/// The pieces of the log in which the arm moves, the longest first.
-std::vector<const alignment::RobotPiece*> moving_pieces(const alignment::RunSignals& signals) {
-  std::vector<const alignment::RobotPiece*> moving;
-  for (const alignment::RobotPiece& piece : signals.robot) {
-    const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece.log);
-    if (motion && MotionCourse(*motion, piece.phases).moves_at_all()) moving.push_back(&piece);
-  }
-  std::stable_sort(moving.begin(), moving.end(), [](const alignment::RobotPiece* a, const alignment::RobotPiece* b) {
+/// The pieces of the log, the longest first.
+std::vector<const alignment::RobotPiece*> pieces_by_length(const alignment::RunSignals& signals) {
+  std::vector<const alignment::RobotPiece*> pieces(signals.robot.size());
+  std::transform(signals.robot.begin(), signals.robot.end(), pieces.begin(),
+                 [](const alignment::RobotPiece& piece) { return &piece; });
+  std::stable_sort(pieces.begin(), pieces.end(), [](const alignment::RobotPiece* a, const alignment::RobotPiece* b) {
     return a->log.states.size() > b->log.states.size();
   });
-  return moving;
-}
-
-/// Null if there is no log.
-const alignment::RobotPiece* longest_piece(const alignment::RunSignals& signals) {
-  const auto longest = std::max_element(
-      signals.robot.begin(), signals.robot.end(),
-      [](const alignment::RobotPiece& a, const alignment::RobotPiece& b) { return a.log.states.size() < b.log.states.size(); });
-  return longest == signals.robot.end() ? nullptr : &*longest;
+  return pieces;
 }
 
 /// How many of `count` draws each offset gets, by its weight.
@@ -105,16 +95,18 @@ RunInference::RunInference(const alignment::RunSignals& signals)
     : signals_(signals),
       counts_(counts_in(signals)),
       states_(counts_.bin),
-      pieces_(moving_pieces(signals)),
+      pieces_(pieces_by_length(signals)),
       rates_(first_rates(counts_)),
       evidence_(motion_evidence(counts_, rates_)),
       sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
-  for (const alignment::RobotPiece* piece : pieces_)
-    clocks_.push_back(std::make_unique<ClockOffsets>(signals, counts_, states_, piece));
-  if (clocks_.empty()) felt_ = felt_conditions(signals.imu, counts_);
+  const auto add_clock = [&](const alignment::RobotPiece* piece) {
+    auto clock = std::make_unique<ClockOffsets>(signals, counts_, states_, piece);
+    if (clock->course()) clocks_.push_back(std::move(clock));
+  };
+  for (const alignment::RobotPiece* piece : pieces_) add_clock(piece);
   if (clocks_.empty()) {
-    auto film = std::make_unique<ClockOffsets>(signals, counts_, states_, nullptr);
-    if (film->course()) clocks_.push_back(std::move(film));
+    felt_ = felt_conditions(signals.imu, counts_);
+    add_clock(nullptr);
   }
   for (int round = 0; round < 2; ++round) {
     search(false);
@@ -144,28 +136,32 @@ void RunInference::consider_noise_alone() {
   pattern_.clear();
 }
 
+bool RunInference::longest_piece_moves() const {
+  return !pieces_.empty() && !clocks_.empty() && clocks_.front()->piece() == pieces_.front();
+}
+
 OffsetsOfRun RunInference::robot_offsets() const {
-  const alignment::RobotPiece* piece = longest_piece(signals_);
-  if (piece == nullptr) return {};
-  const RobotTime first = piece->log.states.front().t, last = piece->log.states.back().t;
+  if (pieces_.empty()) return {};
+  const robot::RobotLog& log = pieces_.front()->log;
+  const RobotTime first = log.states.front().t, last = log.states.back().t;
   OffsetsOfRun run{.at = first + (last - first) / 2, .offsets = {}};
-  if (pieces_.empty() || piece != pieces_.front()) return run;
+  if (!longest_piece_moves()) return run;
   run.offsets = clocks_.front()->likely();
   normalise(run.offsets);
   return run;
 }
 
 RunPosterior RunInference::posterior(std::span<const WeighedOffset> prior) {
-  if (!pieces_.empty() && pieces_.front() == longest_piece(signals_)) clocks_.front()->consider(prior, evidence_, pattern_);
+  if (longest_piece_moves()) clocks_.front()->consider(prior, evidence_, pattern_);
   draw(paths_at_end);
   RunPosterior posterior{
       .touches = likely_touches(sample_), .releases = likely_releases(sample_), .robot = {}, .film = {}, .arm_moves = {}};
-  if (pieces_.empty()) {
+  if (clocks_.empty() || clocks_.front()->piece() == nullptr) {
     if (!clocks_.empty()) posterior.film = offset_by(clocks_.front()->likely(), false);
     // The arm rests, but commands are in its log.
-    if (const alignment::RobotPiece* piece = longest_piece(signals_); piece != nullptr && !prior.empty()) {
+    if (!pieces_.empty() && !prior.empty()) {
       posterior.robot.push_back(offset_by({prior.begin(), prior.end()}, false));
-      posterior.robot.back().piece = index_of(piece, signals_);
+      posterior.robot.back().piece = index_of(pieces_.front(), signals_);
     }
     return posterior;
   }

@@ -33,6 +33,7 @@ class RunInference {
   RunPosterior posterior(std::span<const WeighedOffset> prior);
 
  private:
+  bool longest_piece_moves() const;  ///< then it has the first clock
   void search(bool is_last);
   std::vector<std::uint8_t> conditions_at(std::int64_t offset_us) const;
   void draw(std::size_t count);
@@ -42,8 +43,8 @@ class RunInference {
   const alignment::RunSignals& signals_;
   PlaceCounts counts_;
   RunStates states_;
-  std::vector<const alignment::RobotPiece*> pieces_;   ///< in which the arm moves, the longest first
-  std::vector<std::unique_ptr<ClockOffsets>> clocks_;  ///< of these pieces; without them, of the film
+  std::vector<const alignment::RobotPiece*> pieces_;   ///< of the log, the longest first
+  std::vector<std::unique_ptr<ClockOffsets>> clocks_;  ///< of those in which the arm moves; without any, of the film
   std::vector<std::uint8_t> felt_;                     ///< conditions by the IMU, without a log; empty: it felt nothing
   PlaceRates rates_;
   std::vector<double> evidence_, pattern_;
