@@ -27,7 +27,7 @@
 namespace tactile::cli {
 namespace {
 
-using splitting::BurstKind;
+using splitting::SeenKind;
 
 struct SplitArguments {
   std::string recording;
@@ -44,7 +44,7 @@ std::string seconds_text(microseconds t) { return fmt::format("{:.3f}", 1e-6 * s
 /// @param zero  of the times of start and end
 std::string table_of(const splitting::SplitProposal& proposal, const std::vector<std::string>& names, CameraTime zero) {
   std::vector<std::string> header{"run", "start [s]", "end [s]", "length [s]", "events"};
-  if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "other"});
+  if (proposal.looked_for_touches) header.insert(header.end(), {"quiet [s]", "press", "slip", "release"});
   std::vector<std::vector<std::string>> rows;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
     std::vector<std::string>& row = rows.emplace_back();
@@ -52,11 +52,9 @@ std::string table_of(const splitting::SplitProposal& proposal, const std::vector
            seconds_text(between(zero, run.begin)), seconds_text(between(zero, run.end)),
            seconds_text(between(run.begin, run.end)), std::to_string(run.events)};
     if (!proposal.looked_for_touches) continue;
-    const std::size_t presses = splitting::count_of(run, BurstKind::press), slips = splitting::count_of(run, BurstKind::slip);
     row.push_back(run.quiet_before ? seconds_text(*run.quiet_before) : "");
-    row.push_back(std::to_string(presses));
-    row.push_back(std::to_string(slips));
-    row.push_back(std::to_string(run.touches.size() - presses - slips));
+    for (const SeenKind kind : {SeenKind::press, SeenKind::slip, SeenKind::release})
+      row.push_back(std::to_string(splitting::count_of(run, kind)));
   }
   return text_table(header, rows);
 }
@@ -84,7 +82,7 @@ void warn_about(const splitting::SplitProposal& proposal, const std::string& rec
   std::size_t number = 0, count = 0;
   for (const splitting::ProposedRun& run : splitting::runs_of(proposal)) {
     ++number;
-    if (splitting::count_of(run, BurstKind::press) > 0 && splitting::count_of(run, BurstKind::slip) > 0) continue;
+    if (splitting::count_of(run, SeenKind::press) > 0 && splitting::count_of(run, SeenKind::slip) > 0) continue;
     which += (which.empty() ? "" : ", ") + std::to_string(number);
     ++count;
   }
@@ -100,7 +98,7 @@ splitting::SplitProposal proposal_of(const SplitArguments& args, const splitting
   const auto us_in = [](double seconds) { return microseconds{std::llround(1e6 * seconds)}; };
   splitting::ProposeOptions options;
   options.stream = args.splitting.stream;
-  options.quiet = us_in(args.quiet_s);
+  options.course.quiet = us_in(args.quiet_s);
   if (args.at.empty()) return splitting::propose_runs(source, recording, options, progress_line(common));
   std::vector<microseconds> cuts;
   for (const double at : args.at) cuts.push_back(us_in(at));

@@ -14,8 +14,7 @@ constexpr std::int64_t clock_start_us = 32'026'551'306;
 constexpr std::int64_t true_offset_us = 1'746'661'631'692'315;
 
 /// Anchors every `every_s` on a clock that drifts, each off by noise of its own standard deviation.
-std::vector<ClockAnchor> anchors_of(int count, double every_s, double drift_ppm, double sigma_us, std::uint64_t seed = 1,
-                                    AnchorKind kind = AnchorKind::imu) {
+std::vector<ClockAnchor> anchors_of(int count, double every_s, double drift_ppm, double sigma_us, std::uint64_t seed = 1) {
   Random random(seed);
   const ClockRelation relation{.offset_us = true_offset_us, .drift_ppm = drift_ppm, .reference_us = clock_start_us};
   std::vector<ClockAnchor> anchors;
@@ -23,8 +22,7 @@ std::vector<ClockAnchor> anchors_of(int count, double every_s, double drift_ppm,
     const std::int64_t clock = clock_start_us + std::llround(1e6 * every_s * i);
     anchors.push_back({.clock_us = clock,
                        .camera = relation.camera_from(clock) + microseconds{std::llround(sigma_us * random.normal())},
-                       .sigma_us = sigma_us,
-                       .kind = kind});
+                       .sigma_us = sigma_us});
   }
   return anchors;
 }
@@ -42,7 +40,7 @@ TEST(FitClock, FindsOffsetAndDriftOfASession) {
   EXPECT_EQ(fit.clock->relation.reference_us, clock_start_us);
   EXPECT_EQ(fit.clock->anchors, 12);
   EXPECT_NEAR(fit.clock->residual_us, 300, 200);
-  EXPECT_EQ(fit.clock->method, "IMU (12)");
+  EXPECT_EQ(fit.clock->method, "film of the arm (12)");
 }
 
 TEST(FitClock, TakesADriftOfAHundredAndFiftyAndRefusesTwoHundredAndFifty) {
@@ -59,21 +57,21 @@ TEST(FitClock, DoesNotEstimateADriftThatCannotBeMeasuredAndGivesTheReason) {
   const ClockFit few = fit_clock(anchors_of(3, 100, 0.0, 300), clock_start_us);
   ASSERT_TRUE(few.clock);
   EXPECT_EQ(few.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(few.clock->method, "IMU (3); drift not estimated: 3 of 4 anchors");
+  EXPECT_EQ(few.clock->method, "film of the arm (3); drift not estimated: 3 of 4 anchors");
   const ClockFit near = fit_clock(anchors_of(6, 5, 80.0, 300), clock_start_us);
   ASSERT_TRUE(near.clock);
   EXPECT_EQ(near.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(near.clock->method, "IMU (6); drift not estimated: the anchors span 25 of 60 s");
+  EXPECT_EQ(near.clock->method, "film of the arm (6); drift not estimated: the anchors span 25 of 60 s");
   std::vector<ClockAnchor> vague = anchors_of(5, 20, 80.0, 1e5);
   const ClockFit open = fit_clock(vague, clock_start_us);
   ASSERT_TRUE(open.clock);
   EXPECT_EQ(open.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(open.clock->method, "IMU (5); drift not estimated: the anchors do not determine it");
+  EXPECT_EQ(open.clock->method, "film of the arm (5); drift not estimated: the anchors do not determine it");
 }
 
 TEST(FitClock, AnUncertainWitnessDoesNotMakeADriftMeasurable) {
   std::vector<ClockAnchor> anchors = anchors_of(3, 40, 50.0, 300);
-  anchors.push_back(anchors_of(1, 1, 0.0, 170'000, 2, AnchorKind::stage_output).front());
+  anchors.push_back(anchors_of(1, 1, 0.0, 170'000, 2).front());
   anchors.back().clock_us += 200'000'000;
   anchors.back().camera += microseconds{200'000'000};
   const ClockFit fit = fit_clock(anchors, clock_start_us);
@@ -137,8 +135,8 @@ TEST(FitClock, CoversTheTruthIn95Percent) {
   EXPECT_LE(covered, 0.99 * runs) << "an interval that always holds says too little";
 }
 
-TEST(FitClock, MoreAnchorsOfOneKindDoNotReduceTheirCommonBias) {
-  std::vector<ClockAnchor> anchors = anchors_of(50, 0.1, 0.0, 1'000, 3, AnchorKind::first_shear);
+TEST(FitClock, MoreAnchorsDoNotReduceTheirCommonBias) {
+  std::vector<ClockAnchor> anchors = anchors_of(50, 0.1, 0.0, 1'000, 3);
   for (ClockAnchor& anchor : anchors) anchor.bias_us = 5'000;
   const ClockFit fit = fit_clock(anchors, clock_start_us);
   ASSERT_TRUE(fit.clock);
@@ -159,10 +157,7 @@ TEST(FitClock, HoldsAtTheEndsOfTime) {
   constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
   std::vector<ClockAnchor> anchors;
   for (const std::int64_t before : {300'000'000, 200'000'000, 100'000'000, 50'000'000, 0})
-    anchors.push_back({.clock_us = last - 1'000'000'000 - before,
-                       .camera = camera_time(last - before),
-                       .sigma_us = 100,
-                       .kind = AnchorKind::imu});
+    anchors.push_back({.clock_us = last - 1'000'000'000 - before, .camera = camera_time(last - before), .sigma_us = 100});
   const ClockFit fit = fit_clock(anchors, last - 1'300'000'000);
   ASSERT_TRUE(fit.clock) << fit.refused;
   EXPECT_EQ(fit.clock->relation.offset_us, 1'000'000'000);

@@ -169,16 +169,6 @@ TEST(VideoClock, IsRefusedWhereTheFilmMatchesAtTwoOffsets) {
   const VideoClockFit fit = fit_video_clock(film, seen);
   EXPECT_FALSE(fit.clock);
   EXPECT_NE(fit.refused.find("at two offsets"), std::string::npos) << fit.refused;
-
-  // What the hosts say of it decides.
-  VideoClockOptions options;
-  options.coarse_offset_us = made.offset_us() + 100'000;
-  options.search = 500ms;
-  const VideoClockFit near = fit_video_clock(film, seen, options);
-  ASSERT_TRUE(near.clock) << near.refused;
-  EXPECT_LT(std::abs(error_ms(*near.clock, made, VideoTime{4s})), 3);
-  options.coarse_offset_us = made.offset_us() + 100'000'000;
-  EXPECT_EQ(fit_video_clock(film, seen, options).refused, "by the host times film and recording do not overlap");
 }
 
 TEST(VideoClock, IsRefusedWhereOtherThingsMove) {
@@ -341,10 +331,8 @@ TEST(SeenMotion, IsTheArmsSpeedThroughItsClock) {
   clock.relation = {.offset_us = run_begin_us - 500'000'000, .drift_ppm = 100, .reference_us = 500'000'000};
   clock.offset_low_us = clock.relation.offset_us - 1'960;
   clock.offset_high_us = clock.relation.offset_us + 1'960;
-  MotionPhase motion;
-  motion.start = RobotTime{506s};
-  motion.end = motion.start + 400ms;
-  const SeenMotion seen = seen_motion(arm, {&motion, 1}, clock);
+  const CameraSpan move{camera_time(run_begin_us + 6'000'600), camera_time(run_begin_us + 6'400'600)};
+  const SeenMotion seen = seen_motion(arm, {&move, 1}, clock);
   EXPECT_EQ(us_of(seen.begin), run_begin_us);
   EXPECT_NEAR(seen.sigma_us, 1'000, 1);
   const auto first = std::find_if(seen.speed.begin(), seen.speed.end(), [](double v) { return v > 0; });

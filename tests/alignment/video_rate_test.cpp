@@ -20,10 +20,7 @@ MotionEnergy counted_at_25() {
 
 /// A motion of the arm, by the counted times and truly, in seconds.
 ClockAnchor motion(double counted_s, double truly_s) {
-  return {.clock_us = std::llround(1e6 * counted_s),
-          .camera = camera_time(std::llround(1e6 * truly_s)),
-          .sigma_us = 3'000,
-          .kind = AnchorKind::film_of_arm};
+  return {.clock_us = std::llround(1e6 * counted_s), .camera = camera_time(std::llround(1e6 * truly_s)), .sigma_us = 3'000};
 }
 
 VideoClockFit fit_of(const std::vector<ClockAnchor>& motions) {

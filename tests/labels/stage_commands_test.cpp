@@ -25,7 +25,7 @@ struct StageRun {
       change.at = change.last_before = RobotTime{microseconds{1000 * ms}};
       change.output = "digital output 0";
       change.to = 1;
-      signals.robot[0].log.output_changes.push_back(change);
+      signals.robot[0].output_changes.push_back(change);
     }
     alignment::FittedClock clock;
     clock.offset_low_us = -10'000;
@@ -55,7 +55,7 @@ TEST(CommandsWithoutPress, AreNotKnownByAnOutputThatIsNoStages) {
   EXPECT_TRUE(commands_without_press(lamp.signals, lamp.clocks, labels).empty());
   EXPECT_TRUE(commands_without_press(late.signals, late.clocks, labels).empty()) << "the recording may end before that press";
   StageRun two({1000, 4000});
-  two.signals.robot[0].log.output_changes[1].output = "digital output 1";
+  two.signals.robot[0].output_changes[1].output = "digital output 1";
   EXPECT_TRUE(commands_without_press(two.signals, two.clocks, labels).empty());
   StageRun unrelated({1000, 4000});
   unrelated.clocks[0].reset();

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,9 +11,6 @@
 
 namespace tactile::alignment {
 namespace {
-
-constexpr std::array<std::string_view, 7> kind_names{"stage output", "sync tap",       "IMU", "ring-down", "first shear",
-                                                     "host times",   "film of the arm"};
 
 /// An anchor as a point of a line: x is its clock minus the middle, y its offset minus that of the first anchor [us].
 struct Point : UncertainPoint {  // sigma includes a drift that is not measured
@@ -78,17 +74,6 @@ StraightLine robust_line(std::vector<Point>& points, StraightLine line, bool wit
     if (settled) break;
   }
   return line;
-}
-
-std::string kinds_text(std::span<const ClockAnchor> anchors, const std::vector<bool>& used) {
-  std::string text;
-  for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < anchors.size(); ++i)
-      count += used[i] && static_cast<std::size_t>(anchors[i].kind) == kind ? 1 : 0;
-    if (count > 0) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", kind_names[kind], count);
-  }
-  return text;
 }
 
 /// Fits one clock step by step.
@@ -194,8 +179,7 @@ class Fitter {
   std::string set_clock(ClockFit& fit) const {
     // Each anchor's share in the value at the middle.
     const StraightLine line = least_squares(points_, with_drift_);
-    double variance = 0, drift_share = 0, own_sigma = 0;
-    std::array<double, kind_names.size()> bias{};
+    double variance = 0, drift_share = 0, own_sigma = 0, bias = 0;
     std::vector<double> sizes;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Point& p = points_[i];
@@ -204,13 +188,13 @@ class Fitter {
       const double share = p.weight * (1 / line.weights - by_drift);
       variance += share * share * anchors_[i].sigma_us * anchors_[i].sigma_us;
       drift_share += share * p.x;
-      bias[static_cast<std::size_t>(anchors_[i].kind)] += share * anchors_[i].bias_us;
+      bias += share * anchors_[i].bias_us;
       own_sigma = sizes.empty() ? p.sigma : std::min(own_sigma, p.sigma);
       sizes.push_back(p.off(line_));
     }
     variance *= scatter_ * scatter_;
     if (!with_drift_) variance += usual_drift_ * usual_drift_ * drift_share * drift_share;
-    for (const double value : bias) variance += value * value;
+    variance += bias * bias;
 
     const double at_reference = line_.at(static_cast<double>(saturating_subtract(reference_us_, middle_us_)));
     constexpr double furthest_us = 9e18;  // of int64's 9.22e18
@@ -223,7 +207,7 @@ class Fitter {
     clock.offset_low_us = saturating_subtract(offset_us, half_us);
     clock.offset_high_us = saturating_add(offset_us, half_us);
     clock.anchors = static_cast<int>(sizes.size());
-    clock.method = kinds_text(anchors_, fit.used);
+    clock.method = fmt::format("film of the arm ({})", sizes.size());
     if (!with_drift_) clock.method += fmt::format("; drift not estimated: {}", why_no_drift_);
     return {};
   }
@@ -241,8 +225,6 @@ class Fitter {
 };
 
 }  // namespace
-
-std::string_view name_of(AnchorKind kind) { return kind_names.at(static_cast<std::size_t>(kind)); }
 
 ClockFit fit_clock(std::span<const ClockAnchor> anchors, std::int64_t reference_us, const ClockFitOptions& options) {
   ClockFit fit{.clock = {}, .refused = {}, .used = std::vector<bool>(anchors.size(), true)};

@@ -1,37 +1,21 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tactile/alignment/fitted_clock.hpp"
 
 namespace tactile::alignment {
 
-/// What relates two clocks, in the order of trust.
-enum class AnchorKind : std::uint8_t {
-  stage_output,  ///< the command to a stage in the robot's outputs, and what the skin did after it
-  sync_tap,      ///< the arm sets the sensor down for an instant: contact and release are symmetric about the lowest point
-  imu,           ///< the TCP's speed against the camera's IMU
-  ring_down,     ///< the arm rings after its stop, and the tips with it
-  first_shear,   ///< events of the first shear, whose rate grows as the arm's speed does
-  host_time,     ///< when elements of both devices arrived at one host
-  film_of_arm,   ///< a motion in a film, and the arm's by its log
-};
-
-std::string_view name_of(AnchorKind kind);  ///< "stage output", "sync tap", "IMU", …
-
 /// One moment on both clocks.
 struct ClockAnchor {
   std::int64_t clock_us = 0;
   CameraTime camera{};
   double sigma_us = 0;  ///< standard deviation of their difference, of this anchor alone, > 0
-  AnchorKind kind = AnchorKind::first_shear;
-  double bias_us = 0;  ///< standard deviation of the error that all anchors of this kind share: more of them do not reduce it
+  double bias_us = 0;   ///< standard deviation of the error that all anchors share: more of them do not reduce it
 };
 
 struct ClockFitOptions {

@@ -222,18 +222,30 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
   return rate;
 }
 
+EventRate part_of(const EventRate& rate, std::size_t begin, std::size_t end) {
+  EventRate part = rate;
+  part.begin = rate.begin_of(begin);
+  part.last = std::min(rate.last, before(rate.begin_of(end), 1us));
+  part.counts.assign(rate.counts.begin() + static_cast<std::ptrdiff_t>(begin),
+                     rate.counts.begin() + static_cast<std::ptrdiff_t>(end));
+  return part;
+}
+
 void for_counted_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
                         const std::function<void(const events::Event&, std::size_t)>& use) {
   const events::SensorSize size = *recording.stream(stream_id).size;
   const auto width = static_cast<std::size_t>(size.width);
   std::vector<bool> hot(width * static_cast<std::size_t>(size.height));
   for (const std::uint32_t pixel : rate.hot) hot[pixel] = true;
-  events::for_all_events(recording, stream_id, [&](std::span<const events::Event> events) {
-    for (const events::Event& event : events) {
+  const CameraTime end = rate.begin_of(rate.counts.size());
+  for (const events::PacketRecord& packet : recording.packets()) {
+    if (packet.stream_id != stream_id || packet.last < rate.begin || packet.first >= end) continue;
+    for (const events::Event& event : recording.read_events(packet)) {
+      if (event.t < rate.begin || event.t >= end) continue;
       if (hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) continue;
       use(event, static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin));
     }
-  });
+  }
 }
 
 }  // namespace tactile::alignment

@@ -48,8 +48,12 @@ struct EventRateOptions {
 /// @throws Error  if the stream has no event or no sane size, or spans more than `longest` (a run takes seconds)
 EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id, const EventRateOptions& options = {});
 
-/// Hands every event that `rate` counts, and its bin, to `use`, in file order.
-/// @param rate  of this stream of this recording
+/// The bins [begin, end) of a rate. @param begin, end  begin < end <= their number
+EventRate part_of(const EventRate& rate, std::size_t begin, std::size_t end);
+
+/// Hands every event that `rate` counts, and its bin, to `use`, in file order. Packets that lie outside by the list of packets
+/// are not read.
+/// @param rate  of this stream of this recording, or a part of it
 void for_counted_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
                         const std::function<void(const events::Event&, std::size_t)>& use);
 

@@ -12,6 +12,10 @@
 namespace tactile::alignment {
 namespace {
 
+constexpr double least_likeness = 0.8;   // correlation of energy and speed at the best offset
+constexpr double least_ambiguity = 1.5;  // best likeness over that of the next best offset
+constexpr double most_disagreement_us = 60'000;
+
 std::vector<FilmStep> steps_of(const MotionEnergy& energy) {
   std::vector<FilmStep> steps;
   for (const MotionStep& step : energy.steps) {
@@ -308,13 +312,21 @@ std::string refusal_of(const std::vector<FilmStep>& steps, const SeenMotion& see
   return {};
 }
 
+/// Sets the ratio of the best to the second-best score. @return why it is refused; empty if it is not
+std::string set_ambiguity(VideoClockFit& fit, double best, double second) {
+  constexpr double no_other = 99;
+  fit.ambiguity = second > 0 ? std::min(best / second, no_other) : no_other;
+  if (fit.ambiguity >= least_ambiguity) return {};
+  return fmt::format("the film matches at two offsets: the better is only {:.2f} times as good; expected {:.2f}", fit.ambiguity,
+                     least_ambiguity);
+}
+
 /// A film and the speed it should have seen. Offsets are those of the speed's start against the film's.
 class ArmMatch {
  public:
-  ArmMatch(const MotionEnergy& energy, const SeenMotion& seen, std::vector<FilmStep> steps, const VideoClockOptions& options)
+  ArmMatch(const MotionEnergy& energy, const SeenMotion& seen, std::vector<FilmStep> steps)
       : energy_(energy),
         seen_(seen),
-        options_(options),
         steps_(std::move(steps)),
         speed_(seen),
         frame_(static_cast<double>(std::max<std::int64_t>(energy.median_step.count(), 1))) {}
@@ -327,22 +339,15 @@ class ArmMatch {
     std::int64_t apart_us = 0;
     if (__builtin_sub_overflow(us_of(seen_.begin), us_of(energy_.begin()), &apart_us))
       return "the two clocks lie further apart than 64 bits of microseconds";
-    if (options_.coarse_offset_us) {
-      const auto coarse = static_cast<double>(saturating_subtract(*options_.coarse_offset_us, apart_us));
-      const auto search = static_cast<double>(options_.search.count());
-      from = std::max(from, coarse - search);
-      to = std::min(to, coarse + search);
-      if (from > to) return "by the host times film and recording do not overlap";
-    }
     const std::vector<FilmStep> fewer = fewer_steps(steps_, most_steps);
     const double grid = std::max(0.5 * frame_, (film_us + speed_.length()) / (4.0 * most_steps));
     const Match found = fine_match(steps_, speed_, coarse_match(fewer, speed_, from, to, grid), grid);
     offset_ = found.offset;
     fit.likeness = found.found.correlation;
-    std::string ambiguous = set_ambiguity(fit, found.found.score, found.second, options_);
-    if (fit.likeness >= options_.least_likeness) return ambiguous;
+    std::string ambiguous = set_ambiguity(fit, found.found.score, found.second);
+    if (fit.likeness >= least_likeness) return ambiguous;
     return fmt::format("the motion in the film does not match the arm's: their correlation is at most {:.2f}; expected {:.2f}",
-                       std::max(fit.likeness, 0.0), options_.least_likeness);
+                       std::max(fit.likeness, 0.0), least_likeness);
   }
 
   /// Adds an anchor per motion. @return why they are refused; empty if they are not
@@ -356,7 +361,7 @@ class ArmMatch {
       apart = std::max(apart, found->apart);
     }
     if (motions.empty()) return "the film shows neither start nor stop of the arm's motion";
-    if (apart > options_.most_disagreement_us) {
+    if (apart > most_disagreement_us) {
       fit.contradiction =
           doubt("film-unlike-arm",
                 "a motion in the film and the arm's in the robot log differ by {:.0f} ms in length: one of the two "
@@ -369,7 +374,6 @@ class ArmMatch {
       fit.anchors.push_back({.clock_us = saturating_add(us_of(energy_.begin()), at_us - std::llround(motion.offset)),
                              .camera = after(seen_.begin, microseconds{at_us}),
                              .sigma_us = motion.sigma,
-                             .kind = AnchorKind::film_of_arm,
                              .bias_us = seen_.sigma_us});
     }
     return {};
@@ -378,7 +382,6 @@ class ArmMatch {
  private:
   const MotionEnergy& energy_;
   const SeenMotion& seen_;
-  const VideoClockOptions& options_;
   std::vector<FilmStep> steps_;
   SpeedCurve speed_;
   double frame_, offset_ = 0;
@@ -386,21 +389,11 @@ class ArmMatch {
 
 }  // namespace
 
-SeenMotion seen_motion(const ArmMotion& arm, std::span<const MotionPhase> motions, const FittedClock& robot_clock) {
+SeenMotion seen_motion(const ArmMotion& arm, std::span<const CameraSpan> moves, const FittedClock& robot_clock) {
+  constexpr microseconds longest_ringing = 350ms;
   SeenMotion seen;
   const std::size_t n = arm.velocity.size();
   if (n < 2) return seen;
-  std::vector<double> speeds(n);
-  for (const MotionPhase& motion : motions) {
-    const auto place = [&](RobotTime t) {
-      const std::int64_t steps = saturating_subtract(us_of(t), us_of(arm.begin)) / arm.step.count();
-      return static_cast<std::size_t>(std::clamp<std::int64_t>(steps, 0, static_cast<std::int64_t>(n)));
-    };
-    for (std::size_t i = place(motion.start); i < place(motion.end + longest_ringing); ++i) {
-      if (arm.known[i]) speeds[i] = length_of(arm.velocity[i]);
-    }
-  }
-
   const ClockRelation& clock = robot_clock.relation;
   seen.begin = clock.camera_from(arm.begin);
   seen.step = arm.step;
@@ -412,17 +405,21 @@ SeenMotion seen_motion(const ArmMotion& arm, std::span<const MotionPhase> motion
     const double place = static_cast<double>(saturating_subtract(clock.clock_us_from(t), us_of(arm.begin))) / step_us;
     const std::size_t i = std::min(static_cast<std::size_t>(std::max(place, 0.0)), n - 2);
     const double share = std::clamp(place - static_cast<double>(i), 0.0, 1.0);
-    seen.speed.push_back(arm.known[i] ? speeds[i] + share * (speeds[i + 1] - speeds[i]) : 0.0);
+    const bool moves_now = std::any_of(moves.begin(), moves.end(), [&](const CameraSpan& move) {
+      return t >= move.begin && t < after(move.end, longest_ringing);
+    });
+    const double from = length_of(arm.velocity[i]), to = length_of(arm.velocity[i + 1]);
+    seen.speed.push_back(moves_now && arm.known[i] ? from + share * (to - from) : 0.0);
   }
   return seen;
 }
 
-VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options) {
+VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen) {
   VideoClockFit fit;
   std::vector<FilmStep> steps = steps_of(energy);
   fit.refused = refusal_of(steps, seen);
   if (!fit.refused.empty()) return fit;
-  ArmMatch match(energy, seen, std::move(steps), options);
+  ArmMatch match(energy, seen, std::move(steps));
   fit.refused = match.match(fit);
   if (fit.refused.empty()) fit.refused = match.add_anchors(fit);
   return fit.refused.empty() ? with_clock(std::move(fit), energy) : fit;

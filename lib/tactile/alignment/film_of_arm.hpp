@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "tactile/alignment/arm_motion.hpp"
-#include "tactile/alignment/motion_phases.hpp"
+#include "tactile/alignment/camera_span.hpp"
+#include "tactile/alignment/fitted_clock.hpp"
 #include "tactile/alignment/video_clock.hpp"
 
 namespace tactile::alignment {
@@ -17,9 +18,9 @@ struct SeenMotion {
   double sigma_us = 0;        ///< standard deviation of its place in camera time, >= 0
 };
 
-/// The arm's speed through its clock; 0 where the arm rests, which is beyond `motions` and the ringing after each.
-/// @param arm, motions  of the same log
-SeenMotion seen_motion(const ArmMotion& arm, std::span<const MotionPhase> motions, const FittedClock& robot_clock);
+/// The arm's speed through its clock; 0 where the arm rests, which is beyond `moves` and the ringing after each.
+/// @param moves  of this arm, by time
+SeenMotion seen_motion(const ArmMotion& arm, std::span<const CameraSpan> moves, const FittedClock& robot_clock);
 
 /// Relates a film's clock to the camera's by what moves in both.
 ///
@@ -34,8 +35,10 @@ SeenMotion seen_motion(const ArmMotion& arm, std::span<const MotionPhase> motion
 /// 3. `fit_clock` through the middles of the motions. Start and stop of one motion are too close for a drift: their offsets
 ///    differ by 1.5 ms by chance, which is 0.3 % of a lift.
 ///
+/// Refused where the likeness is below 0.8 or less than 1.5 times that of another offset; and, as a contradiction, where start
+/// and stop of a motion place the film more than 60 ms apart.
 /// @param energy  of the run's film
 /// @param seen    of the same run; other motion in the film does not matter if it is weaker or lasts for another time
-VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen, const VideoClockOptions& options = {});
+VideoClockFit fit_video_clock(const MotionEnergy& energy, const SeenMotion& seen);
 
 }  // namespace tactile::alignment

@@ -19,21 +19,6 @@ namespace {
 
 std::string in_seconds(std::int64_t us) { return fmt::format("{:.3f} s", 1e-6 * static_cast<double>(us)); }
 
-/// Stretches without an event that are too long for chance.
-std::vector<CameraSpan> gaps_in(const EventRate& rate, const QuietRate& quiet, microseconds shortest) {
-  constexpr double beyond_chance = 30.0;  // events missing: e^-30, and far less where noise comes in clumps of ten
-  std::vector<CameraSpan> gaps;
-  for (std::size_t begin = 0; begin < rate.counts.size();) {
-    std::size_t end = begin;
-    while (end < rate.counts.size() && rate.counts[end] == 0) ++end;
-    const microseconds silent = rate.bin * static_cast<std::int64_t>(end - begin);
-    if (silent >= shortest && quiet.mean * static_cast<double>(end - begin) >= beyond_chance * quiet.dispersion)
-      gaps.push_back({rate.begin_of(begin), rate.begin_of(end)});
-    begin = end + 1;
-  }
-  return gaps;
-}
-
 /// Losses before the file: any time may lack its events. Elements that did not fit their stream (`back_in_time`, `outside`) are
 /// no such loss.
 std::vector<Doubt> losses_in(const RunInfo& run) {
@@ -165,9 +150,8 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
           doubt("clocks-apart", "the robot log is left out: the two clocks lie further apart than 64 bits of microseconds"));
       continue;
     }
-    std::vector<MotionPhase> phases = motion_phases(log);
     signals.coarse_offsets.push_back(coarse_offset(signals, log));
-    signals.robot.push_back({std::move(log), std::move(phases)});
+    signals.robot.push_back(std::move(log));
   }
   if (signals.robot.empty()) signals.problems.push_back(doubt("robot-log-empty", "the robot log has no row"));
   if (signals.robot.size() > 1)

@@ -5,12 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "tactile/alignment/activity.hpp"
 #include "tactile/alignment/camera_span.hpp"
-#include "tactile/alignment/clock_anchors.hpp"
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/motion_energy.hpp"
-#include "tactile/alignment/motion_phases.hpp"
+#include "tactile/alignment/quiet_rate.hpp"
 #include "tactile/core/doubt.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/events/other_streams.hpp"
@@ -26,10 +24,16 @@ struct RunSignalsOptions {
   microseconds shortest_gap{5'000};
 };
 
-/// A piece of the robot's log on one clock, and the motions of the arm in it.
-struct RobotPiece {
-  robot::RobotLog log;
-  std::vector<MotionPhase> phases;
+/// What is known of two clocks before any content is compared: camera_us - clock_us lies within `within` of `offset_us`.
+struct CoarseOffset {
+  std::int64_t offset_us = 0;
+  microseconds within{};
+};
+
+/// When data of the camera arrived at the host.
+struct CameraArrival {
+  CameraTime camera{};
+  HostTime host{};
 };
 
 /// What `tactile label` reads of a run, each signal on its own clock.
@@ -39,9 +43,10 @@ struct RunSignals {
   std::int32_t event_stream = 0;
   EventRate rate;
   QuietRate quiet;
-  std::vector<CameraSpan> gaps;   ///< in which no pixel fires, too long for chance, by time
-  bool has_robot = false;         ///< there is a log, perhaps an empty one
-  std::vector<RobotPiece> robot;  ///< but for those whose clock lies further from the camera's than int64 holds
+  std::vector<CameraSpan> gaps;  ///< in which no pixel fires, too long for chance, by time
+  bool has_robot = false;        ///< there is a log, perhaps an empty one
+  std::vector<robot::RobotLog>
+      robot;  ///< its pieces on one clock each, but for those whose clock lies further from the camera's than int64 holds
   robot::RobotSpeedSource speed_from = robot::RobotSpeedSource::actual_tcp_speed;  ///< of the log
   std::optional<robot::ArmModel> arm;                       ///< whose kinematics gave poses from joints, if the log has no poses
   std::vector<std::optional<CoarseOffset>> coarse_offsets;  ///< of each piece, where the host times of both devices are known

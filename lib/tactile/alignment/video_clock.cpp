@@ -79,14 +79,6 @@ double usual_drift_ppm_of(bool counts_frames) {
 
 }  // namespace
 
-std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options) {
-  constexpr double no_other = 99;
-  fit.ambiguity = second > 0 ? std::min(best / second, no_other) : no_other;
-  if (fit.ambiguity >= options.least_ambiguity) return {};
-  return fmt::format("the film matches at two offsets: the better is only {:.2f} times as good; expected {:.2f}", fit.ambiguity,
-                     options.least_ambiguity);
-}
-
 std::string allow_for_drift(FittedClock& clock, const MotionEnergy& energy) {
   const bool counted = counts_frames(energy);
   clock.found_at_us = us_of(energy.begin() + (energy.end() - energy.begin()) / 2);

@@ -11,15 +11,6 @@
 
 namespace tactile::alignment {
 
-struct VideoClockOptions {
-  std::optional<std::int64_t> coarse_offset_us = {};  ///< if known: camera time of the film's first frame minus its own time
-  microseconds search{5'000'000};                     ///< to either side of that; else everywhere where the two overlap
-  double least_likeness = 0.8;                        ///< refused below: correlation of energy and speed at the best offset
-  double least_ambiguity = 1.5;                       ///< refused below: best likeness over that of the next best offset
-  double most_disagreement_us = 60'000;               ///< start and stop of a motion that place the film further apart
-                                                      ///< contradict the log
-};
-
 /// The video's clock, or why it could not be found.
 struct VideoClockFit {
   std::optional<FittedClock> clock;
@@ -30,9 +21,6 @@ struct VideoClockFit {
   std::vector<ClockAnchor> anchors;  ///< the middle of each motion, or its start or end
   std::string remark = {};           ///< a sentence on the film's times, empty if there is none
 };
-
-/// Sets the ratio of the best to the second-best score. @return why it is refused; empty if it is not
-std::string set_ambiguity(VideoClockFit& fit, double best, double second, const VideoClockOptions& options);
 
 /// Fits the line through the anchors, `fit_clock`. One run's film allows no drift: it is 0, unless four motions over 60 s and
 /// more allow a line. The interval of the offset holds where the anchors are. From there the clock may drift: the rates of films

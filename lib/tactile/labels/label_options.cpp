@@ -9,7 +9,6 @@ namespace tactile::labels {
 nlohmann::json settings_of(const LabelOptions& options) {
   nlohmann::json region;
   if (const auto& r = options.signals.video.region) region = {r->x, r->y, r->width, r->height};
-  const alignment::VideoClockOptions& film = options.video_clock;
   nlohmann::json settings = {
       {"doubt", {{"least_probability", options.doubt.least_probability}, {"widest_onset_ms", options.doubt.widest_onset_ms}}},
       {"rate",
@@ -17,13 +16,7 @@ nlohmann::json settings_of(const LabelOptions& options) {
         {"hot_pixel_hz", options.signals.rate.hot_pixel_hz},
         {"flickers", options.signals.rate.flickers}}},
       {"shortest_gap_us", options.signals.shortest_gap.count()},
-      {"video", {{"width", options.signals.video.width}, {"region", region}}},
-      {"video_clock",
-       {{"coarse_offset_us", film.coarse_offset_us ? nlohmann::json(*film.coarse_offset_us) : nlohmann::json(nullptr)},
-        {"search_us", film.search.count()},
-        {"least_likeness", film.least_likeness},
-        {"least_ambiguity", film.least_ambiguity},
-        {"most_disagreement_us", film.most_disagreement_us}}}};
+      {"video", {{"width", options.signals.video.width}, {"region", region}}}};
   if (!options.signals.rate.mask.empty()) settings["rate"]["mask"] = options.signals.rate.mask;
   if (!options.signals.robot.columns.empty()) settings["robot_columns"] = options.signals.robot.columns;
   return settings;

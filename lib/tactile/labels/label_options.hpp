@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tactile/alignment/run_signals.hpp"
-#include "tactile/alignment/video_clock.hpp"
 
 namespace tactile::labels {
 
@@ -16,7 +15,6 @@ struct DoubtLimits {
 struct LabelOptions {
   DoubtLimits doubt{};
   alignment::RunSignalsOptions signals{};
-  alignment::VideoClockOptions video_clock{};
 };
 
 nlohmann::json settings_of(const LabelOptions& options);

@@ -14,7 +14,6 @@ namespace tactile::labels {
 namespace {
 
 constexpr microseconds at_the_beginning = 20ms;
-constexpr microseconds same_onset = 100ms;
 constexpr microseconds longest_disagreement = 100ms;  // of two witnesses of one onset
 
 /// The same time within [first, last].
@@ -71,7 +70,7 @@ class Labeller {
     relate_robot();
     if (signals_.video) relate_film();
     for (const LikelyTouch& touch : posterior_.touches) {
-      if (is_labelled(touch)) {
+      if (is_likeliest(touch, posterior_.touches)) {
         flag(touch);
         labels_.intervals.push_back(interval_of(touch, signals_.rate.begin, signals_.rate.last));
         testify(labels_.intervals.back());
@@ -94,7 +93,7 @@ class Labeller {
  private:
   void relate_robot() {
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
-      const RobotTime first = signals_.robot[i].log.states.front().t, last = signals_.robot[i].log.states.back().t;
+      const RobotTime first = signals_.robot[i].states.front().t, last = signals_.robot[i].states.back().t;
       const auto found = std::find_if(posterior_.robot.begin(), posterior_.robot.end(),
                                       [i](const LikelyOffset& offset) { return offset.piece == i; });
       if (found == posterior_.robot.end()) continue;
@@ -121,7 +120,7 @@ class Labeller {
       if (std::string remark = alignment::allow_for_drift(*labels_.video_clock, *signals_.video); !remark.empty())
         labels_.remarks.push_back(std::move(remark));
     } else if (const auto seen = arm_in_film()) {
-      alignment::VideoClockFit fit = alignment::fit_video_clock(*signals_.video, *seen, options_.video_clock);
+      alignment::VideoClockFit fit = alignment::fit_video_clock(*signals_.video, *seen);
       if (!fit.contradiction.empty()) return labels_.flags.push_back(flag_of(fit.contradiction));
       if (!fit.clock) return labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
       labels_.video_clock = std::move(fit.clock);
@@ -135,33 +134,21 @@ class Labeller {
   /// The arm's motion that the film must show: by the first piece of the log whose clock is known.
   std::optional<alignment::SeenMotion> arm_in_film() const {
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
-      const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals_.robot[i].log);
-      if (arm && clocks_[i]) return alignment::seen_motion(*arm, signals_.robot[i].phases, *clocks_[i]);
+      const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals_.robot[i]);
+      if (!arm || !clocks_[i]) continue;
+      std::vector<alignment::CameraSpan> moves;
+      for (const LikelyMove& move : posterior_.arm_moves) {
+        if (posterior_.robot[move.clock].piece == i) moves.push_back(move.span);
+      }
+      return alignment::seen_motion(*arm, moves, *clocks_[i]);
     }
     return std::nullopt;
-  }
-
-  /// Whether there is a touch more likely than not, and this is its likeliest class.
-  bool is_labelled(const LikelyTouch& touch) const {
-    double of_any_class = 0;
-    for (const LikelyTouch& other : posterior_.touches) {
-      if (&other != &touch && !are_alternatives(other, touch)) continue;
-      of_any_class += other.probability;
-      if (other.probability > touch.probability || (other.probability == touch.probability && &other < &touch)) return false;
-    }
-    return of_any_class >= 0.5;
-  }
-
-  /// Whether only one of the two happened, as far as is known.
-  static bool are_alternatives(const LikelyTouch& a, const LikelyTouch& b) {
-    constexpr double most = 1.05;  // shares of 400 paths
-    return std::chrono::abs(between(a.start.at, b.start.at)) <= same_onset && a.probability + b.probability <= most;
   }
 
   /// Whether it is another class of a touch that has a label, whose own flag says so.
   bool is_of_labelled(const LikelyTouch& touch) const {
     return std::any_of(posterior_.touches.begin(), posterior_.touches.end(), [&](const LikelyTouch& other) {
-      return &other != &touch && are_alternatives(other, touch) && is_labelled(other);
+      return &other != &touch && are_alternatives(other, touch) && is_likeliest(other, posterior_.touches);
     });
   }
 

@@ -26,7 +26,7 @@ std::vector<Closing> closings_of(const alignment::RunSignals& signals, const Rob
   std::vector<Closing> closings;
   for (std::size_t i = 0; i < signals.robot.size(); ++i) {
     if (!clocks[i]) continue;
-    for (const robot::OutputChange& change : signals.robot[i].log.output_changes) {
+    for (const robot::OutputChange& change : signals.robot[i].output_changes) {
       if (change.to > change.from)
         closings.push_back({change.output, clocks[i]->relation.camera_from(change.at), clocks[i]->uncertainty()});
     }

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "tactile/alignment/activity.hpp"
 #include "tactile/alignment/event_rate.hpp"
 #include "tactile/alignment/fitted_clock.hpp"
+#include "tactile/alignment/quiet_rate.hpp"
 
 namespace tactile::labels {
 

@@ -82,7 +82,7 @@ LabelPicture picture_of(const alignment::RunSignals& signals, const labels::Labe
   picture.begin = signals.rate.begin;
   picture.end = signals.rate.last;
   picture.remarks = labels.remarks;
-  for (const alignment::RobotPiece& piece : signals.robot) add_robot(picture, piece.log);
+  for (const robot::RobotLog& piece : signals.robot) add_robot(picture, piece);
   add_imu(picture, signals.imu);
   if (signals.video) add_video(picture, *signals.video);
   return picture;

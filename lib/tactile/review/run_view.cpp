@@ -105,8 +105,7 @@ void RunView::read_robot() {
     if (std::filesystem::exists(run_.robot())) {
       nlohmann::json provenance = nlohmann::json::object();
       if (std::filesystem::exists(run_.labels())) provenance = labels::read_labels(run_.labels()).provenance;
-      robot::RobotLogFile file = robot::read_robot_log(run_.robot(), labels::robot_log_options_of(provenance));
-      for (robot::RobotLog& log : file.pieces) signals->robot.push_back({std::move(log), {}});
+      signals->robot = robot::read_robot_log(run_.robot(), labels::robot_log_options_of(provenance)).pieces;
     }
   } catch (const std::exception& e) {
     remark(sentence_of(e, run_.name() + "/robot.csv"));

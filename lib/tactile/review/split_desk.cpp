@@ -50,7 +50,7 @@ void SplitDesk::begin_proposal(const RunFolder& run, microseconds quiet) {
       const splitting::SplitSource source = splitting::split_source_at(run.folder);
       events::RecordingReader recording(source.recording);
       splitting::ProposeOptions options;
-      options.quiet = quiet;
+      options.course.quiet = quiet;
       splitting::SplitProposal proposal = splitting::propose_runs(
           source, recording, options, [this](const Progress& progress) { advance(progress.done, progress.total); });
       const std::scoped_lock lock(guard_);

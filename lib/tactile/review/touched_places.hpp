@@ -5,10 +5,28 @@
 #include <vector>
 
 #include "tactile/events/event.hpp"
-#include "tactile/labels/brightening.hpp"
+#include "tactile/events/recording_reader.hpp"
 #include "tactile/labels/labels.hpp"
 
 namespace tactile::review {
+
+/// The image in square cells, row by row.
+class ImageCells {
+ public:
+  /// @param cell_px  side of a cell; small against a marker, large enough to hold some events
+  explicit ImageCells(events::SensorSize size, int cell_px = 8)
+      : cell_px_(cell_px), columns_((size.width + cell_px - 1) / cell_px), rows_((size.height + cell_px - 1) / cell_px) {}
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
+  std::size_t at(const events::Event& event) const {
+    return static_cast<std::size_t>(event.y / cell_px_) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(event.x / cell_px_);
+  }
+
+ private:
+  int cell_px_, columns_, rows_;
+};
 
 /// The places of the picture that touches light: the cells whose common rate rises most clearly from quiet to the labelled
 /// intervals.
@@ -39,7 +57,7 @@ class TouchedPlaces {
   }
 
   events::SensorSize size_;
-  labels::ImageCells cells_;
+  ImageCells cells_;
   std::vector<Part> parts_;
   double quiet_s_ = 0, touched_s_ = 0;
   std::vector<std::uint64_t> quiet_, touched_;  ///< events of each cell

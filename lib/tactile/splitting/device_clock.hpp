@@ -1,18 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tactile/alignment/activity.hpp"
-#include "tactile/alignment/anchor_search.hpp"
-#include "tactile/alignment/event_rate.hpp"
+#include "tactile/alignment/run_signals.hpp"
 #include "tactile/core/clock_relation.hpp"
 #include "tactile/core/time.hpp"
-#include "tactile/events/other_streams.hpp"
-#include "tactile/events/recording_reader.hpp"
+#include "tactile/robot/robot_log.hpp"
 #include "tactile/splitting/split_source.hpp"
-#include "tactile/splitting/touches.hpp"
 
 namespace tactile::splitting {
 
@@ -35,20 +32,14 @@ struct DeviceClock {
 struct DeviceClockSearch {
   std::optional<DeviceClock> clock;
   std::string why_not = {};  ///< a sentence without its end; empty if there is a clock, or no device
-  /// Of a robot with a clock: the lifts and taps of the arm. Nothing if they are not known.
-  std::optional<std::vector<ArmMove>> lifts = {}, taps = {};
 };
 
-/// All samples of the IMU of an event stream's camera, by time.
-std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::int32_t event_stream);
+/// The robot's clock, before the log's motions are compared with the recording: by host times of log and camera, or by labels
+/// that were made of the whole recording. A log whose clock restarts is related by host times only. @param log  of `source`
+DeviceClockSearch known_robot_clock(const SplitSource& source, const robot::RobotLogFile& log);
 
-/// The robot's clock, and the arm's motions. In this order: host times of log and camera; labels that were made of the whole
-/// recording; the log's motions against the recording (`clock_anchors`). A log whose clock
-/// restarts is related by host times only.
-/// @param rate, quiet  of the event stream
-/// @throws Error  if the log cannot be read
-DeviceClockSearch find_robot_clock(const SplitSource& source, events::RecordingReader& recording, std::int32_t event_stream,
-                                   const alignment::EventRate& rate, const alignment::QuietRate& quiet);
+/// How far the camera's clock is ahead of the robot's around a time. @param clock  of a robot  @param log  a piece of its log
+alignment::CoarseOffset offset_around(const DeviceClock& clock, const robot::RobotLog& log, CameraTime t);
 
 /// The film's clock: by host times, or by labels of the whole recording.
 DeviceClockSearch find_film_clock(const SplitSource& source);

@@ -8,15 +8,11 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/events/cut_recording.hpp"
-#include "tactile/splitting/joined_bursts.hpp"
-#include "tactile/splitting/run_groups.hpp"
+#include "tactile/robot/robot_log.hpp"
+#include "tactile/splitting/long_course.hpp"
 
 namespace tactile::splitting {
 namespace {
-
-using alignment::Burst;
-using alignment::EventRate;
-using Bursts = std::vector<Burst>;
 
 double seconds_between(CameraTime from, CameraTime to) { return 1e-6 * static_cast<double>(between(from, to).count()); }
 
@@ -37,21 +33,6 @@ Extent extent_of(const events::RecordingReader& recording, std::int32_t stream) 
   return extent;
 }
 
-/// The middle of the longest stretch of [begin, end) without a brief burst.
-std::size_t middle_of_quiet(std::size_t begin, std::size_t end, const Bursts& brief) {
-  std::size_t best_begin = begin, best_end = begin, from = begin;
-  const auto look_until = [&](std::size_t until) {
-    if (until > from && until - from > best_end - best_begin) std::tie(best_begin, best_end) = std::pair(from, until);
-  };
-  for (const Burst& burst : brief) {
-    if (burst.end <= begin || burst.begin >= end) continue;
-    look_until(burst.begin);
-    from = std::max(from, burst.end);
-  }
-  look_until(end);
-  return best_begin + (best_end - best_begin) / 2;
-}
-
 void check_cuts(const SplitProposal& proposal, const std::string& where, const std::vector<CameraTime>& cuts) {
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const double at = seconds_between(proposal.first, cuts[i]);
@@ -64,20 +45,60 @@ void check_cuts(const SplitProposal& proposal, const std::string& where, const s
   }
 }
 
-EventRate rate_of(events::RecordingReader& recording, std::int32_t stream, const ProposeOptions& options) {
-  const Extent extent = extent_of(recording, stream);
-  alignment::EventRateOptions rate_options;
-  rate_options.hot_pixel_hz = 50.0;  // pixels at a marker fire in every run, so only those that fire much faster are hot
-  rate_options.longest = std::chrono::hours(48);
-  const auto most_bins = static_cast<std::int64_t>(options.most_bins);
-  rate_options.bin = std::max(rate_options.bin, microseconds{between(extent.first, extent.last).count() / most_bins});
-  return alignment::event_rate(recording, stream, rate_options);
+alignment::EventRate rate_of(events::RecordingReader& recording, std::int32_t stream) {
+  alignment::EventRateOptions options;
+  options.bin = 8ms;
+  options.hot_pixel_hz = 50.0;  // pixels at a marker fire in every run, so only those that fire much faster are hot
+  options.longest = std::chrono::hours(48);
+  return alignment::event_rate(recording, stream, options);
 }
 
-void find_clocks(SplitProposal& proposal, const SplitSource& source, events::RecordingReader& recording, const EventRate& rate,
-                 const alignment::QuietRate& quiet) {
-  if (source.robot) proposal.robot = find_robot_clock(source, recording, proposal.event_stream, rate, quiet);
-  if (source.video) proposal.film = find_film_clock(source);
+/// The robot's log; without a row if there is none. Sets the proposal's clock of it, if it is known.
+robot::RobotLogFile robot_log_of(SplitProposal& proposal, const SplitSource& source) {
+  if (!source.robot) return {};
+  robot::RobotLogFile log = robot::read_robot_log(*source.robot, {.arm = {}, .columns = source.robot_columns});
+  proposal.robot = known_robot_clock(source, log);
+  return log;
+}
+
+/// What happens in the recording. Sets the extent of the proposal, and the robot's clock.
+LongCourse course_of(SplitProposal& proposal, robot::RobotLogFile log, events::RecordingReader& recording,
+                     const LongCourseOptions& options, const ProgressCallback& progress) {
+  const alignment::EventRate rate = rate_of(recording, proposal.event_stream);
+  proposal.first = rate.begin;
+  proposal.last = rate.last;
+  const bool is_sought = !log.pieces.empty() && !proposal.robot.clock && proposal.robot.why_not.empty();
+  LongCourse course =
+      long_course(recording, proposal.event_stream, rate, std::move(log), proposal.robot.clock, options, progress);
+  if (is_sought) {
+    proposal.robot.clock = course.robot;
+    if (!course.robot) proposal.robot.why_not = "log and recording show no common motion";
+  }
+  return course;
+}
+
+std::vector<SeenTouch> touches_in(const LongCourse& course) {
+  std::vector<SeenTouch> touches;
+  for (const labels::LikelyTouch& touch : course.touches)
+    touches.push_back({touch.start.at, touch.end.at, touch.touch == Touch::press ? SeenKind::press : SeenKind::slip});
+  for (const TouchInterval& release : course.releases) touches.push_back({release.start, release.end, SeenKind::release});
+  std::stable_sort(touches.begin(), touches.end(), [](const SeenTouch& a, const SeenTouch& b) { return a.begin < b.begin; });
+  return touches;
+}
+
+/// In rests that end a run. Between two cuts there is a touch, and before the first and after the last one.
+std::vector<CameraTime> cuts_in(const LongCourse& course, const std::vector<SeenTouch>& touches,
+                                const LongCourseOptions& options) {
+  std::vector<CameraTime> cuts;
+  for (const labels::LikelyRest& rest : course.rests) {
+    if (!ends_run(rest, options)) continue;
+    const auto next =
+        std::find_if(touches.begin(), touches.end(), [&](const SeenTouch& one) { return one.begin >= rest.middle; });
+    const bool separates =
+        next != touches.begin() && next != touches.end() && (cuts.empty() || std::prev(next)->begin >= cuts.back());
+    if (separates) cuts.push_back(rest.middle);
+  }
+  return cuts;
 }
 
 }  // namespace
@@ -87,35 +108,14 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   const std::string name = recording.file().filename().string();
   SplitProposal proposal;
   proposal.event_stream = events::event_stream(recording, options.stream).id;
-  proposal.quiet_needed = options.quiet;
-  report_progress(progress, 0, 4, name + ": event rate");
-  const EventRate rate = rate_of(recording, proposal.event_stream, options);
-  LongActivity activity = activity_in(rate, options.activity);
-  proposal.first = rate.begin;
-  proposal.last = rate.last;
-  if (activity.has_quiet) proposal.quiet_per_s = activity.quiet.mean * 1e6 / static_cast<double>(rate.bin.count());
+  proposal.quiet_needed = options.course.quiet;
+  report_progress(progress, 0, 1, name + ": event rate");
+  const LongCourse course = course_of(proposal, robot_log_of(proposal, source), recording, options.course, progress);
+  if (source.video) proposal.film = find_film_clock(source);
+  proposal.quiet_per_s = course.quiet_per_s;
+  proposal.touches = touches_in(course);
   proposal.looked_for_touches = true;
-
-  report_progress(progress, 1, 4, name + ": clocks");
-  find_clocks(proposal, source, recording, rate, activity.quiet);
-  report_progress(progress, 2, 4, name + ": slow touches");
-  const Bursts all = joined_and_slow_bursts(recording, proposal.event_stream, rate, activity.quiet, std::move(activity.bursts),
-                                            proposal.robot.lifts.value_or(std::vector<ArmMove>()), activity.pauses);
-
-  const auto quiet_bins = static_cast<std::size_t>(std::max<std::int64_t>(1, options.quiet / rate.bin));
-  report_progress(progress, 3, 4, name + ": touches");
-  const RunGroups groups = grouped_runs(recording, proposal.event_stream, rate, all, activity, quiet_bins, proposal.robot);
-  std::vector<CameraTime> cuts;
-  for (std::size_t i = 0; i < groups.runs.size(); ++i) {
-    const RunGroup& run = groups.runs[i];
-    for (std::size_t k = 0; k < run.bursts.size(); ++k)
-      proposal.touches.push_back(
-          {.begin = rate.begin_of(run.bursts[k].begin), .end = rate.begin_of(run.bursts[k].end), .kind = run.kinds[k]});
-    if (i == 0) continue;
-    const std::size_t quiet_from = groups.runs[i - 1].bursts.back().end;
-    cuts.push_back(rate.begin_of(middle_of_quiet(quiet_from, run.bursts.front().begin, groups.brief)));
-  }
-  return with_cuts(std::move(proposal), recording, std::move(cuts));
+  return with_cuts(std::move(proposal), recording, cuts_in(course, proposal.touches, options.course));
 }
 
 SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& recording,
@@ -128,9 +128,10 @@ SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& 
   std::vector<CameraTime> cuts(after_first.size());
   std::transform(after_first.begin(), after_first.end(), cuts.begin(), [&](microseconds t) { return after(extent.first, t); });
   proposal = with_cuts(std::move(proposal), recording, std::move(cuts));
-  if (!source.robot && !source.video) return proposal;
-  const EventRate rate = source.robot ? rate_of(recording, proposal.event_stream, options) : EventRate{};
-  find_clocks(proposal, source, recording, rate, activity_in(rate, options.activity).quiet);
+  robot::RobotLogFile log = robot_log_of(proposal, source);
+  if (source.robot && !proposal.robot.clock && proposal.robot.why_not.empty())
+    course_of(proposal, std::move(log), recording, options.course, {});
+  if (source.video) proposal.film = find_film_clock(source);
   return proposal;
 }
 
@@ -173,13 +174,13 @@ std::optional<microseconds> longest_quiet_within(const SplitProposal& proposal) 
   return longest;
 }
 
-std::size_t count_of(const ProposedRun& run, BurstKind kind) {
+std::size_t count_of(const ProposedRun& run, SeenKind kind) {
   return static_cast<std::size_t>(
       std::count_if(run.touches.begin(), run.touches.end(), [&](const SeenTouch& touch) { return touch.kind == kind; }));
 }
 
-std::string_view name_of(BurstKind kind) {
-  constexpr std::array<std::string_view, 6> names{"press", "slip", "release", "tap", "brief", "after"};
+std::string_view name_of(SeenKind kind) {
+  constexpr std::array<std::string_view, 3> names{"press", "slip", "release"};
   return names.at(static_cast<std::size_t>(kind));
 }
 
@@ -196,8 +197,8 @@ nlohmann::json json_of(const SplitProposal& proposal) {
                            {"events", run.events}};
     json["quiet_before_s"] =
         run.quiet_before ? nlohmann::json(1e-6 * static_cast<double>(run.quiet_before->count())) : nlohmann::json();
-    json["presses"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, BurstKind::press)) : nlohmann::json();
-    json["slips"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, BurstKind::slip)) : nlohmann::json();
+    json["presses"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, SeenKind::press)) : nlohmann::json();
+    json["slips"] = proposal.looked_for_touches ? nlohmann::json(count_of(run, SeenKind::slip)) : nlohmann::json();
     json["touches"] = proposal.looked_for_touches ? touches : nlohmann::json();
     runs.push_back(std::move(json));
   }

@@ -9,17 +9,19 @@
 #include "tactile/core/progress.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/events/recording_reader.hpp"
-#include "tactile/splitting/activity_stretches.hpp"
 #include "tactile/splitting/device_clock.hpp"
+#include "tactile/splitting/long_course.hpp"
 #include "tactile/splitting/split_source.hpp"
-#include "tactile/splitting/touches.hpp"
 
 namespace tactile::splitting {
 
-/// A stretch in which the skin moves, and what it seems to be by its events alone.
+enum class SeenKind : std::uint8_t { press, slip, release };
+std::string_view name_of(SeenKind kind);  ///< "press" ...
+
+/// A stretch in which something moves along the skin, and what it is more likely than anything else.
 struct SeenTouch {
   CameraTime begin{}, end{};
-  BurstKind kind = BurstKind::press;
+  SeenKind kind = SeenKind::press;
 };
 
 /// Where a long recording could be cut into runs. A plain value: `with_cuts` adjusts it, `split_recording` carries it out.
@@ -44,26 +46,22 @@ struct ProposedRun {
 };
 
 struct ProposeOptions {
-  std::string stream{};           ///< of several event streams, by id or source
-  microseconds quiet{2'000'000};  ///< a run ends after this long without a touch, unless an object is held, > 0
-  LongActivityOptions activity{};
-  std::size_t most_bins = 4'000'000;  ///< of the event rate: a long recording has longer bins, so that memory stays bounded
+  std::string stream{};  ///< of several event streams, by id or source
+  LongCourseOptions course{};
 };
 
-/// Proposes a cut in the middle of each quiet stretch of at least `options.quiet` in which no object is held (`grouped_runs`).
-/// The quiet rate follows from the recording itself (`activity_in`). Slow bursts, which only a few places show, count too;
-/// a burst that is too brief and small for a touch neither ends a quiet stretch nor makes a run, and no cut lies in one. Within
-/// each run the bursts are classified, by the arm's lifts if the clock of the robot log is known, else by the motions that the
-/// IMU felt (`felt_moves`).
+/// Proposes a cut in each rest between two touches that ends a run (`ends_run`): half-way through the part of it in which nothing
+/// moves the skin. So a run does not end in its hold, however long that is. What happens is inferred by the model of a run, in
+/// bins of 8 ms (`long_course`).
 ///
-/// Reads the recording up to seven times. Memory: 20 bytes per bin, and 50 KB per burst.
+/// Reads the recording up to five times.
 /// @throws Error  if the recording has no event or no sane sensor, or its events lie more than two days apart; if robot log or
 ///                labels cannot be read
 SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& recording, const ProposeOptions& options = {},
                            const ProgressCallback& progress = {});
 
-/// A proposal with cuts that a person gives; no touch is looked for. Without a robot log, only packets with a cut inside are
-/// read.
+/// A proposal with cuts that a person gives; no touch is looked for. Only packets with a cut inside are read, unless the clock of
+/// a robot log must be found.
 /// @param after_first  from the first event, ascending, > 0
 /// @throws Error  as `with_cuts` and `propose_runs`
 SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& recording,
@@ -79,10 +77,7 @@ std::vector<ProposedRun> runs_of(const SplitProposal& proposal);
 std::optional<microseconds> longest_quiet_within(const SplitProposal& proposal);
 
 /// How many touches of a kind a run has.
-std::size_t count_of(const ProposedRun& run, BurstKind kind);
-
-/// "press", "slip", "release", "tap", "brief", "after".
-std::string_view name_of(BurstKind kind);
+std::size_t count_of(const ProposedRun& run, SeenKind kind);
 
 nlohmann::json json_of(const SplitProposal& proposal);
 

@@ -96,5 +96,35 @@ TEST(LikelyTouches, OfOnePathInFiftyAreNone) {
   EXPECT_TRUE(likely_releases(paths.sample()).empty());
 }
 
+TEST(LikelyRests, LieBetweenTouchesWithTheShareOfPathsInWhichNothingTouchesTheSkin) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (std::size_t i = 0; i < 100; ++i) {
+    Path& path = paths.add();
+    paths.put(path, Happening::press, 6, 300, 400);
+    paths.put(path, Happening::held, 0, 400, i < 30 ? 700 : 1200);  // in 30 paths it is let go
+    paths.put(path, Happening::slip, 6, 1200, 1500);
+    if (i < 40) paths.put(path, Happening::release, 3, 1700, 1800);  // less likely than not
+  }
+  const std::vector<LikelyRest> rests = likely_rests(paths.sample());
+  ASSERT_EQ(rests.size(), 3U);
+  EXPECT_EQ(ms(rests[1].begin), 400);
+  EXPECT_EQ(ms(rests[1].end), 1200);
+  EXPECT_EQ(ms(rests[1].middle), 800);
+  EXPECT_NEAR(rests[1].let_go, 0.3, 1e-9);
+  EXPECT_NEAR(rests[2].let_go, 1, 1e-9);
+  EXPECT_TRUE(rests[0].is_first && rests[2].is_last && !rests[1].is_first && !rests[1].is_last);
+  EXPECT_EQ(ms(rests[2].end), 2000);
+}
+
+TEST(LikelyRests, AreCalmBesideAKnock) {
+  const RunStates states(1000us);
+  Paths paths(states);
+  for (int i = 0; i < 10; ++i) paths.put(paths.add(), Happening::knock, 6, 500, 600);
+  const std::vector<LikelyRest> rests = likely_rests(paths.sample());
+  ASSERT_EQ(rests.size(), 1U);
+  EXPECT_EQ(ms(rests[0].middle), 1300) << "half-way from the knock to the end";
+}
+
 }  // namespace
 }  // namespace tactile::labels

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "tactile/core/random.hpp"
 
@@ -39,21 +41,21 @@ void expect_move(const MotionCourse& course, double within_ms) {
   EXPECT_NEAR(1e-3 * static_cast<double>(us_of(moves[0].end)), 2000, within_ms);
 }
 
-TEST(MotionCourse, HasTheStartAndTheStopOfALift) { expect_move(MotionCourse(motion_of({}), {}), 8); }
+TEST(MotionCourse, HasTheStartAndTheStopOfALift) { expect_move(MotionCourse(motion_of({})), 8); }
 
 TEST(MotionCourse, FindsASlowLiftInANoisyLog) {
-  expect_move(MotionCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8}), {}), 30);
+  expect_move(MotionCourse(motion_of({.mm_per_s = 6, .noise_mm_per_s = 0.8})), 30);
 }
 
-TEST(MotionCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(MotionCourse(motion_of({.rings_mm_per_s = 1.4}), {}), 12); }
+TEST(MotionCourse, EndsALiftBeforeTheArmRingsOn) { expect_move(MotionCourse(motion_of({.rings_mm_per_s = 1.4})), 12); }
 
 TEST(MotionCourse, IsEmptyWhereTheArmRests) {
-  const MotionCourse course(motion_of({.mm_per_s = 0}), {});
+  const MotionCourse course(motion_of({.mm_per_s = 0}));
   EXPECT_FALSE(course.moves_at_all());
 }
 
 TEST(MotionCourse, BeginsMovesAndStopsInItsBins) {
-  const MotionCourse course(motion_of({}), {});
+  const MotionCourse course(motion_of({}));
   const auto conditions = course.conditions(camera_time(5'000'000), 1000us, 3000, 5'000'000);
   const auto start = std::find(conditions.begin(), conditions.end(), arm_starts);
   ASSERT_NE(start, conditions.end());
@@ -65,6 +67,38 @@ TEST(MotionCourse, BeginsMovesAndStopsInItsBins) {
   EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(8'000'000), 5'000'000), 0);
   EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(6'500'000), 5'000'000), 1);
   EXPECT_EQ(course.changes_outside(camera_time(5'000'000), camera_time(5'500'000), 5'000'000), 2);
+}
+
+/// Moves the arm along z with a speed of 20 mm/s for each of these times [s], upwards if it is positive.
+alignment::ArmMotion motion_along_z(const std::vector<double>& moves_s) {
+  alignment::ArmMotion motion;
+  Random random(4);
+  const auto move_for = [&](double seconds, double mm_per_s) {
+    for (int i = 0; 0.004 * i < seconds; ++i) {
+      const double t = 0.004 * i;
+      const double smooth = std::min({1.0, t / 0.02, (seconds - t) / 0.02});
+      motion.velocity.push_back({5e-5 * random.normal(), 5e-5 * random.normal(), 1e-3 * smooth * mm_per_s});
+      motion.acceleration.push_back({});
+      motion.known.push_back(true);
+    }
+  };
+  move_for(1, 0);
+  for (const double s : moves_s) move_for(std::abs(s), s > 0 ? 20 : -20);
+  move_for(1, 0);
+  return motion;
+}
+
+TEST(MotionCourse, KnowsASyncTapFromALift) {
+  const auto has = [](const std::vector<double>& moves_s, std::uint8_t condition) {
+    const auto conditions = MotionCourse(motion_along_z(moves_s)).conditions(camera_time(0), 1000us, 3000, 0);
+    return std::find(conditions.begin(), conditions.end(), condition) != conditions.end();
+  };
+  EXPECT_TRUE(has({-0.3, 0.3}, arm_taps));
+  EXPECT_FALSE(has({-0.3, 0.3}, arm_starts));
+  EXPECT_FALSE(has({0.3, -0.3}, arm_taps)) << "it goes up and comes back";
+  EXPECT_FALSE(has({-0.6, 0.2}, arm_taps)) << "it goes down, and rises a little";
+  EXPECT_FALSE(has({-0.6, 0.6}, arm_taps)) << "it takes longer than a second";
+  EXPECT_FALSE(has({0.3}, arm_taps));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ long double expected(const PlaceCounts& counts, const PlaceRates& rates, std::si
   long double sum = 0;
   for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
     const auto n = static_cast<long double>(counts.at(bin)[place]),
-               q = static_cast<long double>(rates.quiet[place] * rates.gain[bin]);
+               q = static_cast<long double>(rates.quiet[place] * rates.gain_at(bin, place));
     const long double motion = motion_levels[level] * static_cast<long double>(rates.share[place]), mean = q + motion;
     const long double variance = mean + 2 * motion * motion, r = mean * mean / (variance - mean);
     sum += std::lgamma(n + r) - std::lgamma(r) + r * std::log(r / (r + mean)) + n * std::log(mean / (r + mean)) -
@@ -109,6 +109,35 @@ TEST(MotionEvidence, GivesThePlacesOfAMotionTheirShare) {
   const PlaceRates rates = rates_given(counts, quiet, moves);
   EXPECT_GT(rates.share[7], 0.85);
   EXPECT_GT(rates.share[8], 0) << "every place has some";
+}
+
+/// A hot pixel doubles the rate of one place after half of the recording; a touch of 2 s shows in another one.
+TEST(MotionEvidence, OfSeveralRunsFollowsHotPixelsAndNoTouch) {
+  PlaceCounts counts = counts_of(40'000);
+  Random random(8);
+  for (std::size_t i = 0; i < counts.counts.size(); ++i) {
+    const std::size_t bin = i / PlaceCounts::places, place = i % PlaceCounts::places;
+    const bool is_hot = place == 7 && bin >= 20'000, is_touched = place == 9 && bin >= 30'000 && bin < 32'000;
+    counts.counts[i] = static_cast<std::uint16_t>(random.poisson(is_hot ? 1.0 : is_touched ? 4 : 0.5));
+  }
+  std::vector<double> quiet(40'000, 1.0), moves(40'000, 0.0);
+  std::fill(quiet.begin() + 30'000, quiet.begin() + 32'000, 0.0);
+  std::fill(moves.begin() + 30'000, moves.begin() + 32'000, 1.0);
+  counts.several_runs = true;
+  const PlaceRates rates = rates_given(counts, quiet, moves);
+  EXPECT_NEAR(rates.gain_at(30'000, 7) / rates.gain_at(10'000, 7), 2, 0.2);
+  EXPECT_NEAR(rates.gain_at(31'000, 9), 1, 0.09);
+  const auto evidence_in = [&](std::size_t begin, std::size_t end) {
+    const std::vector<double> evidence = motion_evidence(counts, rates);
+    double sum = 0;
+    for (std::size_t bin = begin; bin < end; ++bin) sum += evidence[bin * motion_levels.size() + 1];
+    return sum;
+  };
+  EXPECT_LT(evidence_in(21'000, 29'000), 0) << "a hot pixel is no motion";
+  EXPECT_GT(evidence_in(30'000, 32'000), 1000);
+  counts.several_runs = false;
+  const PlaceRates of_one = rates_given(counts, quiet, moves);
+  EXPECT_EQ(of_one.gain_at(30'000, 7), of_one.gain_at(30'000, 8)) << "in one run all places have one gain";
 }
 
 }  // namespace

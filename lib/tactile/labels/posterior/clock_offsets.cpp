@@ -3,24 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "tactile/core/random.hpp"
 #include "tactile/labels/posterior/run_model_numbers.hpp"
 
 namespace tactile::labels {
 namespace {
 
-constexpr std::size_t coarse_bins = 8;
+constexpr microseconds coarse_bin = 8ms;
 constexpr std::int64_t longest_us = std::int64_t{12} * 3600 * 1'000'000;  // of a log or film
 constexpr double negligible = 12, negligible_at_end = 7;                  // [nats] below the likeliest offset
 
-/// The evidence of several bins together.
-std::vector<double> joined(std::span<const double> values, std::size_t width) {
-  const std::size_t bins = values.size() / width / coarse_bins;
+/// The evidence of `together` bins each. @param width  values of a bin
+std::vector<double> joined(std::span<const double> values, std::size_t width, std::size_t together) {
+  const std::size_t bins = values.size() / width / together;
   std::vector<double> sums(bins * width, 0.0);
-  for (std::size_t b = 0; b < bins * coarse_bins; ++b) {
-    for (std::size_t k = 0; k < width; ++k) sums[b / coarse_bins * width + k] += values[b * width + k];
+  for (std::size_t b = 0; b < bins * together; ++b) {
+    for (std::size_t k = 0; k < width; ++k) sums[b / together * width + k] += values[b * width + k];
   }
   return sums;
+}
+
+/// In each bin, the share of paths in which a shear begins, drawn without what the arm does.
+std::vector<double> shears_begin(const RunStates& states, const BinLikelihoods& likelihoods) {
+  constexpr std::size_t paths = 60;
+  Random random(4);
+  const std::vector<std::uint8_t> unknown(likelihoods.bins(), arm_unknown);
+  std::vector<double> begin(likelihoods.bins(), 0.0);
+  for (const Path& path : drawn_paths(states, filtered(states, likelihoods, unknown, true), unknown, paths, random)) {
+    for (std::size_t b = 1; b < path.size(); ++b) {
+      const Happening before = states.happening_of(path[b - 1]), now = states.happening_of(path[b]);
+      if (now != before && has_motion(now) && now != Happening::release) begin[b] += 1.0 / paths;
+    }
+  }
+  return begin;
 }
 
 /// A finer grid, within `around` of the likely offsets: of at most `most`, and at most a third of them within 100 ms or exactly
@@ -78,15 +95,16 @@ double log_density(std::span<const WeighedOffset> offsets, double us) {
 }
 
 ClockOffsets::ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states,
-                           const alignment::RobotPiece* piece)
+                           const robot::RobotLog* piece)
     : signals_(signals),
       counts_(counts),
       states_(states),
-      coarse_states_(counts.bin * static_cast<std::int64_t>(coarse_bins)),
+      together_(static_cast<std::size_t>(std::max<std::int64_t>(1, coarse_bin / counts.bin))),
+      coarse_states_(counts.bin * static_cast<std::int64_t>(together_), counts.several_runs),
       piece_(piece) {
   if (piece != nullptr) {
-    const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(piece->log);
-    if (motion) course_.emplace(*motion, piece->phases, signals.robot.size() == 1);
+    const std::optional<alignment::ArmMotion> motion = alignment::arm_motion(*piece);
+    if (motion) course_.emplace(*motion, signals.robot.size() == 1);
     if (motion && !signals.imu.empty()) imu_.emplace(signals.imu, *motion);
     if (imu_ && imu_->empty()) imu_.reset();
   } else if (signals.video && !signals.video->steps.empty()) {
@@ -144,11 +162,39 @@ std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const B
                    [&](const WeighedOffset& one) { return course_->conditions(counts_.begin, bin, likelihoods.bins(), one.us); });
     const std::vector<double> evidences = log_evidences(states, likelihoods, conditions);
     for (std::size_t i = 0; i < some.size(); ++i) {
-      const double outside = course_->changes_outside(counts_.begin, signals_.rate.last, some[i].us);
+      const double outside = course_->changes_outside(signals_.rate.begin, signals_.rate.last, some[i].us);
       some[i].log_weight += counted * evidences[i] + outside * std::log(numbers::changes_unrecorded);
     }
   }
   return weighed;
+}
+
+/// Of a log of hours, those offsets at which its motions begin where something begins to shear the skin. The rest is not weighed.
+ClockOffsets::Offsets ClockOffsets::most_promising(Offsets grid, const BinLikelihoods& coarse) const {
+  constexpr std::size_t most = 400;
+  constexpr double of_chance = 0.02;
+  constexpr microseconds sooner = 40ms, later = 300ms;
+  if (grid.size() <= 2 * most || !course_->has_speed()) return grid;
+  std::vector<double> until = shears_begin(coarse_states_, coarse);
+  std::partial_sum(until.begin(), until.end(), until.begin());
+  until.insert(until.begin(), 0.0);
+  const microseconds bin = counts_.bin * static_cast<std::int64_t>(together_);
+  const auto count_before = [&](CameraTime t) {
+    return until[static_cast<std::size_t>(std::clamp<std::int64_t>(between(counts_.begin, t) / bin, 0, std::ssize(until) - 1))];
+  };
+  std::vector<WeighedOffset> scored;
+  scored.reserve(grid.size());
+  for (const std::int64_t us : grid) {
+    double score = imu_at(us);
+    for (const alignment::CameraSpan& move : course_->moves_at(us))
+      score += std::log(of_chance + count_before(after(move.begin, later)) - count_before(before(move.begin, sooner)));
+    scored.push_back({us, score});
+  }
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const WeighedOffset& a, const WeighedOffset& b) { return a.log_weight > b.log_weight; });
+  grid.clear();
+  for (std::size_t i = 0; i < most; ++i) grid.push_back(scored[i].us);
+  return ascending(std::move(grid));
 }
 
 /// The IMU distinguishes offsets that lie between those of the grid.
@@ -162,10 +208,10 @@ std::vector<WeighedOffset> ClockOffsets::with_imu_between(const std::vector<Weig
 }
 
 void ClockOffsets::search(std::span<const double> evidence, std::span<const double> pattern, bool is_last) {
-  const BinLikelihoods coarse(joined(evidence, motion_levels.size()),
-                              pattern.empty() ? std::vector<double>() : joined(pattern, happenings));
+  const BinLikelihoods coarse(joined(evidence, motion_levels.size(), together_),
+                              pattern.empty() ? std::vector<double>() : joined(pattern, happenings, together_));
   const auto weighed_coarsely = [&](const Offsets& us) {
-    return weighed(us, coarse, coarse_states_, counts_.bin * static_cast<std::int64_t>(coarse_bins));
+    return weighed(us, coarse, coarse_states_, counts_.bin * static_cast<std::int64_t>(together_));
   };
   std::vector<WeighedOffset> offsets = likely_;
   if (offsets.empty()) {
@@ -173,7 +219,7 @@ void ClockOffsets::search(std::span<const double> evidence, std::span<const doub
     Offsets grid;
     const std::int64_t step = std::min<std::int64_t>(32'000, std::max<std::int64_t>(8'000, (high - low) / 8));
     for (std::int64_t i = 0; i <= saturating_subtract(high, low) / step; ++i) grid.push_back(low + i * step);
-    offsets = weighed_coarsely(grid);
+    offsets = weighed_coarsely(most_promising(std::move(grid), coarse));
     if (imu_) offsets = with_imu_between(offsets, step);
     offsets = weighed_coarsely(refined(std::move(offsets), imu_ ? 8'000 : step - 8'000, 8'000, 15));
   } else {
@@ -181,7 +227,7 @@ void ClockOffsets::search(std::span<const double> evidence, std::span<const doub
     offsets = weighed_coarsely(refined(std::move(offsets), 24'000, 8'000, 12));
   }
   likely_ = std::move(offsets);
-  if (!is_last) return;
+  if (!is_last || together_ == 1) return;
   const auto fine = imu_ ? refined(by_imu(refined(std::move(likely_), 8'000, 1'000, 5)), 0, 1'000, 15)
                          : refined(std::move(likely_), 0, 8'000, 60, negligible_at_end);
   likely_ = weighed(fine, BinLikelihoods(evidence, pattern), states_, counts_.bin);

@@ -28,11 +28,11 @@ class ClockOffsets {
   /// @param signals, counts, states  of the run; they must live as long
   /// @param piece  of the robot's log; null: by the film
   ClockOffsets(const alignment::RunSignals& signals, const PlaceCounts& counts, const RunStates& states,
-               const alignment::RobotPiece* piece);
+               const robot::RobotLog* piece);
 
   /// Nothing if nothing moves there.
   const std::optional<MotionCourse>& course() const { return course_; }
-  const alignment::RobotPiece* piece() const { return piece_; }
+  const robot::RobotLog* piece() const { return piece_; }
   bool has_imu() const { return imu_.has_value(); }
   /// Of `likely`, by the IMU alone; nothing without it.
   std::optional<std::int64_t> likeliest_by_imu() const;
@@ -50,6 +50,7 @@ class ClockOffsets {
   using Offsets = std::vector<std::int64_t>;
   std::pair<std::int64_t, std::int64_t> possible() const;
   double imu_at(std::int64_t offset_us) const { return imu_ ? imu_->of(offset_us) : 0; }
+  Offsets most_promising(Offsets grid, const BinLikelihoods& coarse) const;
   std::vector<WeighedOffset> by_imu(const Offsets& offsets) const;
   std::vector<WeighedOffset> with_imu_between(const std::vector<WeighedOffset>& grid, std::int64_t step) const;
   std::vector<WeighedOffset> weighed(const Offsets& offsets, const BinLikelihoods& likelihoods, const RunStates& states,
@@ -58,8 +59,9 @@ class ClockOffsets {
   const alignment::RunSignals& signals_;
   const PlaceCounts& counts_;
   const RunStates& states_;
+  std::size_t together_;  ///< bins of the recording in a coarse one
   RunStates coarse_states_;
-  const alignment::RobotPiece* piece_;
+  const robot::RobotLog* piece_;
   std::optional<MotionCourse> course_;
   std::optional<ImuEvidence> imu_;
   std::vector<WeighedOffset> likely_;

@@ -115,6 +115,18 @@ std::optional<LikelyTouch> take_likeliest(std::vector<std::vector<Stretch>>& of_
                      time_of(ends, sample)};
 }
 
+/// Of the paths, those in which nothing touches the skin in some of these bins.
+double share_untouched(const PathSample& sample, std::size_t begin, std::size_t end) {
+  double share = 0;
+  sample.for_all_paths([&, each = sample.share_of_path()](const Path& path, const DrawnPaths&) {
+    const auto first = path.begin() + static_cast<std::ptrdiff_t>(begin), last = path.begin() + static_cast<std::ptrdiff_t>(end);
+    const bool is_untouched =
+        std::any_of(first, last, [&](std::uint16_t state) { return sample.states->happening_of(state) == Happening::untouched; });
+    share += is_untouched ? each : 0;
+  });
+  return share;
+}
+
 }  // namespace
 
 std::vector<LikelyTouch> likely_touches(const PathSample& sample) {
@@ -126,6 +138,22 @@ std::vector<LikelyTouch> likely_touches(const PathSample& sample) {
   std::stable_sort(found.begin(), found.end(),
                    [](const LikelyTouch& a, const LikelyTouch& b) { return a.start.at < b.start.at; });
   return found;
+}
+
+bool are_alternatives(const LikelyTouch& a, const LikelyTouch& b) {
+  constexpr double most = 1.05;  // shares of 400 paths
+  constexpr microseconds same_onset = 100ms;
+  return std::chrono::abs(between(a.start.at, b.start.at)) <= same_onset && a.probability + b.probability <= most;
+}
+
+bool is_likeliest(const LikelyTouch& touch, const std::vector<LikelyTouch>& all) {
+  double of_any_class = 0;
+  for (const LikelyTouch& other : all) {
+    if (&other != &touch && !are_alternatives(other, touch)) continue;
+    of_any_class += other.probability;
+    if (other.probability > touch.probability || (other.probability == touch.probability && &other < &touch)) return false;
+  }
+  return of_any_class >= 0.5;
 }
 
 std::vector<TouchInterval> likely_releases(const PathSample& sample) {
@@ -142,6 +170,40 @@ std::vector<TouchInterval> likely_releases(const PathSample& sample) {
     found.back().end = sample.begin_of(b + 1);
   }
   return found;
+}
+
+std::vector<LikelyRest> likely_rests(const PathSample& sample) {
+  std::vector<double> moves(sample.bins, 0.0), knocks(sample.bins, 0.0);
+  sample.for_all_paths([&, each = sample.share_of_path()](const Path& path, const DrawnPaths&) {
+    for (std::size_t b = 0; b < path.size(); ++b) {
+      const Happening happening = sample.states->happening_of(path[b]);
+      if (!has_motion(happening)) continue;
+      const bool is_brief = happening == Happening::knock || happening == Happening::disturbance;
+      (is_brief ? knocks : moves)[b] += each;
+    }
+  });
+  std::vector<LikelyRest> rests;
+  for (std::size_t begin = 0; begin < sample.bins;) {
+    const auto is_moved = [](double p) { return p >= 0.5; };
+    const auto from = [](std::vector<double>& of, std::size_t b) { return of.begin() + static_cast<std::ptrdiff_t>(b); };
+    begin = static_cast<std::size_t>(std::find_if_not(from(moves, begin), moves.end(), is_moved) - moves.begin());
+    const auto end = static_cast<std::size_t>(std::find_if(from(moves, begin), moves.end(), is_moved) - moves.begin());
+    if (begin == end) break;
+    std::size_t calm_begin = begin, calm_end = begin;
+    for (std::size_t b = begin; b < end;) {
+      const auto next = static_cast<std::size_t>(std::find_if(from(knocks, b), from(knocks, end), is_moved) - knocks.begin());
+      if (next - b > calm_end - calm_begin) calm_begin = b, calm_end = next;
+      b = next + 1;
+    }
+    rests.push_back({.begin = sample.begin_of(begin),
+                     .end = sample.begin_of(end),
+                     .middle = sample.begin_of(calm_begin + (calm_end - calm_begin) / 2),
+                     .let_go = share_untouched(sample, begin, end),
+                     .is_first = begin == 0,
+                     .is_last = end == sample.bins});
+    begin = end;
+  }
+  return rests;
 }
 
 }  // namespace tactile::labels

@@ -19,7 +19,23 @@ struct LikelyTouch {
 /// less than 150 ms between them are one slip that sticks.
 std::vector<LikelyTouch> likely_touches(const PathSample& sample);
 
+/// Whether only one of the two happened, as far as is known: they begin within 100 ms of each other.
+bool are_alternatives(const LikelyTouch& a, const LikelyTouch& b);
+/// Whether a touch of any class is more likely than not there, and this is its likeliest class. @param touch  one of `all`
+bool is_likeliest(const LikelyTouch& touch, const std::vector<LikelyTouch>& all);
+
 /// The releases that are more likely than not, by start.
 std::vector<TouchInterval> likely_releases(const PathSample& sample);
+
+/// A stretch in which no touch moves the skin.
+struct LikelyRest {
+  CameraTime begin{}, end{};
+  CameraTime middle{};                     ///< of its longest part in which nothing else moves it, such as a knock
+  double let_go = 0;                       ///< probability that nothing touches the skin at some time in it
+  bool is_first = false, is_last = false;  ///< it begins with the recording, or ends with it
+};
+
+/// Where a press, a slip, a release or the shear of a firm lift is less likely than not, by time.
+std::vector<LikelyRest> likely_rests(const PathSample& sample);
 
 }  // namespace tactile::labels

@@ -48,12 +48,27 @@ std::size_t stop_of(std::span<const double> speed, double moving) {
   return stop;
 }
 
+/// Whether a move goes somewhere and back within a second, and not upwards. @param velocity  at each step [m/s]
+bool taps(std::span<const alignment::Vector3> velocity, microseconds step) {
+  constexpr microseconds longest = 1s;
+  constexpr double returned = 0.25;  // of the way that is left at the end
+  constexpr double upwards = 0.707;  // of its farthest point: the height
+  if (step * std::ssize(velocity) > longest) return false;
+  alignment::Vector3 at{}, farthest{};
+  for (const alignment::Vector3& v : velocity) {
+    for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += v[axis];
+    if (alignment::length_of(at) > alignment::length_of(farthest)) farthest = at;
+  }
+  const double far = alignment::length_of(farthest);
+  return alignment::length_of(at) < returned * far && farthest[2] < upwards * far;
+}
+
 /// An arm that moves is faster than this [mm/s]. A fifth of the log shows it at rest.
 double least_of_motion(const std::vector<double>& speed) { return std::max(least_speed, 7.5 * quantile(speed, 0.2)); }
 
 }  // namespace
 
-MotionCourse::MotionCourse(const alignment::ArmMotion& motion, std::span<const alignment::MotionPhase> phases, bool is_whole)
+MotionCourse::MotionCourse(const alignment::ArmMotion& motion, bool is_whole)
     : begin_(motion.begin), end_(motion.time_of(motion.velocity.size() - 1)), step_(motion.step) {
   // A slow arm stands out of a noisy log only in means over more rows.
   std::vector<double> speed;
@@ -86,18 +101,13 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion, std::span<const a
       moves_in_log.begins |= first == 0;
       moves_in_log.ends |= stop + 2 >= speed.size();
       moves_.back().start_cut = first == 0 || !motion.known[first - 1];
+      moves_.back().taps = taps(std::span(motion.velocity).subspan(first, stop - first + 1), step_);
       moves_.back().end_cut = stop + 2 >= speed.size() || !motion.known[stop + 1];
     }
     first = last;
   }
   if (is_whole && !moves_in_log.begins) before_ = arm_still;
   if (is_whole && !moves_in_log.ends) after_ = arm_still;
-  for (Move& move : moves_) {
-    const std::int64_t middle_us = move.start_us + (move.end_us - move.start_us) / 2;
-    move.taps = std::any_of(phases.begin(), phases.end(), [&](const alignment::MotionPhase& phase) {
-      return phase.kind == alignment::MotionKind::tap && us_of(phase.start) <= middle_us && middle_us <= us_of(phase.end);
-    });
-  }
 }
 
 MotionCourse::MotionCourse(const alignment::MotionEnergy& film)

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "tactile/alignment/arm_motion.hpp"
-#include "tactile/alignment/motion_phases.hpp"
 #include "tactile/alignment/run_signals.hpp"
 #include "tactile/labels/posterior/run_states.hpp"
 
@@ -15,8 +14,9 @@ namespace tactile::labels {
 /// the film's clock.
 class MotionCourse {
  public:
-  /// @param phases  of the same log: its taps are marked  @param is_whole  the log is no piece of several
-  MotionCourse(const alignment::ArmMotion& motion, std::span<const alignment::MotionPhase> phases, bool is_whole = true);
+  /// A move that goes somewhere and back within a second, and not upwards, is a sync tap.
+  /// @param is_whole  the log is no piece of several
+  explicit MotionCourse(const alignment::ArmMotion& motion, bool is_whole = true);
   explicit MotionCourse(const alignment::MotionEnergy& film);
 
   bool has_speed() const { return !speed_.empty(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -84,6 +85,41 @@ std::vector<double> gain_of_noise(const PlaceCounts& counts, const PlaceRates& r
   return gain;
 }
 
+/// By the quiet rates.
+void set_own_gains(PlaceRates& rates, const PlaceCounts& counts) {
+  constexpr microseconds stretch = 500ms;
+  constexpr double drift = 0.3, step = 0.04;
+  constexpr std::size_t around = 10;
+  rates.bins_of_own_gain = static_cast<std::size_t>(std::max<std::int64_t>(1, stretch / counts.bin));
+  const std::size_t stretches = (counts.bins() + rates.bins_of_own_gain - 1) / rates.bins_of_own_gain;
+  std::vector<double> sums(stretches * PlaceCounts::places, 0.0), recorded(stretches, 0.0);
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    if (!counts.is_recorded(b)) continue;
+    const std::size_t at = b / rates.bins_of_own_gain;
+    recorded[at] += 1;
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place)
+      sums[at * PlaceCounts::places + place] += counts.at(b)[place];
+  }
+  rates.own_gain.assign(sums.size(), 1.0F);
+  std::vector<double> near;
+  for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+    for (std::size_t at = 0; at < stretches; ++at) {
+      near.clear();
+      double expected = 0;
+      for (std::size_t k = at - std::min(at, around); k < std::min(stretches, at + around + 1); ++k) {
+        if (recorded[k] == 0) continue;
+        const double usual = rates.quiet[place] * recorded[k], events = sums[k * PlaceCounts::places + place];
+        near.push_back(events == 0 && usual < 1 ? 1 : (events + 1.0 / 3) / usual);  // a Poisson median is 1/3 below the mean
+        expected += usual;
+      }
+      if (near.empty()) continue;
+      const double known = drift * drift / (drift * drift + std::numbers::pi / 2 / (expected + 1));
+      const double gain = std::max(0.05, 1 + known * (median(near) - 1));
+      rates.own_gain[at * PlaceCounts::places + place] = static_cast<float>(std::exp(step * std::round(std::log(gain) / step)));
+    }
+  }
+}
+
 /// The negative binomial of one place and level, relative to the quiet Poisson distribution.
 class PlaceLevel {
  public:
@@ -132,27 +168,28 @@ PlaceRates first_rates(const PlaceCounts& counts) {
   for (double& rate : rates.quiet) rate = (rate + 0.5) / std::max(bins, 1.0), sum += rate;
   const double correction = 1 + 1.09 / std::sqrt(sum * static_cast<double>(width));
   for (double& rate : rates.quiet) rate *= correction;
+  if (counts.several_runs) set_own_gains(rates, counts);
   normalise(rates.share);
   return rates;
 }
 
 PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet, std::span<const double> moves) {
-  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.5), std::vector<double>(PlaceCounts::places, 0.0)};
-  double bins = 0, moving = 0;
+  PlaceRates rates{std::vector<double>(PlaceCounts::places, 0.5), std::vector<double>(PlaceCounts::places, 0.0),
+                   std::vector<double>(counts.bins(), 1.0)};
+  double bins = 0;
   for (std::size_t b = 0; b < counts.bins(); ++b) {
-    const auto row = counts.at(b);
     bins += quiet[b];
-    moving += moves[b];
-    for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
-      rates.quiet[place] += quiet[b] * row[place];
-      rates.share[place] += moves[b] * row[place];
-    }
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place) rates.quiet[place] += quiet[b] * counts.at(b)[place];
   }
-  for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
-    rates.quiet[place] /= std::max(bins, 1.0);
-    rates.share[place] = std::max(0.0, rates.share[place] - moving * rates.quiet[place]);
+  for (double& rate : rates.quiet) rate /= std::max(bins, 1.0);
+  if (counts.several_runs) set_own_gains(rates, counts);
+  for (std::size_t b = 0; b < counts.bins(); ++b) {
+    if (moves[b] == 0) continue;
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place)
+      rates.share[place] += moves[b] * (counts.at(b)[place] - rates.gain_at(b, place) * rates.quiet[place]);
   }
-  rates.gain = gain_of_noise(counts, rates);
+  for (double& share : rates.share) share = std::max(0.0, share);
+  if (!counts.several_runs) rates.gain = gain_of_noise(counts, rates);
   normalise(rates.share);
   return rates;
 }
@@ -172,15 +209,14 @@ double dispersion_of_noise(const PlaceCounts& counts) {
 double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rates) {
   std::vector<double> log_quiet(PlaceCounts::places);
   std::transform(rates.quiet.begin(), rates.quiet.end(), log_quiet.begin(), [](double q) { return std::log(q); });
-  const double quiet = std::accumulate(rates.quiet.begin(), rates.quiet.end(), 0.0);
   double sum = 0;
   for (std::size_t b = 0; b < counts.bins(); ++b) {
     if (!counts.is_recorded(b)) continue;
     const auto row = counts.at(b);
-    const double gain = rates.gain[b];
-    double events = 0;
-    for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += row[place] * log_quiet[place], events += row[place];
-    sum += events * std::log(gain) - gain * quiet;
+    for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+      const double gain = rates.gain_at(b, place);
+      sum += row[place] * (log_quiet[place] + std::log(gain)) - gain * rates.quiet[place];
+    }
   }
   return sum / dispersion_of_noise(counts);
 }
@@ -190,24 +226,20 @@ std::vector<double> motion_evidence(const PlaceCounts& counts, const PlaceRates&
   const double dispersion = dispersion_of_noise(counts);
   const double bin_ms = 1e-3 * static_cast<double>(counts.bin.count());
   std::vector<double> evidence(counts.bins() * motion_levels.size(), 0.0);
-  std::map<double, std::vector<std::size_t>> bins_of_gain;
-  for (std::size_t b = 0; b < counts.bins(); ++b) {
-    if (counts.is_recorded(b)) bins_of_gain[rates.gain[b]].push_back(b);
-  }
-  for (const auto& [gain, bins] : bins_of_gain) {
-    for (std::size_t level = 1; level < motion_levels.size(); ++level) {
-      std::vector<PlaceLevel> of_place;
-      of_place.reserve(PlaceCounts::places);
-      for (std::size_t place = 0; place < PlaceCounts::places; ++place)
-        of_place.emplace_back(gain * rates.quiet[place], motion_levels[level] * bin_ms * rates.share[place]);
-      for (const std::size_t b : bins) {
-        const auto row = counts.at(b);
-        double sum = 0;
-        for (std::size_t place = 0; place < PlaceCounts::places; ++place) sum += of_place[place].of(row[place]);
-        evidence[b * motion_levels.size() + level] = std::max(sum, least) / dispersion;
-      }
+  for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
+    std::map<double, std::vector<PlaceLevel>> levels_of_gain;
+    for (std::size_t b = 0; b < counts.bins(); ++b) {
+      if (!counts.is_recorded(b)) continue;
+      const double gain = rates.gain_at(b, place);
+      std::vector<PlaceLevel>& of_level = levels_of_gain[gain];
+      for (std::size_t level = of_level.size() + 1; level < motion_levels.size(); ++level)
+        of_level.emplace_back(gain * rates.quiet[place], motion_levels[level] * bin_ms * rates.share[place]);
+      const std::uint16_t n = counts.at(b)[place];
+      double* of_bin = &evidence[b * motion_levels.size()];
+      for (std::size_t level = 1; level < motion_levels.size(); ++level) of_bin[level] += of_level[level - 1].of(n);
     }
   }
+  for (double& one : evidence) one = std::max(one, least) / dispersion;
   return evidence;
 }
 

@@ -11,16 +11,24 @@ namespace tactile::labels {
 /// Of each place: its events per bin while nothing moves, > 0, and its share of the events of motions. Shares sum to 1.
 struct PlaceRates {
   std::vector<double> quiet, share;
-  std::vector<double> gain = {};  ///< of the noise, in each bin: it drifts by some percent
+  std::vector<double> gain = {};     ///< of the noise, in each bin: it drifts by some percent
+  std::size_t bins_of_own_gain = 1;  ///< in which the own gains stay the same
+  std::vector<float> own_gain = {};  ///< of each place, [stretch of bins, place]; empty: 1
+
+  double gain_at(std::size_t bin, std::size_t place) const {
+    return own_gain.empty() ? gain[bin] : gain[bin] * own_gain[bin / bins_of_own_gain * PlaceCounts::places + place];
+  }
 };
 
-/// From the calmest third of the recording, corrected for this choice: the mean of the lowest third of Poisson counts with mean m
-/// is m - 1.09 sqrt(m). All places have the same share.
+/// From the calmest third of the recording, and own gains as in `rates_given`, corrected for this choice: the mean of the lowest
+/// third of Poisson counts with mean m is m - 1.09 sqrt(m). All places have the same share.
 PlaceRates first_rates(const PlaceCounts& counts);
 
-/// From where the skin is known to be quiet, and to move. The noise's gain is that of the half of the places whose events grow
-/// least by motions: the median over 1.25 s of the rates over 250 ms, drawn to 1 as for a drift of 10 % (standard deviation),
-/// from 0.8 to 1.25 in steps of 2 %.
+/// From where the skin is known to be quiet, and to move. In a recording of several runs, hot pixels come and go: each place has
+/// its own gain, the median over 10 s of its rates over 500 ms, so that a motion of up to 5 s does not count; drawn to 1 as for a
+/// drift of 30 % (standard deviation), in steps of 4 %. Else all have one gain. It is that of the half of the places whose events
+/// grow least by motions: the median over 1.25 s of the rates over 250 ms, drawn to 1 as for a drift of 10 % (standard
+/// deviation), from 0.8 to 1.25 in steps of 2 %.
 /// @param quiet, moves  probabilities, of each bin
 PlaceRates rates_given(const PlaceCounts& counts, std::span<const double> quiet, std::span<const double> moves);
 

@@ -13,7 +13,7 @@ std::size_t part_of(int position, int size, std::size_t parts) {
 }  // namespace
 
 PlaceCounts place_counts(events::RecordingReader& recording, std::int32_t stream, const alignment::EventRate& rate,
-                         microseconds longest) {
+                         std::span<const alignment::CameraSpan> gaps, microseconds longest) {
   const events::SensorSize size = recording.stream(stream).size.value_or(events::SensorSize{});
   const auto joined = static_cast<std::size_t>(std::max<std::int64_t>(1, longest / rate.bin));
   const std::size_t bins = (rate.counts.size() + joined - 1) / joined;
@@ -35,6 +35,12 @@ PlaceCounts place_counts(events::RecordingReader& recording, std::int32_t stream
     if (events_of[bin] < result.signs.size())
       result.signs[events_of[bin]++] = {static_cast<std::uint16_t>(cell), static_cast<std::int8_t>(event.on ? 1 : -1)};
   });
+  result.recorded.assign(bins, true);
+  for (std::size_t b = 0; b < bins; ++b) {
+    const CameraTime begin = result.begin_of(b), end = result.begin_of(b + 1);
+    result.recorded[b] = std::none_of(gaps.begin(), gaps.end(),
+                                      [&](const alignment::CameraSpan& gap) { return gap.begin < end && begin < gap.end; });
+  }
   return result;
 }
 

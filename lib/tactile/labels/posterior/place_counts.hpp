@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "tactile/alignment/camera_span.hpp"
 #include "tactile/alignment/event_rate.hpp"
 
 namespace tactile::labels {
@@ -23,6 +24,7 @@ struct PlaceCounts {
   microseconds bin{};
   std::vector<std::uint16_t> counts = {};      ///< [bin, place], at most 65535
   std::vector<bool> recorded = {};             ///< of each bin: false in gaps of the recording; empty: all are
+  bool several_runs = false;                   ///< else the recording has one: few seconds, with one press and one slip
   std::vector<Sign> signs = {};                ///< by bin
   std::vector<std::uint64_t> first_sign = {};  ///< [bin + 1], of `signs`
 
@@ -35,9 +37,11 @@ struct PlaceCounts {
   CameraTime begin_of(std::size_t b) const { return after(begin, bin * static_cast<std::int64_t>(b)); }
 };
 
-/// @param rate     of this stream
-/// @param longest  of a bin, which is a whole number of the rate's. @throws Error  if the recording cannot be read
+/// @param rate     of this stream, or a part of it
+/// @param gaps     in which nothing was recorded
+/// @param longest  of a bin, which is a whole number of the rate's, one at least
+/// @throws Error   if the recording cannot be read
 PlaceCounts place_counts(events::RecordingReader& recording, std::int32_t stream, const alignment::EventRate& rate,
-                         microseconds longest);
+                         std::span<const alignment::CameraSpan> gaps, microseconds longest);
 
 }  // namespace tactile::labels

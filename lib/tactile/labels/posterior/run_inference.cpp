@@ -12,20 +12,7 @@
 namespace tactile::labels {
 namespace {
 
-constexpr microseconds fine_bin = 1000us;
 constexpr std::size_t paths_of_round = 60, paths_at_end = 400;
-
-PlaceCounts counts_in(const alignment::RunSignals& signals) {
-  events::RecordingReader recording(signals.run.events());
-  PlaceCounts counts = place_counts(recording, signals.event_stream, signals.rate, fine_bin);
-  counts.recorded.assign(counts.bins(), true);
-  for (std::size_t b = 0; b < counts.bins(); ++b) {
-    const CameraTime begin = counts.begin_of(b), end = counts.begin_of(b + 1);
-    counts.recorded[b] = std::none_of(signals.gaps.begin(), signals.gaps.end(),
-                                      [&](const alignment::CameraSpan& gap) { return gap.begin < end && begin < gap.end; });
-  }
-  return counts;
-}
 
 /// Whether the camera moves in each bin, by its IMU; empty if it never does.
 std::vector<std::uint8_t> felt_conditions(std::span<const events::ImuSample> imu, const PlaceCounts& counts) {
@@ -45,13 +32,11 @@ std::vector<std::uint8_t> felt_conditions(std::span<const events::ImuSample> imu
 }
 
 /// The pieces of the log, the longest first.
-std::vector<const alignment::RobotPiece*> pieces_by_length(const alignment::RunSignals& signals) {
-  std::vector<const alignment::RobotPiece*> pieces(signals.robot.size());
-  std::transform(signals.robot.begin(), signals.robot.end(), pieces.begin(),
-                 [](const alignment::RobotPiece& piece) { return &piece; });
-  std::stable_sort(pieces.begin(), pieces.end(), [](const alignment::RobotPiece* a, const alignment::RobotPiece* b) {
-    return a->log.states.size() > b->log.states.size();
-  });
+std::vector<const robot::RobotLog*> pieces_by_length(const alignment::RunSignals& signals) {
+  std::vector<const robot::RobotLog*> pieces(signals.robot.size());
+  std::transform(signals.robot.begin(), signals.robot.end(), pieces.begin(), [](const robot::RobotLog& piece) { return &piece; });
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const robot::RobotLog* a, const robot::RobotLog* b) { return a->states.size() > b->states.size(); });
   return pieces;
 }
 
@@ -85,30 +70,31 @@ LikelyOffset offset_by(const std::vector<WeighedOffset>& offsets, bool has_imu) 
   return {.median_us = at(0.5), .low_us = at(0.025) - 1000, .high_us = at(0.975) + 1000};
 }
 
-std::size_t index_of(const alignment::RobotPiece* piece, const alignment::RunSignals& signals) {
+std::size_t index_of(const robot::RobotLog* piece, const alignment::RunSignals& signals) {
   return static_cast<std::size_t>(piece - signals.robot.data());
 }
 
 }  // namespace
 
-RunInference::RunInference(const alignment::RunSignals& signals)
+RunInference::RunInference(const alignment::RunSignals& signals, PlaceCounts counts)
     : signals_(signals),
-      counts_(counts_in(signals)),
-      states_(counts_.bin),
+      counts_(std::move(counts)),
+      states_(counts_.bin, counts_.several_runs),
       pieces_(pieces_by_length(signals)),
       rates_(first_rates(counts_)),
       evidence_(motion_evidence(counts_, rates_)),
       sample_{.states = &states_, .begin = counts_.begin, .bin = counts_.bin, .bins = counts_.bins()} {
-  const auto add_clock = [&](const alignment::RobotPiece* piece) {
+  const auto add_clock = [&](const robot::RobotLog* piece) {
     auto clock = std::make_unique<ClockOffsets>(signals, counts_, states_, piece);
     if (clock->course()) clocks_.push_back(std::move(clock));
   };
-  for (const alignment::RobotPiece* piece : pieces_) add_clock(piece);
+  for (const robot::RobotLog* piece : pieces_) add_clock(piece);
   if (clocks_.empty()) {
     felt_ = felt_conditions(signals.imu, counts_);
     add_clock(nullptr);
   }
-  for (int round = 0; round < 2; ++round) {
+  constexpr int rounds = 2;
+  for (int round = 0; round < rounds; ++round) {
     search(false);
     draw(paths_of_round);
     learn();
@@ -142,7 +128,7 @@ bool RunInference::longest_piece_moves() const {
 
 OffsetsOfRun RunInference::robot_offsets() const {
   if (pieces_.empty()) return {};
-  const robot::RobotLog& log = pieces_.front()->log;
+  const robot::RobotLog& log = *pieces_.front();
   const RobotTime first = log.states.front().t, last = log.states.back().t;
   OffsetsOfRun run{.at = first + (last - first) / 2, .offsets = {}};
   if (!longest_piece_moves()) return run;
@@ -228,7 +214,8 @@ void RunInference::learn() {
       if (level > 0 && happening != Happening::held && happening != Happening::carried) moves[b] += each;
     }
   });
-  if (std::accumulate(quiet.begin(), quiet.end(), 0.0) > 200) rates_ = rates_given(counts_, quiet, strong);
+  const auto needed = static_cast<double>(200ms / counts_.bin);
+  if (std::accumulate(quiet.begin(), quiet.end(), 0.0) > needed) rates_ = rates_given(counts_, quiet, strong);
   const std::vector<LikelyTouch> found = likely_touches(sample_);
   const auto press = std::find_if(found.begin(), found.end(),
                                   [](const LikelyTouch& one) { return one.touch == Touch::press && one.probability > 0.3; });

@@ -18,8 +18,8 @@ namespace tactile::labels {
 class RunInference {
  public:
   /// Learns the rates of noise and motion, the pattern of the press, and the likely offsets of the clock of robot or film, by
-  /// this run's signals alone. @throws Error  if the recording cannot be read
-  explicit RunInference(const alignment::RunSignals& signals);
+  /// this run's signals alone. @param counts  of the same recording, or of the part of it that `signals.rate` has
+  RunInference(const alignment::RunSignals& signals, PlaceCounts counts);
   RunInference(const RunInference&) = delete;
   RunInference& operator=(const RunInference&) = delete;
   RunInference(RunInference&&) = delete;
@@ -31,6 +31,8 @@ class RunInference {
 
   /// @param prior  of the robot's offset, by other runs; empty: none
   RunPosterior posterior(std::span<const WeighedOffset> prior);
+  /// By the paths of `posterior`, which goes before.
+  std::vector<LikelyRest> rests() const { return likely_rests(sample_); }
 
  private:
   bool longest_piece_moves() const;  ///< then it has the first clock
@@ -43,7 +45,7 @@ class RunInference {
   const alignment::RunSignals& signals_;
   PlaceCounts counts_;
   RunStates states_;
-  std::vector<const alignment::RobotPiece*> pieces_;   ///< of the log, the longest first
+  std::vector<const robot::RobotLog*> pieces_;         ///< of the log, the longest first
   std::vector<std::unique_ptr<ClockOffsets>> clocks_;  ///< of those in which the arm moves; without any, of the film
   std::vector<std::uint8_t> felt_;                     ///< conditions by the IMU, without a log; empty: it felt nothing
   PlaceRates rates_;

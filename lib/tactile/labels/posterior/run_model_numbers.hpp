@@ -11,7 +11,10 @@ inline constexpr double without_slack = 0.25;  ///< of the mounts: they have no 
 inline constexpr double start_shakes = 0.2;    ///< of the lifts, those whose start shakes the skin before it shears
 inline constexpr double gain_grows_s = 0.020;  ///< until more of the skin follows: a factor of three in events
 inline constexpr double follows_arm_s = 0.03;  ///< shear follows the arm for this long, mean; then tips begin to slip
-inline constexpr double slips = 0.94;          ///< share of the lifts in which the object slips
+/// In a recording of several runs, how often per second an object leaves the skin without an event: while the arm rests by its
+/// log, or after a lift.
+inline constexpr double held_object_leaves = 0.3, carried_object_leaves = 1;
+inline constexpr double slips = 0.94;  ///< share of the lifts in which the object slips
 
 /// Of the level at which a motion begins, in the order of `motion_levels`: a fifth causes no event at first.
 inline constexpr std::array<double, 9> first_level{0.20, 0.08, 0.10, 0.11, 0.12, 0.13, 0.12, 0.09, 0.05};

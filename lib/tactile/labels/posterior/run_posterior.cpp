@@ -9,7 +9,21 @@
 #include "tactile/labels/posterior/session_offsets.hpp"
 
 namespace tactile::labels {
-RunPosterior run_posterior(const alignment::RunSignals& signals) { return RunInference(signals).posterior({}); }
+namespace {
+
+PlaceCounts counts_in(const alignment::RunSignals& signals) {
+  constexpr microseconds bin = 1000us, longest_run = 30s;
+  events::RecordingReader recording(signals.run.events());
+  PlaceCounts counts = place_counts(recording, signals.event_stream, signals.rate, signals.gaps, bin);
+  counts.several_runs = between(signals.rate.begin, signals.rate.last) > longest_run;
+  return counts;
+}
+
+}  // namespace
+
+RunPosterior run_posterior(const alignment::RunSignals& signals) {
+  return RunInference(signals, counts_in(signals)).posterior({});
+}
 
 std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSignals* const> runs, unsigned threads) {
   std::vector<std::unique_ptr<RunInference>> inferences(runs.size());
@@ -17,7 +31,7 @@ std::vector<RunPosterior> session_posteriors(std::span<const alignment::RunSigna
   std::vector<RunPosterior> posteriors(runs.size());
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     try {
-      inferences[i] = std::make_unique<RunInference>(*runs[i]);
+      inferences[i] = std::make_unique<RunInference>(*runs[i], counts_in(*runs[i]));
       alone[i] = inferences[i]->robot_offsets();
     } catch (const Error&) {
       posteriors[i].failure = std::current_exception();

@@ -20,8 +20,6 @@ struct State {
   std::size_t level;
 };
 
-bool has_motion(H happening) { return happening != H::untouched && happening != H::held && happening != H::carried; }
-
 /// Press, slip and release may last long with few events.
 bool may_be_even(H happening) { return happening == H::press || happening == H::slip || happening == H::release; }
 
@@ -182,8 +180,8 @@ Rates rates_from(const State& from, std::size_t arm, double bin_s) {
 
 class Builder {
  public:
-  Builder(microseconds bin, std::vector<State> states)
-      : bin_s_(1e-6 * static_cast<double>(bin.count())), states_(std::move(states)) {}
+  Builder(microseconds bin, bool several_runs, std::vector<State> states)
+      : bin_s_(1e-6 * static_cast<double>(bin.count())), several_runs_(several_runs), states_(std::move(states)) {}
 
   StateTransitions transitions(std::size_t arm) {
     const std::size_t count = states_.size();
@@ -248,7 +246,7 @@ class Builder {
     std::vector<std::pair<double*, double>> rates;
     const auto add = [&](std::size_t entry, double rate) { rates.emplace_back(&entries[entry], rate); };
     const auto add_state = [&](const State& to, double rate) { rates.emplace_back(&row[index_of(to)], rate); };
-    const bool moves = arm_moves(arm), calm = from.level <= 2;
+    const bool moves = arm_moves(arm), calm = from.level <= 2, is_known = arm == arm_still || arm == arm_stopped;
     if (from.phase == Phase::rising || from.phase == Phase::following) {
       if (follows_arm(from))
         add_state({from.happening, Phase::moving, level_at(from, arm)}, 1 / numbers::follows_arm_s);
@@ -257,7 +255,13 @@ class Builder {
       const bool touches = from.happening != H::press && from.happening != H::knock;
       add(enter(touches ? H::held : H::untouched, moves), 0.5);
     } else {
-      for (const auto& [happening, rate] : rates_from(from, arm, bin_s_)) add(enter(happening, moves), rate);
+      Rates others = rates_from(from, arm, bin_s_);
+      if (several_runs_ && is_known && !moves && from.happening == H::held) others[H::untouched] = numbers::held_object_leaves;
+      if (several_runs_ && !moves && from.happening == H::carried) {
+        others[H::untouched] = numbers::carried_object_leaves;
+        if (!is_known) others.erase(H::held);  // another lift would not be known
+      }
+      for (const auto& [happening, rate] : others) add(enter(happening, moves), rate);
       if (from.phase == Phase::moving && may_be_even(from.happening))
         add(even(from.happening), (from.happening == H::press ? 0.3 : 1) * (calm ? 4 : 0.3));
       if (from.phase == Phase::moving && from.happening == H::slip)
@@ -341,6 +345,7 @@ class Builder {
   }
 
   double bin_s_;
+  bool several_runs_;
   std::vector<State> states_;
   std::vector<Entry> entries_;  ///< for one condition of the arm
 };
@@ -354,13 +359,13 @@ void StateTransitions::Steps::add_row(std::span<const double> row) {
   first_.push_back(static_cast<std::uint32_t>(steps_.size()));
 }
 
-RunStates::RunStates(microseconds bin) {
+RunStates::RunStates(microseconds bin, bool several_runs) {
   const std::vector<State> states = all_states();
   for (const State& state : states) {
     happening_of_.push_back(state.happening);
     for (std::size_t arm = 0; arm < arm_conditions; ++arm) level_of_.push_back(static_cast<std::uint8_t>(level_at(state, arm)));
   }
-  Builder builder(bin, states);
+  Builder builder(bin, several_runs, states);
   for (std::size_t arm = 0; arm < arm_conditions; ++arm) transitions_[arm] = builder.transitions(arm);
   at_start_.assign(states.size(), 0.0);
   const auto begins = [&](H happening, Phase phase, std::size_t level, double probability) {

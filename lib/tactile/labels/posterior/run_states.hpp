@@ -23,6 +23,9 @@ enum class Happening : std::uint8_t {
   disturbance,  ///< any other short motion while an object touches it: micro-slip, turn, vibration
 };
 constexpr std::size_t happenings = 9;
+constexpr bool has_motion(Happening happening) {
+  return happening != Happening::untouched && happening != Happening::held && happening != Happening::carried;
+}
 
 /// How much moves: the events of the motion, all places together [per ms].
 constexpr std::array<double, 9> motion_levels{0, 0.35, 1, 3, 9, 27, 81, 250, 750};
@@ -77,7 +80,8 @@ struct StateTransitions {
 /// level wanders. A slip may also stick, or slide smoothly without events; press, slip and release may last long with few.
 class RunStates {
  public:
-  explicit RunStates(microseconds bin);
+  /// @param several_runs  in the recording: between two of them an object may leave the skin without an event
+  explicit RunStates(microseconds bin, bool several_runs = false);
 
   std::size_t count() const { return happening_of_.size(); }
   Happening happening_of(std::size_t state) const { return happening_of_[state]; }
