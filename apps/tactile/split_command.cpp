@@ -102,7 +102,7 @@ splitting::SplitProposal proposal_of(const SplitArguments& args, const splitting
   if (args.at.empty()) return splitting::propose_runs(source, recording, options, progress_line(common));
   std::vector<microseconds> cuts;
   for (const double at : args.at) cuts.push_back(us_in(at));
-  return splitting::proposal_with(source, recording, cuts, options);
+  return splitting::proposal_with(source, recording, cuts, options, progress_line(common));
 }
 
 std::string result_text(const SplitArguments& args, const splitting::SplitProposal& proposal,
@@ -171,7 +171,7 @@ void split(const SplitArguments& args, const CommonArguments& common) {
 
 void add_split_command(CLI::App& app) {
   auto args = std::make_shared<SplitArguments>();
-  Command command = add_command(app, "split", "Cut a long recording into run folders where it is quiet",
+  Command command = add_command(app, "split", "Cut a long recording into run folders where the object is let go",
                                 [args](const CommonArguments& common) { split(*args, common); });
   command
       .add_option("recording", args->recording,
@@ -191,7 +191,7 @@ void add_split_command(CLI::App& app) {
       .type_name("S,...")
       .delimiter(',')
       .check(in_range(0.0, 1e6));
-  command.add_option("--quiet-s", args->quiet_s, "A run ends where nothing moves for this long [s], unless an object is held")
+  command.add_option("--quiet-s", args->quiet_s, "A run ends where no touch moves for this long [s], unless an object is held")
       .check(in_range(0.05, 3600.0))
       .show_default();
   command.add_flag("--dry-run", args->dry_run, "Print the proposal, and write nothing");

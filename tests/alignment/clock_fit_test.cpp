@@ -40,7 +40,7 @@ TEST(FitClock, FindsOffsetAndDriftOfASession) {
   EXPECT_EQ(fit.clock->relation.reference_us, clock_start_us);
   EXPECT_EQ(fit.clock->anchors, 12);
   EXPECT_NEAR(fit.clock->residual_us, 300, 200);
-  EXPECT_EQ(fit.clock->method, "film of the arm (12)");
+  EXPECT_EQ(fit.clock->method, "motions (12)");
 }
 
 TEST(FitClock, TakesADriftOfAHundredAndFiftyAndRefusesTwoHundredAndFifty) {
@@ -57,16 +57,16 @@ TEST(FitClock, DoesNotEstimateADriftThatCannotBeMeasuredAndGivesTheReason) {
   const ClockFit few = fit_clock(anchors_of(3, 100, 0.0, 300), clock_start_us);
   ASSERT_TRUE(few.clock);
   EXPECT_EQ(few.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(few.clock->method, "film of the arm (3); drift not estimated: 3 of 4 anchors");
+  EXPECT_EQ(few.clock->method, "motions (3); drift not estimated: 3 of 4 anchors");
   const ClockFit near = fit_clock(anchors_of(6, 5, 80.0, 300), clock_start_us);
   ASSERT_TRUE(near.clock);
   EXPECT_EQ(near.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(near.clock->method, "film of the arm (6); drift not estimated: the anchors span 25 of 60 s");
+  EXPECT_EQ(near.clock->method, "motions (6); drift not estimated: the anchors span 25 of 60 s");
   std::vector<ClockAnchor> vague = anchors_of(5, 20, 80.0, 1e5);
   const ClockFit open = fit_clock(vague, clock_start_us);
   ASSERT_TRUE(open.clock);
   EXPECT_EQ(open.clock->relation.drift_ppm, 0.0);
-  EXPECT_EQ(open.clock->method, "film of the arm (5); drift not estimated: the anchors do not determine it");
+  EXPECT_EQ(open.clock->method, "motions (5); drift not estimated: the anchors do not determine it");
 }
 
 TEST(FitClock, AnUncertainWitnessDoesNotMakeADriftMeasurable) {

@@ -47,15 +47,15 @@ TEST(SpeedsFromPoses, DoNotReachOverAGap) {
 
 TEST(SpeedsFromPoses, OfOneRowOrTwoAreTheirDifference) {
   std::vector<RobotState> one = speeding_up({5}), two = speeding_up({0, 8});
-  EXPECT_EQ(set_speeds_from_poses(one), microseconds{0});
+  set_speeds_from_poses(one);
   EXPECT_EQ(one[0].tcp_speed[2], 0);
   set_speeds_from_poses(two);
   EXPECT_NEAR(two[0].tcp_speed[2], 0.01 + 1.2 * 0.004, 1e-9);
   EXPECT_NEAR(two[1].tcp_speed[2], 0.01 + 1.2 * 0.004, 1e-9);
 }
 
-TEST(SpeedsFromPoses, AreAsNoisyAsDocumentedAndMeansOfTheReturnedTime) {
-  for (const auto& [period_ms, noise_factor, half_us] : {std::tuple{8, 88.4, 8'000}, {2, 64.5, 6'870}}) {
+TEST(SpeedsFromPoses, AreAsNoisyAsDocumented) {
+  for (const auto& [period_ms, noise_factor] : {std::pair{8, 88.4}, {2, 64.5}}) {
     Random random(4);
     std::vector<RobotState> states;
     for (int i = 0; i < 20'000; ++i) {
@@ -64,26 +64,11 @@ TEST(SpeedsFromPoses, AreAsNoisyAsDocumentedAndMeansOfTheReturnedTime) {
       state.tcp_pose[1] = 1e-5 * random.normal();
       states.push_back(state);
     }
-    const microseconds half = set_speeds_from_poses(states);
-    EXPECT_NEAR(static_cast<double>(half.count()), half_us, 10.0);
+    set_speeds_from_poses(states);
     double squares = 0;
     for (const RobotState& state : states) squares += state.tcp_speed[1] * state.tcp_speed[1];
     EXPECT_NEAR(std::sqrt(squares / 20'000.0), 1e-5 * noise_factor, 0.03 * 1e-5 * noise_factor);
   }
-}
-
-TEST(Smoothing, IsKnownOfSpeedsThatWereMadeFromThePoses) {
-  Random random(5);
-  std::vector<RobotState> states = speeding_up({0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104});
-  for (RobotState& state : states) state.tcp_pose[1] += 1e-5 * random.normal();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const RobotState &before = states[i > 0 ? i - 1 : i], &after = states[i + 1 < states.size() ? i + 1 : i];
-    const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
-    for (std::size_t k = 0; k < 3; ++k) states[i].tcp_speed[k] = (after.tcp_pose[k] - before.tcp_pose[k]) / seconds;
-  }
-  EXPECT_EQ(smoothing_of(states), microseconds{8'000});
-  for (RobotState& state : states) state.tcp_speed[1] += 1e-4 * random.normal();
-  EXPECT_EQ(smoothing_of(states), microseconds{0}) << "measured ones never agree so well";
 }
 
 TEST(PosesFromSpeeds, AreTheDisplacementSinceTheFirstRow) {

@@ -36,6 +36,21 @@ TEST(DeviceClock, FollowsTheHostPairsPieceByPiece) {
   EXPECT_EQ(clock.camera_at(10'010'000), camera_time(9'000'000));
 }
 
+/// Rows arrive in bursts of ten, 8 ms apart: the last one of a burst at once, the others when it does.
+TEST(OffsetAround, IsThatOfTheRowThatArrivedFastest) {
+  const DeviceClock clock{.arrivals = {{camera_time(0), host_time(1'000'000)}, {camera_time(10'000'000), host_time(11'000'000)}},
+                          .how = {}};
+  robot::RobotLog log;
+  for (int i = 0; i < 1000; ++i) {
+    robot::RobotState row{};
+    row.t = RobotTime{microseconds{8'000 * i}};
+    row.host_time = host_time(1'500'000 + 8'000 * (i / 10 * 10 + 9));
+    log.states.push_back(row);
+  }
+  EXPECT_EQ(offset_around(clock, log, camera_time(4'000'000)).offset_us, 500'000);
+  EXPECT_EQ(offset_around(by_stamp(), log, camera_time(4'000'000)).offset_us, -100'000'000);
+}
+
 TEST(SpansOf, GiveTheOuterPiecesAllThatLiesBeyond) {
   DeviceClock clock = by_stamp();
   clock.within = 200ms;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,11 +32,12 @@ struct SkinRecording {
 class SplitProposalOf : public testing::Test {
  protected:
   /// The touches of each proposed run: "press slip, press".
-  std::string runs_of_recording(const SkinRecording& made) {
+  std::string runs_of_recording(const SkinRecording& made, const ProposeOptions& options = {}) {
+    std::filesystem::remove(folder / "events.aedat4");
     write(made);
     events::RecordingReader recording(folder / "events.aedat4");
     std::string text;
-    for (const ProposedRun& run : runs_of(propose_runs(split_source_at(folder / "events.aedat4"), recording))) {
+    for (const ProposedRun& run : runs_of(propose_runs(split_source_at(folder / "events.aedat4"), recording, options))) {
       text += text.empty() ? "" : ",";
       for (const SeenTouch& touch : run.touches) text += " " + std::string(name_of(touch.kind));
     }
@@ -93,9 +95,42 @@ TEST_F(SplitProposalOf, APauseOfTheRecordingEndsARun) {
   EXPECT_EQ(runs_of_recording(made), " press, press");
 }
 
-TEST_F(SplitProposalOf, TheSilenceOfASensorWithoutNoiseIsNoPause) {
+TEST_F(SplitProposalOf, TheSilenceOfASensorWithLittleNoiseIsNoPause) {
   EXPECT_EQ(runs_of_recording({.bursts = {{1, press}, {4.5, slip, 0.5}, {9, press}}, .length_s = 11, .noise_per_ms = 0.01}),
             " press slip, press");
+}
+
+/// Six runs; the third one is held for long.
+const SkinRecording six_runs{.bursts = {{1, press},
+                                        {2, slip, 0.5},
+                                        {7, press},
+                                        {8, slip, 0.5},
+                                        {13, press},
+                                        {21, release},
+                                        {26, press},
+                                        {27, slip, 0.5},
+                                        {32, press},
+                                        {33, slip, 0.5},
+                                        {38, press},
+                                        {39, slip, 0.5}},
+                             .length_s = 41};
+
+TEST_F(SplitProposalOf, APartEndsBetweenTwoRunsAndGrowsUntilItCan) {
+  const std::string expected = " press slip, press slip, press release, press slip, press slip, press slip";
+  EXPECT_EQ(runs_of_recording(six_runs), expected);
+  for (const microseconds part : {4s, 9s, 15s}) {
+    ProposeOptions options;
+    options.course.part = part;
+    EXPECT_EQ(runs_of_recording(six_runs, options), expected) << part.count();
+  }
+}
+
+TEST_F(SplitProposalOf, PausesForMostOfTheTimeDoNotHideTheNoise) {
+  const SkinRecording made{
+      .bursts = {{1, press}, {2.5, slip, 0.5}, {31, press}, {32.5, slip, 0.5}, {61, press}, {62.5, slip, 0.5}},
+      .length_s = 64,
+      .off = {{4, 30}, {34, 60}}};
+  EXPECT_EQ(runs_of_recording(made), " press slip, press slip, press slip");
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 const LEAST_US = 1000; // between two cuts
 
-/// The runs between cuts, with the touches that begin in each: {begin_us, end_us, presses, slips, others}.
+/// The runs between cuts, with the touches that begin in each: {begin_us, end_us, presses, slips, releases}.
 export function runsBetween(cuts, touches, length_us) {
   const begins = [0, ...cuts];
   return begins.map((begin_us, index) => {
@@ -10,7 +10,7 @@ export function runsBetween(cuts, touches, length_us) {
     const here = touches.filter((touch) => touch.begin_us >= begin_us && (touch.begin_us < end_us || index + 1 === begins.length));
     const presses = here.filter(({ kind }) => kind === "press").length;
     const slips = here.filter(({ kind }) => kind === "slip").length;
-    return { begin_us, end_us, presses, slips, others: here.length - presses - slips };
+    return { begin_us, end_us, presses, slips, releases: here.filter(({ kind }) => kind === "release").length };
   });
 }
 

@@ -104,7 +104,7 @@ export class SplitPage {
           "table",
           { class: "figures split-runs" },
           el("caption", {}, "The runs between the cuts"),
-          el("thead", {}, el("tr", {}, ["Run", "Start", "End", "Length", "Press", "Slip", "Other", "Cut before it"].map((words) => el("th", { scope: "col" }, words)))),
+          el("thead", {}, el("tr", {}, ["Run", "Start", "End", "Length", "Press", "Slip", "Release", "Cut before it"].map((words) => el("th", { scope: "col" }, words)))),
           this.runs,
         ),
       ),
@@ -131,7 +131,7 @@ export class SplitPage {
           cell("Length", secondsText(run.end_us - run.begin_us, 1e7)),
           cell("Press", String(run.presses)),
           cell("Slip", String(run.slips)),
-          cell("Other", String(run.others)),
+          cell("Release", String(run.releases)),
           el(
             "td",
             {},

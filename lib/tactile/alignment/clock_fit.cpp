@@ -207,7 +207,7 @@ class Fitter {
     clock.offset_low_us = saturating_subtract(offset_us, half_us);
     clock.offset_high_us = saturating_add(offset_us, half_us);
     clock.anchors = static_cast<int>(sizes.size());
-    clock.method = fmt::format("film of the arm ({})", sizes.size());
+    clock.method = fmt::format("motions ({})", sizes.size());
     if (!with_drift_) clock.method += fmt::format("; drift not estimated: {}", why_no_drift_);
     return {};
   }

@@ -223,11 +223,15 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
 }
 
 EventRate part_of(const EventRate& rate, std::size_t begin, std::size_t end) {
-  EventRate part = rate;
+  EventRate part;
   part.begin = rate.begin_of(begin);
-  part.last = std::min(rate.last, before(rate.begin_of(end), 1us));
+  part.bin = rate.bin;
   part.counts.assign(rate.counts.begin() + static_cast<std::ptrdiff_t>(begin),
                      rate.counts.begin() + static_cast<std::ptrdiff_t>(end));
+  part.last = end < rate.counts.size() ? before(rate.begin_of(end), 1us) : rate.last;
+  part.hot_pixels = rate.hot_pixels;
+  part.hot = rate.hot;
+  part.is_part = true;
   return part;
 }
 
@@ -237,13 +241,16 @@ void for_counted_events(events::RecordingReader& recording, std::int32_t stream_
   const auto width = static_cast<std::size_t>(size.width);
   std::vector<bool> hot(width * static_cast<std::size_t>(size.height));
   for (const std::uint32_t pixel : rate.hot) hot[pixel] = true;
-  const CameraTime end = rate.begin_of(rate.counts.size());
+  const auto is_outside = [&](const events::PacketRecord& packet) {
+    return packet.last < rate.begin || packet.first > rate.last;
+  };
   for (const events::PacketRecord& packet : recording.packets()) {
-    if (packet.stream_id != stream_id || packet.last < rate.begin || packet.first >= end) continue;
+    if (packet.stream_id != stream_id || (rate.is_part && is_outside(packet))) continue;
     for (const events::Event& event : recording.read_events(packet)) {
-      if (event.t < rate.begin || event.t >= end) continue;
+      const auto bin = static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin);
+      if (event.t < rate.begin || bin >= rate.counts.size()) continue;
       if (hot[static_cast<std::size_t>(event.y) * width + static_cast<std::size_t>(event.x)]) continue;
-      use(event, static_cast<std::size_t>(between(rate.begin, event.t) / rate.bin));
+      use(event, bin);
     }
   }
 }

@@ -26,6 +26,7 @@ struct EventRate {
   /// The frequency at which the light swings throughout the recording, as that of lamps without a filter. Its events hide touches
   /// where they are most of the rate's variation.
   std::optional<double> flicker_hz = {};
+  bool is_part = false;  ///< of a recording
 
   CameraTime begin_of(std::size_t bin_index) const { return after(begin, bin * static_cast<std::int64_t>(bin_index)); }
 };
@@ -51,8 +52,8 @@ EventRate event_rate(events::RecordingReader& recording, std::int32_t stream_id,
 /// The bins [begin, end) of a rate. @param begin, end  begin < end <= their number
 EventRate part_of(const EventRate& rate, std::size_t begin, std::size_t end);
 
-/// Hands every event that `rate` counts, and its bin, to `use`, in file order. Packets that lie outside by the list of packets
-/// are not read.
+/// Hands every event that `rate` counts, and its bin, to `use`, in file order. For a part, packets that lie outside by the list
+/// of packets are not read.
 /// @param rate  of this stream of this recording, or a part of it
 void for_counted_events(events::RecordingReader& recording, std::int32_t stream_id, const EventRate& rate,
                         const std::function<void(const events::Event&, std::size_t)>& use);

@@ -10,7 +10,6 @@ namespace tactile::alignment {
 namespace {
 
 constexpr double median_over_s = 2.0, median_every_s = 0.5;
-constexpr double longest_gap_s = 0.020;
 
 /// Medians of one axis over `median_over_s`, at every `median_every_s`, and the time of each.
 struct Medians {
@@ -77,15 +76,6 @@ ImuMotion imu_motion(std::span<const events::ImuSample> samples) {
     for (std::size_t i = 0; i < n; ++i) sizes.push_back(std::abs(motion.acceleration[i][axis]));
   }
   motion.noise_m_s2 = sigma_per_median * median(sizes);
-
-  motion.velocity.resize(n);
-  for (std::size_t i = 1; i < n; ++i) {
-    const Vector3 &before = motion.acceleration[i - 1], &a = motion.acceleration[i];
-    const double step_s = t_s[i] - t_s[i - 1];
-    for (std::size_t k = 0; k < 3; ++k) {
-      motion.velocity[i][k] = motion.velocity[i - 1][k] + (step_s > longest_gap_s ? 0.0 : 0.5 * step_s * (a[k] + before[k]));
-    }
-  }
   return motion;
 }
 

@@ -12,15 +12,13 @@ namespace tactile::alignment {
 struct ImuMotion {
   std::vector<CameraTime> t;          ///< ascending
   std::vector<Vector3> acceleration;  ///< without gravity and bias [m/s^2]
-  std::vector<Vector3> velocity;      ///< its integral from the first sample on; it drifts away [m/s]
   double noise_m_s2 = 0;              ///< standard deviation of a sample at rest, each axis
 
   double seconds(std::size_t i) const { return 1e-6 * static_cast<double>(between(t.front(), t[i]).count()); }
 };
 
 /// Takes off gravity and bias: the running median over two seconds of each axis. An arm speeds up or brakes for a fraction of a
-/// second, which does not move that median. Samples out of order are left out. The integral passes over gaps of more than 20 ms
-/// as if there were no acceleration in them.
+/// second, which does not move that median. Samples out of order are left out.
 ImuMotion imu_motion(std::span<const events::ImuSample> samples);
 
 }  // namespace tactile::alignment

@@ -103,11 +103,6 @@ std::optional<std::int64_t> host_ahead_of_robot(const RunInfo& run, const robot:
   return ahead;
 }
 
-bool are_too_far_apart(CameraTime camera, RobotTime robot) {
-  const std::int64_t apart_us = saturating_subtract(us_of(camera), us_of(robot));
-  return apart_us == std::numeric_limits<std::int64_t>::max() || apart_us == std::numeric_limits<std::int64_t>::min();
-}
-
 /// Data arrive late by some ms, in bursts more, and clocks drift: the content decides within this.
 constexpr microseconds host_times_within = 100ms;
 
@@ -161,6 +156,11 @@ void read_robot(RunSignals& signals, const robot::RobotLogOptions& options) {
 }
 
 }  // namespace
+
+bool are_too_far_apart(CameraTime camera, RobotTime robot) {
+  const std::int64_t apart_us = saturating_subtract(us_of(camera), us_of(robot));
+  return apart_us == std::numeric_limits<std::int64_t>::max() || apart_us == std::numeric_limits<std::int64_t>::min();
+}
 
 std::vector<CameraArrival> arrivals_in(const RunInfo& run) {
   const nlohmann::json pairs = run.extra.value("host_from_camera", nlohmann::json());

@@ -62,6 +62,9 @@ struct RunSignals {
 /// @throws OutsideFilm  if the region is not inside the film
 RunSignals read_run_signals(const RunFolder& run, const RunSignalsOptions& options = {});
 
+/// Whether two clocks lie further apart than int64 holds.
+bool are_too_far_apart(CameraTime camera, RobotTime robot);
+
 /// When the camera's data arrived at the host, by `host_from_camera` of run.json; empty if it has none.
 std::vector<CameraArrival> arrivals_in(const RunInfo& run);
 

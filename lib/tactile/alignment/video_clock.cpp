@@ -104,6 +104,7 @@ VideoClockFit with_clock(VideoClockFit fit, const MotionEnergy& energy) {
   fit.clock = std::move(line.clock);
   fit.refused = std::move(line.refused);
   if (!fit.clock) return fit;
+  fit.clock->method = "the arm in the film: " + fit.clock->method;
   fit.clock->found_at_us = found_at_us;
   if (fit.clock->relation.drift_ppm == 0) fit.clock->drift_within_ppm = normal_95 * options.usual_drift_ppm;
   if (counted) fit.remark = remark_on_counted(energy, *fit.clock, motions.sigma < 1e-6 * usual_drift_ppm);

@@ -152,7 +152,7 @@ void ImportedRobotLog::write(const Row& row, const ToolPose& before, const ToolP
   };
   add(row.pose.place);
   add(robot::rotation_vector_of(row.pose.turn));
-  // Between the neighbours, by which `robot::smoothing_of` knows such speeds; `set_speeds_from_poses` needs rows still to come.
+  // Between the neighbours: `set_speeds_from_poses` needs rows still to come.
   const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
   std::array<double, 3> velocity{}, turning{};
   if (seconds > 0) {

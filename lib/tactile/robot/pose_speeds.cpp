@@ -36,9 +36,6 @@ class GradientAtZero {
 
   bool is_parabola() const { return before_ && after_ && n_ >= 3; }
 
-  /// The gradient weights the speeds within its reach; an even mean over so much on either side has the same spread.
-  double half_of_mean() const { return std::sqrt(t4_ / t2_); }
-
   std::array<double, 6> gradients() const {
     std::array<double, 6> gradients{};
     const double line = n_ * t2_ - t1_ * t1_;
@@ -61,8 +58,7 @@ class GradientAtZero {
 
 }  // namespace
 
-microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
-  std::vector<double> halves;
+void set_speeds_from_poses(std::vector<RobotState>& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     std::size_t begin = i, end = i + 1;
     const auto step = [&](std::size_t row) { return states[row].t - states[row - 1].t; };
@@ -85,34 +81,9 @@ microseconds set_speeds_from_poses(std::vector<RobotState>& states) {
       // In units of the reach, so that rounding loses no power of it.
       fit.add(static_cast<double>((states[k].t - states[i].t).count()) / static_cast<double>(reach.count()), from_here);
     }
-    if (fit.is_parabola()) halves.push_back(fit.half_of_mean());
     states[i].tcp_speed = fit.gradients();
     for (double& speed : states[i].tcp_speed) speed *= 1e6 / static_cast<double>(reach.count());
   }
-  if (halves.empty()) return microseconds{0};
-  return microseconds{std::llround(median(halves) * static_cast<double>(reach.count()))};
-}
-
-microseconds smoothing_of(const std::vector<RobotState>& states) {
-  constexpr double rounding = 1e-9;  // [m/s] of poses and times as text
-  std::size_t moving = 0, made = 0;
-  std::vector<std::int64_t> halves;
-  for (std::size_t i = 1; i + 1 < states.size(); ++i) {
-    const RobotState &before = states[i - 1], &here = states[i], &after = states[i + 1];
-    const double seconds = 1e-6 * static_cast<double>((after.t - before.t).count());
-    double speed = 0, off = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      speed = std::max(speed, std::abs(here.tcp_speed[k]));
-      off = std::max(off, std::abs(here.tcp_speed[k] - (after.tcp_pose[k] - before.tcp_pose[k]) / seconds));
-    }
-    if (!(speed > 0)) continue;
-    ++moving;
-    if (off > rounding + 1e-6 * speed) continue;
-    ++made;
-    halves.push_back((after.t - before.t).count() / 2);
-  }
-  if (made < 10 || 20 * made < 19 * moving) return microseconds{0};
-  return microseconds{median<std::int64_t>(halves)};
 }
 
 void set_poses_from_speeds(std::vector<RobotState>& states) {

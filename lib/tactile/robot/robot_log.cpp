@@ -306,11 +306,7 @@ void complete(RobotLogFile& file, const Columns& columns, const RobotLogOptions&
     for (RobotState& state : piece.states) {
       if (file.arm) state.tcp_pose = flange_pose(*file.arm, state.tcp_pose);
     }
-    if (!columns.speed) {
-      piece.smoothed_over = set_speeds_from_poses(piece.states);
-    } else if (columns.pose && !columns.pose_is_joints()) {
-      piece.smoothed_over = smoothing_of(piece.states);
-    }
+    if (!columns.speed) set_speeds_from_poses(piece.states);
     if (!columns.pose) set_poses_from_speeds(piece.states);
   }
 }

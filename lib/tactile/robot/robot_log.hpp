@@ -44,7 +44,6 @@ struct RobotLog {
   std::vector<RobotState> states{};            ///< ascending in time; repeated and mixed rows dropped
   std::vector<RobotGap> gaps{};                ///< among `states`: a lost connection, or no row for more than 100 ms
   std::vector<OutputChange> output_changes{};  ///< by time; outputs before the first row are not known
-  microseconds smoothed_over{0};               ///< a speed is the mean over this time on either side: it follows from poses
   std::size_t mixed_rows = 0;                  ///< dropped, or completed from their repetition
 };
 

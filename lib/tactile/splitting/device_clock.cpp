@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "tactile/core/table_file.hpp"
@@ -67,12 +68,23 @@ DeviceClockSearch known_robot_clock(const SplitSource& source, const robot::Robo
 alignment::CoarseOffset offset_around(const DeviceClock& clock, const robot::RobotLog& log, CameraTime t) {
   const std::int64_t device_us = clock.device_us_at(t);
   if (!clock.is_by_host()) return {.offset_us = saturating_subtract(us_of(t), device_us), .within = clock.within};
-  const auto next = std::find_if(log.states.begin(), log.states.end(), [device_us](const robot::RobotState& row) {
-    return row.host_time && us_of(*row.host_time) >= device_us;
-  });
-  const robot::RobotState& row = next == log.states.end() ? log.states.back() : *next;
-  const CameraTime seen = row.host_time ? clock.camera_at(us_of(*row.host_time)) : t;
-  return {.offset_us = saturating_subtract(us_of(seen), us_of(row.t)), .within = clock.within};
+  // Rows arrive late, in bursts: of those around it, the one that arrived fastest tells.
+  constexpr std::int64_t around_us = 2'000'000;
+  std::optional<std::int64_t> fastest_us, nearest_apart_us;
+  std::int64_t nearest_us = 0;
+  for (const robot::RobotState& row : log.states) {
+    if (!row.host_time) continue;
+    const std::int64_t late_us = saturating_subtract(us_of(*row.host_time), us_of(row.t));
+    const std::int64_t apart_us =
+        std::abs(std::max(saturating_subtract(us_of(*row.host_time), device_us), -std::numeric_limits<std::int64_t>::max()));
+    if (apart_us <= around_us) fastest_us = std::min(fastest_us.value_or(late_us), late_us);
+    if (nearest_apart_us && *nearest_apart_us <= apart_us) continue;
+    nearest_apart_us = apart_us;
+    nearest_us = late_us;
+  }
+  return {.offset_us =
+              saturating_add(saturating_subtract(us_of(clock.camera_at(device_us)), device_us), fastest_us.value_or(nearest_us)),
+          .within = clock.within};
 }
 
 DeviceClockSearch find_film_clock(const SplitSource& source) {

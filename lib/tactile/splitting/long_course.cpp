@@ -1,6 +1,7 @@
 #include "tactile/splitting/long_course.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "tactile/alignment/quiet_rate.hpp"
@@ -15,7 +16,7 @@ using labels::LikelyRest;
 
 constexpr microseconds drifts_by = 100ms;         // from part to part
 constexpr std::int64_t known_within_us = 50'000;  // then a part's motions tell the robot's clock
-constexpr std::int64_t longest_part_times = 30;   // of the usual length; then a part ends wherever it is
+constexpr std::size_t longest_part_times = 8;     // of the usual length; then a part ends wherever it is
 
 /// All samples of the IMU of an event stream's camera, by time.
 std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::int32_t event_stream) {
@@ -31,6 +32,25 @@ std::vector<events::ImuSample> imu_of(events::RecordingReader& recording, std::i
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
   return all;
+}
+
+/// By the stretches of two seconds and more without a pause; by the whole recording if there is none. So the pauses do not count,
+/// nor do the touches of a sensor that is silent but for them.
+alignment::QuietRate quiet_rate_beside_pauses(const alignment::EventRate& rate, microseconds silence) {
+  constexpr microseconds longer_than_touches = 2s;
+  alignment::EventRate recorded = rate;
+  recorded.counts.clear();
+  const auto bins_in = [&](microseconds t) { return static_cast<std::size_t>(std::max<std::int64_t>(1, t / rate.bin)); };
+  for (std::size_t begin = 0; begin < rate.counts.size();) {
+    std::size_t end = begin + 1, silent = rate.counts[begin] == 0 ? 1 : 0;
+    for (; end < rate.counts.size() && silent < bins_in(silence); ++end) silent = rate.counts[end] == 0 ? silent + 1 : 0;
+    const std::size_t recorded_end = end - silent;
+    if (recorded_end >= begin + bins_in(longer_than_touches))
+      recorded.counts.insert(recorded.counts.end(), rate.counts.begin() + static_cast<std::ptrdiff_t>(begin),
+                             rate.counts.begin() + static_cast<std::ptrdiff_t>(recorded_end));
+    begin = end;
+  }
+  return alignment::quiet_rate(recorded.counts.empty() ? rate : recorded);
 }
 
 microseconds length_of(const LikelyRest& rest) { return between(rest.begin, rest.end); }
@@ -50,10 +70,12 @@ class Parts {
       : recording_(recording), options_(options), known_clock_(clock), imu_(imu_of(recording, stream)) {
     signals_.event_stream = stream;
     signals_.rate = rate;
-    signals_.quiet = alignment::quiet_rate(rate);
+    signals_.quiet = quiet_rate_beside_pauses(rate, options.silence);
     signals_.gaps = alignment::gaps_in(rate, signals_.quiet, options.silence);
     // Which of several pieces a part lies in is not known.
     if (clock || log.pieces.size() == 1) signals_.robot = std::move(log.pieces);
+    std::erase_if(signals_.robot,
+                  [&](const robot::RobotLog& piece) { return alignment::are_too_far_apart(rate.begin, piece.states.front().t); });
     signals_.coarse_offsets.resize(signals_.robot.size());
     course_.quiet_per_s = signals_.quiet.mean * 1e6 / static_cast<double>(rate.bin.count());
   }
@@ -62,7 +84,7 @@ class Parts {
     std::size_t begin = 0;
     for (const alignment::CameraSpan& gap : signals_.gaps) {
       add_recorded(begin, bin_at(gap.begin), progress);
-      add_rest({.begin = gap.begin, .end = gap.end, .middle = after(gap.begin, between(gap.begin, gap.end) / 2), .let_go = 1});
+      add_rest({.begin = gap.begin, .end = gap.end, .calm_begin = gap.begin, .calm_end = gap.end, .let_go = 1});
       begin = bin_at(gap.end);
     }
     add_recorded(begin, signals_.rate.counts.size(), progress);
@@ -77,18 +99,18 @@ class Parts {
   void add_recorded(std::size_t begin, std::size_t end, const ProgressCallback& progress) {
     const auto usual = static_cast<std::size_t>(std::max<std::int64_t>(1, options_.part / signals_.rate.bin));
     for (std::size_t length = usual; begin < end;) {
-      report_progress(progress, begin, signals_.rate.counts.size(), "touches");
+      report_progress(progress, begin, signals_.rate.counts.size(), recording_.file().filename().string() + ": touches");
       const std::size_t until = end - begin > length + length / 2 ? begin + length : end;
       const Part part = infer(begin, until);
-      const bool may_end_anywhere = length >= longest_part_times * usual;
-      const CameraTime next = until == end || may_end_anywhere ? part.end : last_let_go(part);
-      if (next == part.end || next > signals_.rate.begin_of(begin)) {
-        add(part, next);
-        begin = bin_at(next);
-        length = usual;
-      } else {
+      std::size_t next = until == end ? end : begin_of_next(part);
+      if (next <= begin && length >= longest_part_times * usual) next = until;
+      if (next <= begin) {
         length *= 2;
+        continue;
       }
+      add(part, next == until ? part.end : signals_.rate.begin_of(next));
+      begin = next;
+      length = usual;
     }
   }
 
@@ -106,22 +128,15 @@ class Parts {
     counts.several_runs = true;
     labels::RunInference inference(signals_, std::move(counts));
     Part part{.posterior = inference.posterior({}), .rests = inference.rests(), .end = signals_.rate.begin_of(end)};
-    if (!known_clock_ && !part.posterior.robot.empty()) {
-      const labels::LikelyOffset& offset = part.posterior.robot.front();
-      if (offset.high_us - offset.low_us < 2 * known_within_us) {
-        offsets_.push_back(offset);
-        signals_.coarse_offsets.front() = alignment::CoarseOffset{.offset_us = offset.median_us, .within = drifts_by};
-      }
-    }
     return part;
   }
 
-  /// The middle of the last rest between touches that ends a run; nothing that a part can begin at if there is none.
-  CameraTime last_let_go(const Part& part) const {
+  /// The bin in the middle of the last rest between touches that ends a run; 0 if there is none.
+  std::size_t begin_of_next(const Part& part) const {
     const auto rest = std::find_if(part.rests.rbegin(), part.rests.rend(), [&](const LikelyRest& one) {
       return !one.is_first && !one.is_last && ends_run(one, options_);
     });
-    return rest == part.rests.rend() ? CameraTime::min() : rest->middle;
+    return rest == part.rests.rend() ? 0 : bin_at(rest->middle());
   }
 
   /// What begins before `end`.
@@ -135,15 +150,25 @@ class Parts {
     for (LikelyRest rest : part.rests) {
       if (rest.begin >= end) continue;
       rest.end = std::min(rest.end, end);
+      rest.calm_begin = std::min(rest.calm_begin, end);
+      rest.calm_end = std::min(rest.calm_end, end);
       add_rest(rest);
     }
+    if (known_clock_ || part.posterior.robot.empty()) return;
+    const labels::LikelyOffset& offset = part.posterior.robot.front();
+    if (offset.high_us - offset.low_us >= 2 * known_within_us) return;
+    offsets_.push_back(offset);
+    signals_.coarse_offsets.front() = alignment::CoarseOffset{.offset_us = offset.median_us, .within = drifts_by};
   }
 
-  /// A rest that goes on where the one before ended is one with it.
+  /// A rest that begins where the one before ends is one with it.
   void add_rest(const LikelyRest& rest) {
     if (course_.rests.empty() || course_.rests.back().end < rest.begin) return course_.rests.push_back(rest);
     LikelyRest& whole = course_.rests.back();
-    if (length_of(rest) > length_of(whole)) whole.middle = rest.middle;
+    if (rest.calm_begin == whole.calm_end)
+      whole.calm_end = rest.calm_end;
+    else if (between(rest.calm_begin, rest.calm_end) > between(whole.calm_begin, whole.calm_end))
+      std::tie(whole.calm_begin, whole.calm_end) = std::pair(rest.calm_begin, rest.calm_end);
     whole.end = rest.end;
     whole.let_go = std::max(whole.let_go, rest.let_go);
   }

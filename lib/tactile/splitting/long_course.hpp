@@ -20,8 +20,9 @@ struct LongCourse {
   std::vector<labels::LikelyTouch> touches;  ///< more likely than not, each of its likeliest class, by start
   std::vector<TouchInterval> releases;
   std::vector<labels::LikelyRest> rests;  ///< a pause of the recording is one, in which everything is let go
-  std::optional<DeviceClock> robot;       ///< by the log's motions; nothing if the arm does not move, or the clock was known
-  double quiet_per_s = 0;                 ///< [events/s] while nothing moves
+  /// By the log's motions; nothing if the clock was known, the log has several pieces, or no part shows its motions surely.
+  std::optional<DeviceClock> robot;
+  double quiet_per_s = 0;  ///< [events/s] while nothing moves
 };
 
 struct LongCourseOptions {
@@ -35,8 +36,9 @@ struct LongCourseOptions {
 bool ends_run(const labels::LikelyRest& rest, const LongCourseOptions& options);
 
 /// Applies the model of a run (`labels::RunInference`) to one part after another, in bins of the rate. A part begins where
-/// everything is let go: in the last such rest of the part before it, which grows until it has one. The offset of the robot's
-/// clock may drift by 100 ms from part to part.
+/// everything is let go: in the last such rest of the part before it, which grows until it has one, to eight times the usual
+/// length at most. The first part that shows the offset of the robot's clock within 50 ms limits it in those after it, where it
+/// may differ by 100 ms from part to part.
 /// @param rate   of the stream
 /// @param log    of the robot, if there is one  @param clock  of it, if it is known
 /// @throws Error  as reading events does

@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "tactile/alignment/arm_motion.hpp"
+#include "tactile/alignment/run_signals.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/events/cut_recording.hpp"
 #include "tactile/robot/robot_log.hpp"
@@ -61,19 +63,23 @@ robot::RobotLogFile robot_log_of(SplitProposal& proposal, const SplitSource& sou
   return log;
 }
 
-/// What happens in the recording. Sets the extent of the proposal, and the robot's clock.
+/// Why no part of the recording shows the log's clock.
+std::string why_no_clock(const robot::RobotLogFile& log, const alignment::EventRate& rate) {
+  if (alignment::are_too_far_apart(rate.begin, log.pieces.front().states.front().t))
+    return "the two clocks lie further apart than 64 bits of microseconds";
+  if (!alignment::arm_motion(log.pieces.front())) return "the log has a single row, or spans more than 4.6 h";
+  return "log and recording show no common motion";
+}
+
+/// What happens in the recording. Sets the robot's clock, if it is not known.
 LongCourse course_of(SplitProposal& proposal, robot::RobotLogFile log, events::RecordingReader& recording,
-                     const LongCourseOptions& options, const ProgressCallback& progress) {
-  const alignment::EventRate rate = rate_of(recording, proposal.event_stream);
-  proposal.first = rate.begin;
-  proposal.last = rate.last;
+                     const alignment::EventRate& rate, const LongCourseOptions& options, const ProgressCallback& progress) {
   const bool is_sought = !log.pieces.empty() && !proposal.robot.clock && proposal.robot.why_not.empty();
+  std::string why_not = is_sought ? why_no_clock(log, rate) : std::string();
   LongCourse course =
       long_course(recording, proposal.event_stream, rate, std::move(log), proposal.robot.clock, options, progress);
-  if (is_sought) {
-    proposal.robot.clock = course.robot;
-    if (!course.robot) proposal.robot.why_not = "log and recording show no common motion";
-  }
+  if (is_sought) proposal.robot.clock = course.robot;
+  if (!proposal.robot.clock && is_sought) proposal.robot.why_not = std::move(why_not);
   return course;
 }
 
@@ -93,10 +99,10 @@ std::vector<CameraTime> cuts_in(const LongCourse& course, const std::vector<Seen
   for (const labels::LikelyRest& rest : course.rests) {
     if (!ends_run(rest, options)) continue;
     const auto next =
-        std::find_if(touches.begin(), touches.end(), [&](const SeenTouch& one) { return one.begin >= rest.middle; });
+        std::find_if(touches.begin(), touches.end(), [&](const SeenTouch& one) { return one.begin >= rest.middle(); });
     const bool separates =
         next != touches.begin() && next != touches.end() && (cuts.empty() || std::prev(next)->begin >= cuts.back());
-    if (separates) cuts.push_back(rest.middle);
+    if (separates) cuts.push_back(rest.middle());
   }
   return cuts;
 }
@@ -110,7 +116,10 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   proposal.event_stream = events::event_stream(recording, options.stream).id;
   proposal.quiet_needed = options.course.quiet;
   report_progress(progress, 0, 1, name + ": event rate");
-  const LongCourse course = course_of(proposal, robot_log_of(proposal, source), recording, options.course, progress);
+  const alignment::EventRate rate = rate_of(recording, proposal.event_stream);
+  proposal.first = rate.begin;
+  proposal.last = rate.last;
+  const LongCourse course = course_of(proposal, robot_log_of(proposal, source), recording, rate, options.course, progress);
   if (source.video) proposal.film = find_film_clock(source);
   proposal.quiet_per_s = course.quiet_per_s;
   proposal.touches = touches_in(course);
@@ -119,7 +128,8 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
 }
 
 SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& recording,
-                            const std::vector<microseconds>& after_first, const ProposeOptions& options) {
+                            const std::vector<microseconds>& after_first, const ProposeOptions& options,
+                            const ProgressCallback& progress) {
   SplitProposal proposal;
   proposal.event_stream = events::event_stream(recording, options.stream).id;
   const Extent extent = extent_of(recording, proposal.event_stream);
@@ -130,7 +140,7 @@ SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& 
   proposal = with_cuts(std::move(proposal), recording, std::move(cuts));
   robot::RobotLogFile log = robot_log_of(proposal, source);
   if (source.robot && !proposal.robot.clock && proposal.robot.why_not.empty())
-    course_of(proposal, std::move(log), recording, options.course, {});
+    course_of(proposal, std::move(log), recording, rate_of(recording, proposal.event_stream), options.course, progress);
   if (source.video) proposal.film = find_film_clock(source);
   return proposal;
 }

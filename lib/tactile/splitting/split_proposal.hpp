@@ -29,7 +29,7 @@ struct SplitProposal {
   std::int32_t event_stream = 0;
   CameraTime first{}, last{};         ///< of the events
   microseconds quiet_needed{};        ///< between two runs
-  std::optional<double> quiet_per_s;  ///< [events/s] while nothing moves; nothing if it was not looked for, or is not known
+  std::optional<double> quiet_per_s;  ///< [events/s] while nothing moves; nothing if it was not looked for
   std::vector<SeenTouch> touches;     ///< by time; empty if they were not looked for
   bool looked_for_touches = false;    ///< else the cuts were given
   std::vector<CameraTime> cuts;       ///< ascending; a piece begins at each
@@ -53,8 +53,6 @@ struct ProposeOptions {
 /// Proposes a cut in each rest between two touches that ends a run (`ends_run`): half-way through the part of it in which nothing
 /// moves the skin. So a run does not end in its hold, however long that is. What happens is inferred by the model of a run, in
 /// bins of 8 ms (`long_course`).
-///
-/// Reads the recording up to five times.
 /// @throws Error  if the recording has no event or no sane sensor, or its events lie more than two days apart; if robot log or
 ///                labels cannot be read
 SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& recording, const ProposeOptions& options = {},
@@ -65,7 +63,8 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
 /// @param after_first  from the first event, ascending, > 0
 /// @throws Error  as `with_cuts` and `propose_runs`
 SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& recording,
-                            const std::vector<microseconds>& after_first, const ProposeOptions& options = {});
+                            const std::vector<microseconds>& after_first, const ProposeOptions& options = {},
+                            const ProgressCallback& progress = {});
 
 /// The same proposal with other cuts. @param recording  that of the proposal
 /// @throws Error  if the cuts do not ascend, or a piece would have no event
@@ -73,7 +72,7 @@ SplitProposal with_cuts(SplitProposal proposal, events::RecordingReader& recordi
 
 std::vector<ProposedRun> runs_of(const SplitProposal& proposal);
 
-/// The longest time without a touch inside a run, if touches were looked for: a `quiet` below it would cut there.
+/// The longest time without a touch inside a run, if touches were looked for: a `quiet` below it may cut there.
 std::optional<microseconds> longest_quiet_within(const SplitProposal& proposal);
 
 /// How many touches of a kind a run has.

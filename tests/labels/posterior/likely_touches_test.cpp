@@ -110,7 +110,7 @@ TEST(LikelyRests, LieBetweenTouchesWithTheShareOfPathsInWhichNothingTouchesTheSk
   ASSERT_EQ(rests.size(), 3U);
   EXPECT_EQ(ms(rests[1].begin), 400);
   EXPECT_EQ(ms(rests[1].end), 1200);
-  EXPECT_EQ(ms(rests[1].middle), 800);
+  EXPECT_EQ(ms(rests[1].middle()), 800);
   EXPECT_NEAR(rests[1].let_go, 0.3, 1e-9);
   EXPECT_NEAR(rests[2].let_go, 1, 1e-9);
   EXPECT_TRUE(rests[0].is_first && rests[2].is_last && !rests[1].is_first && !rests[1].is_last);
@@ -123,7 +123,7 @@ TEST(LikelyRests, AreCalmBesideAKnock) {
   for (int i = 0; i < 10; ++i) paths.put(paths.add(), Happening::knock, 6, 500, 600);
   const std::vector<LikelyRest> rests = likely_rests(paths.sample());
   ASSERT_EQ(rests.size(), 1U);
-  EXPECT_EQ(ms(rests[0].middle), 1300) << "half-way from the knock to the end";
+  EXPECT_EQ(ms(rests[0].middle()), 1300) << "half-way from the knock to the end";
 }
 
 }  // namespace

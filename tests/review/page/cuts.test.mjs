@@ -8,8 +8,8 @@ const TOUCHES = [touch("press", 1_000_000), touch("slip", 2_000_000), touch("pre
 
 test("runs lie between cuts and have the touches that begin in them", () => {
   assert.deepEqual(runsBetween([8_000_000], TOUCHES, LENGTH), [
-    { begin_us: 0, end_us: 8_000_000, presses: 1, slips: 1, others: 0 },
-    { begin_us: 8_000_000, end_us: LENGTH, presses: 1, slips: 1, others: 1 },
+    { begin_us: 0, end_us: 8_000_000, presses: 1, slips: 1, releases: 0 },
+    { begin_us: 8_000_000, end_us: LENGTH, presses: 1, slips: 1, releases: 1 },
   ]);
   assert.deepEqual(incompleteRuns(runsBetween([1_500_000, 8_000_000], TOUCHES, LENGTH)), [1, 2]);
   assert.deepEqual(

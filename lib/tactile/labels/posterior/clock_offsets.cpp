@@ -25,8 +25,8 @@ std::vector<double> joined(std::span<const double> values, std::size_t width, st
   return sums;
 }
 
-/// In each bin, the share of paths in which a shear begins, drawn without what the arm does.
-std::vector<double> shears_begin(const RunStates& states, const BinLikelihoods& likelihoods) {
+/// In each bin, the share of paths in which the skin begins to move, but for releases, drawn without what the arm does.
+std::vector<double> motions_begin(const RunStates& states, const BinLikelihoods& likelihoods) {
   constexpr std::size_t paths = 60;
   Random random(4);
   const std::vector<std::uint8_t> unknown(likelihoods.bins(), arm_unknown);
@@ -169,13 +169,13 @@ std::vector<WeighedOffset> ClockOffsets::weighed(const Offsets& offsets, const B
   return weighed;
 }
 
-/// Of a log of hours, those offsets at which its motions begin where something begins to shear the skin. The rest is not weighed.
+/// Of a log of hours, those offsets at which its motions begin where the skin begins to move. The others are not weighed.
 ClockOffsets::Offsets ClockOffsets::most_promising(Offsets grid, const BinLikelihoods& coarse) const {
   constexpr std::size_t most = 400;
   constexpr double of_chance = 0.02;
   constexpr microseconds sooner = 40ms, later = 300ms;
   if (grid.size() <= 2 * most || !course_->has_speed()) return grid;
-  std::vector<double> until = shears_begin(coarse_states_, coarse);
+  std::vector<double> until = motions_begin(coarse_states_, coarse);
   std::partial_sum(until.begin(), until.end(), until.begin());
   until.insert(until.begin(), 0.0);
   const microseconds bin = counts_.bin * static_cast<std::int64_t>(together_);

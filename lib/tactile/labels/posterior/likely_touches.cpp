@@ -5,6 +5,8 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <tuple>
+#include <utility>
 
 #include "tactile/core/random.hpp"
 #include "tactile/core/robust_statistics.hpp"
@@ -192,12 +194,13 @@ std::vector<LikelyRest> likely_rests(const PathSample& sample) {
     std::size_t calm_begin = begin, calm_end = begin;
     for (std::size_t b = begin; b < end;) {
       const auto next = static_cast<std::size_t>(std::find_if(from(knocks, b), from(knocks, end), is_moved) - knocks.begin());
-      if (next - b > calm_end - calm_begin) calm_begin = b, calm_end = next;
+      if (next - b > calm_end - calm_begin) std::tie(calm_begin, calm_end) = std::pair(b, next);
       b = next + 1;
     }
     rests.push_back({.begin = sample.begin_of(begin),
                      .end = sample.begin_of(end),
-                     .middle = sample.begin_of(calm_begin + (calm_end - calm_begin) / 2),
+                     .calm_begin = sample.begin_of(calm_begin),
+                     .calm_end = sample.begin_of(calm_end),
                      .let_go = share_untouched(sample, begin, end),
                      .is_first = begin == 0,
                      .is_last = end == sample.bins});

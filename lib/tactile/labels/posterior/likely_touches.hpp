@@ -30,9 +30,11 @@ std::vector<TouchInterval> likely_releases(const PathSample& sample);
 /// A stretch in which no touch moves the skin.
 struct LikelyRest {
   CameraTime begin{}, end{};
-  CameraTime middle{};                     ///< of its longest part in which nothing else moves it, such as a knock
+  CameraTime calm_begin{}, calm_end{};     ///< its longest part in which nothing else moves it, such as a knock
   double let_go = 0;                       ///< probability that nothing touches the skin at some time in it
   bool is_first = false, is_last = false;  ///< it begins with the recording, or ends with it
+
+  CameraTime middle() const { return after(calm_begin, between(calm_begin, calm_end) / 2); }
 };
 
 /// Where a press, a slip, a release or the shear of a firm lift is less likely than not, by time.

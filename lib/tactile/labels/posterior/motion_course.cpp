@@ -51,7 +51,7 @@ std::size_t stop_of(std::span<const double> speed, double moving) {
 /// Whether a move goes somewhere and back within a second, and not upwards. @param velocity  at each step [m/s]
 bool taps(std::span<const alignment::Vector3> velocity, microseconds step) {
   constexpr microseconds longest = 1s;
-  constexpr double returned = 0.25;  // of the way that is left at the end
+  constexpr double returned = 0.25;  // of the greatest displacement: what is left at the end
   constexpr double upwards = 0.707;  // of its farthest point: the height
   if (step * std::ssize(velocity) > longest) return false;
   alignment::Vector3 at{}, farthest{};

@@ -18,7 +18,8 @@ namespace tactile::labels {
 class RunInference {
  public:
   /// Learns the rates of noise and motion, the pattern of the press, and the likely offsets of the clock of robot or film, by
-  /// this run's signals alone. @param counts  of the same recording, or of the part of it that `signals.rate` has
+  /// this run's signals alone. @param counts  of the same recording; or of a part of it, then
+  /// `signals.imu` has the samples of this part, and all else is of the whole recording
   RunInference(const alignment::RunSignals& signals, PlaceCounts counts);
   RunInference(const RunInference&) = delete;
   RunInference& operator=(const RunInference&) = delete;
