@@ -184,7 +184,7 @@ TEST(EventRate, GivesTheFrequencyOfALampOfWhichEachSwingHasBrighterAndDarkerEven
 
 TEST(EventRate, IsRightAtTheEndsOfTime) {
   const test::TemporaryFolder folder;
-  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max() - 200 * 999;
+  constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max() - std::int64_t{200} * 999;
   for (const std::int64_t begin : {std::numeric_limits<std::int64_t>::min(), latest}) {
     const std::filesystem::path file = folder / (begin < 0 ? "first.aedat4" : "last.aedat4");
     Random random(6);

@@ -11,7 +11,8 @@ namespace {
 /// A camera that looks along (0.6, 0, 0.8) of its own axes and is pushed that way at 2 m/s^2 from 1.0 to 1.1 s.
 std::vector<events::ImuSample> pushed_camera(std::int64_t begin_us, double seconds) {
   std::vector<events::ImuSample> samples;
-  for (double t = 0; t < seconds; t += 0.00125) {
+  for (int i = 0; 0.00125 * i < seconds; ++i) {
+    const double t = 0.00125 * i;
     const double push_g = t >= 1.0 && t < 1.1 ? 2.0 / 9.80665 : 0.0;
     events::ImuSample sample;
     sample.t = camera_time(begin_us + std::llround(1e6 * t));

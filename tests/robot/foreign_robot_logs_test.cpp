@@ -156,6 +156,7 @@ std::string ur_rtde_log(const std::vector<std::pair<int, int>>& packages) {
 
 TEST(RobotLog, DropsWhatUrRtdeWritesTwiceOrMixes) {
   std::vector<std::pair<int, int>> whole;
+  whole.reserve(100);
   for (int i = 0; i < 100; ++i) whole.emplace_back(i, i);
   const RobotLog truth = read(ur_rtde_log(whole));
   ASSERT_EQ(truth.states.size(), 100U);

@@ -127,7 +127,7 @@ struct Match {
 /// The best offset on a grid.
 Match coarse_match(const std::vector<FilmStep>& steps, const SpeedCurve& speed, double from, double to, double grid) {
   std::vector<double> found;
-  for (double offset = from; offset <= to; offset += grid) found.push_back(likeness(steps, speed, offset).score);
+  for (int i = 0; from + grid * i <= to; ++i) found.push_back(likeness(steps, speed, from + grid * i).score);
   if (found.empty()) return {};
   const auto best = std::max_element(found.begin(), found.end());
   // The peak reaches to where half of it is left.
@@ -156,7 +156,8 @@ Match fine_match(const std::vector<FilmStep>& steps, const SpeedCurve& speed, co
   double reach = grid;
   while (reach > finest) {
     const double fine = std::max(reach / 16, finest), around = match.offset;
-    for (double offset = around - reach; offset <= around + reach; offset += fine) {
+    for (int i = 0; fine * i <= 2 * reach; ++i) {
+      const double offset = around - reach + fine * i;
       const Likeness found = likeness(steps, speed, offset);
       if (found.score <= match.found.score) continue;
       match.found = found;

@@ -124,7 +124,8 @@ SplitProposal propose_runs(const SplitSource& source, events::RecordingReader& r
   proposal.quiet_per_s = course.quiet_per_s;
   proposal.touches = touches_in(course);
   proposal.looked_for_touches = true;
-  return with_cuts(std::move(proposal), recording, cuts_in(course, proposal.touches, options.course));
+  std::vector<CameraTime> cuts = cuts_in(course, proposal.touches, options.course);
+  return with_cuts(std::move(proposal), recording, std::move(cuts));
 }
 
 SplitProposal proposal_with(const SplitSource& source, events::RecordingReader& recording,
