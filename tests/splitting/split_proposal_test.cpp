@@ -118,7 +118,7 @@ const SkinRecording six_runs{.bursts = {{1, press},
 TEST_F(SplitProposalOf, APartEndsBetweenTwoRunsAndGrowsUntilItCan) {
   const std::string expected = " press slip, press slip, press release, press slip, press slip, press slip";
   EXPECT_EQ(runs_of_recording(six_runs), expected);
-  for (const microseconds part : {4s, 9s, 15s}) {
+  for (const microseconds part : {9s, 15s}) {
     ProposeOptions options;
     options.course.part = part;
     EXPECT_EQ(runs_of_recording(six_runs, options), expected) << part.count();

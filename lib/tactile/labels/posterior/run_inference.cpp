@@ -200,7 +200,7 @@ void RunInference::draw(std::size_t count) {
   }
 }
 
-/// Rates of noise and motion, and the pattern of the first press, from the drawn paths.
+/// Rates of noise and motion, and the pattern of presses, from the drawn paths.
 void RunInference::learn() {
   const double each = sample_.share_of_path();
   std::vector<double> quiet(counts_.bins(), 0.0), moves(counts_.bins(), 0.0), strong(counts_.bins(), 0.0);
@@ -216,15 +216,23 @@ void RunInference::learn() {
   });
   const auto needed = static_cast<double>(200ms / counts_.bin);
   if (std::accumulate(quiet.begin(), quiet.end(), 0.0) > needed) rates_ = rates_given(counts_, quiet, strong);
-  const std::vector<LikelyTouch> found = likely_touches(sample_);
-  const auto press = std::find_if(found.begin(), found.end(),
-                                  [](const LikelyTouch& one) { return one.touch == Touch::press && one.probability > 0.3; });
-  pattern_.clear();
-  if (press == found.end()) return;
+  constexpr double least = 0.3;
   const auto bin_of = [&](CameraTime t) {
     return std::min(counts_.bins(), static_cast<std::size_t>(std::max<std::int64_t>(0, between(counts_.begin, t) / counts_.bin)));
   };
-  pattern_ = pattern_evidence(counts_, bin_of(press->start.at), std::min(counts_.bins(), bin_of(press->end.at) + 1), moves);
+  std::vector<PressBins> presses;
+  for (const LikelyTouch& one : likely_touches(sample_)) {
+    if (one.touch != Touch::press || one.probability <= least) continue;
+    PressBins& press = presses.emplace_back(PressBins{bin_of(one.start.at), std::min(counts_.bins(), bin_of(one.end.at) + 1)});
+    // The first press is surely one. Of several runs each counts alike, whatever its number of events.
+    if (!counts_.several_runs) break;
+    const std::size_t events = counts_.signs_in(press.begin, press.end).size();
+    press.probability = one.probability;
+    press.weight = one.probability / static_cast<double>(std::max<std::size_t>(1, events));
+  }
+  constexpr std::size_t fewest = 3;  // of which the others tell the pattern of each
+  if (!presses.empty() && presses.size() < fewest) presses = {{presses.front().begin, presses.front().end}};
+  pattern_ = presses.empty() ? std::vector<double>() : pattern_evidence(counts_, presses, moves);
 }
 
 }  // namespace tactile::labels
