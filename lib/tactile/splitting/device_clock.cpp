@@ -68,7 +68,7 @@ DeviceClockSearch known_robot_clock(const SplitSource& source, const robot::Robo
 alignment::CoarseOffset offset_around(const DeviceClock& clock, const robot::RobotLog& log, CameraTime t) {
   const std::int64_t device_us = clock.device_us_at(t);
   if (!clock.is_by_host()) return {.offset_us = saturating_subtract(us_of(t), device_us), .within = clock.within};
-  // Rows arrive late, in bursts: of those around it, the one that arrived fastest tells.
+  // Rows arrive late and in bursts. The row that arrived fastest gives the offset.
   constexpr std::int64_t around_us = 2'000'000;
   std::optional<std::int64_t> fastest_us, nearest_apart_us;
   std::int64_t nearest_us = 0;

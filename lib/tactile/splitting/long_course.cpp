@@ -127,8 +127,7 @@ class Parts {
     labels::PlaceCounts counts = labels::place_counts(recording_, signals_.event_stream, rate, signals_.gaps, rate.bin);
     counts.several_runs = true;
     labels::RunInference inference(signals_, std::move(counts));
-    Part part{.posterior = inference.posterior({}), .rests = inference.rests(), .end = signals_.rate.begin_of(end)};
-    return part;
+    return {.posterior = inference.posterior({}), .rests = inference.rests(), .end = signals_.rate.begin_of(end)};
   }
 
   /// The bin in the middle of the last rest between touches that ends a run; 0 if there is none.

@@ -48,7 +48,7 @@ std::size_t stop_of(std::span<const double> speed, double moving) {
   return stop;
 }
 
-/// Whether a move goes somewhere and back within a second, and not upwards. @param velocity  at each step [m/s]
+/// Whether a move returns to its start within a second, and does not lead upwards. @param velocity  at each step [m/s]
 bool taps(std::span<const alignment::Vector3> velocity, microseconds step) {
   constexpr microseconds longest = 1s;
   constexpr double returned = 0.25;  // of the greatest displacement: what is left at the end

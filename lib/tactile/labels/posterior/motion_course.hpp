@@ -14,7 +14,7 @@ namespace tactile::labels {
 /// the film's clock.
 class MotionCourse {
  public:
-  /// A move that goes somewhere and back within a second, and not upwards, is a sync tap.
+  /// A move that returns to its start within a second, and does not lead upwards, is a sync tap.
   /// @param is_whole  the log is no piece of several
   explicit MotionCourse(const alignment::ArmMotion& motion, bool is_whole = true);
   explicit MotionCourse(const alignment::MotionEnergy& film);

@@ -213,9 +213,11 @@ double log_likelihood_of_quiet(const PlaceCounts& counts, const PlaceRates& rate
   for (std::size_t b = 0; b < counts.bins(); ++b) {
     if (!counts.is_recorded(b)) continue;
     const auto row = counts.at(b);
+    double log_gain = 0, of_gain = 1;  // places with one gain share its logarithm
     for (std::size_t place = 0; place < PlaceCounts::places; ++place) {
       const double gain = rates.gain_at(b, place);
-      sum += row[place] * (log_quiet[place] + std::log(gain)) - gain * rates.quiet[place];
+      if (gain != of_gain) log_gain = std::log(of_gain = gain);
+      sum += row[place] * (log_quiet[place] + log_gain) - gain * rates.quiet[place];
     }
   }
   return sum / dispersion_of_noise(counts);

@@ -12,7 +12,7 @@ namespace tactile::labels {
 struct PressBins {
   std::size_t begin = 0, end = 0;
   double weight = 1;       ///< of its pattern in the mean
-  double probability = 1;  ///< that it is one: the evidence counts as much as the surest of them
+  double probability = 1;  ///< that it is a press; the greatest one weighs the evidence
 };
 
 /// ln p(pattern of the bin | happening) less that of any other motion, [bin, happening].

@@ -224,13 +224,13 @@ void RunInference::learn() {
   for (const LikelyTouch& one : likely_touches(sample_)) {
     if (one.touch != Touch::press || one.probability <= least) continue;
     PressBins& press = presses.emplace_back(PressBins{bin_of(one.start.at), std::min(counts_.bins(), bin_of(one.end.at) + 1)});
-    // The first press is surely one. Of several runs each counts alike, whatever its number of events.
+    // A single run has the pattern of its first press. Of several runs, all presses count alike, however many events they have.
     if (!counts_.several_runs) break;
     const std::size_t events = counts_.signs_in(press.begin, press.end).size();
     press.probability = one.probability;
     press.weight = one.probability / static_cast<double>(std::max<std::size_t>(1, events));
   }
-  constexpr std::size_t fewest = 3;  // of which the others tell the pattern of each
+  constexpr std::size_t fewest = 3;  // so that the other presses give a pattern
   if (!presses.empty() && presses.size() < fewest) presses = {{presses.front().begin, presses.front().end}};
   pattern_ = presses.empty() ? std::vector<double>() : pattern_evidence(counts_, presses, moves);
 }

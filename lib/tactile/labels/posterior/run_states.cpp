@@ -256,7 +256,7 @@ class Builder {
       add(enter(touches ? H::held : H::untouched, moves), 0.5);
     } else {
       Rates others = rates_from(from, arm, bin_s_);
-      if (several_runs_ && is_known && !moves && from.happening == H::held) others[H::untouched] = numbers::held_object_leaves;
+      if (several_runs_ && is_known && from.happening == H::held) others[H::untouched] = numbers::held_object_leaves;
       if (several_runs_ && !moves && from.happening == H::carried) {
         others[H::untouched] = numbers::carried_object_leaves;
         if (!is_known) others.erase(H::held);  // another lift would not be known
