@@ -314,8 +314,7 @@ nlohmann::json runs_json(const std::vector<LabelledRun>& runs) {
                                                                         {"anchors", clock->anchors},
                                                                         {"offset_us", clock->relation.offset_us},
                                                                         {"offset_low_us", clock->offset_low_us},
-                                                                        {"offset_high_us", clock->offset_high_us},
-                                                                        {"residual_us", clock->residual_us}}},
+                                                                        {"offset_high_us", clock->offset_high_us}}},
                       {"flags", flags},
                       {"remarks", labelled.labels.remarks},
                       {"standing_flags", standing_flags(labelled.labels)}});

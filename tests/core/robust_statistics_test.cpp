@@ -21,8 +21,7 @@ TEST(Median, TakesTheLowerTheUpperOrTheMeanOfTwoInTheMiddle) {
 }
 
 TEST(Median, IsZeroOfNothing) {
-  for (const double middle : {lower_median({}), median({}), quantile({}, 0.5), nearest_rank_quantile({}, 0.5),
-                              weighted_median({}), theil_sen_gradient({})})
+  for (const double middle : {lower_median({}), median({}), quantile({}, 0.5), nearest_rank_quantile({}, 0.5)})
     EXPECT_EQ(middle, 0);
 }
 
@@ -52,27 +51,6 @@ TEST(Quantile, OfNearestRankIsOneOfTheValues) {
   EXPECT_EQ(nearest_rank_quantile(values, 0.26), 20);
   EXPECT_EQ(nearest_rank_quantile(values, 0.95), 40);
   EXPECT_EQ(nearest_rank_quantile(values, 1), 40);
-}
-
-TEST(WeightedMedian, HasHalfOfTheWeightBelowIt) {
-  EXPECT_EQ(weighted_median({{3, 1}, {1, 1}, {2, 1}}), 2);
-  EXPECT_EQ(weighted_median({{3, 5}, {1, 1}, {2, 1}}), 3);
-  EXPECT_EQ(weighted_median({{1, 1}, {2, 1}}), 1);
-}
-
-TEST(TheilSenGradient, LeavesOutWhatIsNotOnTheLine) {
-  std::vector<UncertainPoint> points;
-  for (int i = 0; i < 9; ++i) points.push_back({.x = i * 1.0, .y = 2.0 * i});
-  points[4].y = 1000;
-  EXPECT_DOUBLE_EQ(theil_sen_gradient(points), 2);
-  // One that is nearly exact outweighs the others' noise; two at the same place say nothing.
-  EXPECT_DOUBLE_EQ(theil_sen_gradient(std::vector<UncertainPoint>{{0, 0, 0.01}, {1, 1, 0.01}, {1, 5, 10}, {2, 9, 10}}), 1);
-}
-
-TEST(HuberWeight, PullsNoHarderFartherOut) {
-  EXPECT_EQ(huber_weight(0), 1);
-  EXPECT_EQ(huber_weight(1.345), 1);
-  EXPECT_DOUBLE_EQ(5 * huber_weight(5), 1.345);
 }
 
 }  // namespace

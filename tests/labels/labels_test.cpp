@@ -27,7 +27,6 @@ LabelledInterval interval(Touch touch, std::int64_t start_us, std::int64_t end_u
 
 alignment::FittedClock clock_of(std::int64_t offset_us) {
   return {.relation = {.offset_us = offset_us, .drift_ppm = 1.5, .reference_us = 7},
-          .residual_us = 2.5,
           .offset_low_us = offset_us - 3,
           .offset_high_us = offset_us + 4,
           .anchors = 2,

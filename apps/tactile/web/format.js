@@ -103,13 +103,11 @@ export function counted(count, word, many = word + "s") {
   return `${count} ${count === 1 ? word : many}`;
 }
 
-/// How exactly the clocks of a run are known, and what is left over at their anchors: ["robot ±0.8 ms, residual 0.4"].
+/// How exactly the clocks of a run are known: ["robot ±0.8 ms"].
 export function clockTexts(clocks) {
   const texts = ["robot", "video"].flatMap((device) => {
     const within = clocks?.[`${device}_interval_ms`] ?? null;
-    const residual = clocks?.[`${device}_residual_ms`] ?? null;
-    if (within === null) return [];
-    return [`${device} ±${shortNumber(within)} ms${residual === null ? "" : `, residual ${shortNumber(residual)}`}`];
+    return within === null ? [] : [`${device} ±${shortNumber(within)} ms`];
   });
   return texts.length ? texts : ["–"];
 }

@@ -22,7 +22,6 @@ struct UncertainTime {
 /// A clock as it was found, and how well.
 struct FittedClock {
   ClockRelation relation;
-  double residual_us = 0;          ///< robust standard deviation at the anchors
   std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`; the robot's in the run's middle, the film's at
                                    ///< `found_at_us`
   std::int64_t offset_high_us = 0;

@@ -57,31 +57,4 @@ double quantile(std::span<const double> values, double q);
 /// The least of the values that the share `q` of them does not exceed: x_(ceil(q n) - 1), definition 1 of the same source.
 double nearest_rank_quantile(std::span<const double> values, double q);
 
-struct Weighted {
-  double value = 0;
-  double weight = 1;  ///< >= 0
-};
-
-/// The least value that, with those below it, has half of all the weight.
-double weighted_median(std::vector<Weighted> values);
-
-struct UncertainPoint {
-  double x = 0, y = 0;
-  double sigma = 1;  ///< of y, > 0
-};
-
-/// The gradient of a line through points of which some are wrong: the weighted median over pairs of points,
-///
-///   (y_j - y_i) / (x_j - x_i)   with the weight   |x_j - x_i| / sqrt(sigma_i^2 + sigma_j^2)
-///
-/// Of more than 200 000 pairs every second, third, ... is taken.
-/// Source: P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, JASA 63 (1968).
-double theil_sen_gradient(std::span<const UncertainPoint> points);
-
-/// The weight of a residual in a sum of squares, such that its influence is at most that of a residual of 1.345:
-/// min(1, 1.345 / residual). On normal noise this costs 5 % of the efficiency.
-/// @param residual  its absolute value, in standard deviations
-/// Source: P. J. Huber, Robust estimation of a location parameter, Annals of Mathematical Statistics 35 (1964).
-double huber_weight(double residual);
-
 }  // namespace tactile

@@ -4,9 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "tactile/alignment/film_clock.hpp"
 #include "tactile/alignment/film_motions.hpp"
-#include "tactile/alignment/film_of_arm.hpp"
 #include "tactile/core/duration_units.hpp"
+#include "tactile/labels/posterior/motion_course.hpp"
 #include "tactile/labels/stage_commands.hpp"
 #include "tactile/labels/visible_onset.hpp"
 
@@ -119,28 +120,28 @@ class Labeller {
       labels_.video_clock = clock_of(*posterior_.film, us_of(signals_.video->begin()));
       if (std::string remark = alignment::allow_for_drift(*labels_.video_clock, *signals_.video); !remark.empty())
         labels_.remarks.push_back(std::move(remark));
-    } else if (const auto seen = arm_in_film()) {
-      alignment::VideoClockFit fit = alignment::fit_video_clock(*signals_.video, *seen);
-      if (!fit.contradiction.empty()) return labels_.flags.push_back(flag_of(fit.contradiction));
-      if (!fit.clock) return labels_.remarks.push_back("the film's clock is not related: " + fit.refused);
-      labels_.video_clock = std::move(fit.clock);
-      if (!fit.remark.empty()) labels_.remarks.push_back(std::move(fit.remark));
+    } else if (auto found = film_clock_by_arm()) {
+      if (!found->contradiction.empty()) return labels_.flags.push_back(flag_of(found->contradiction));
+      if (!found->clock) return labels_.remarks.push_back("the film's clock is not related: " + found->refused);
+      labels_.video_clock = std::move(found->clock);
+      if (!found->remark.empty()) labels_.remarks.push_back(std::move(found->remark));
     } else {
       return labels_.remarks.emplace_back("the film's clock is not related: nothing moves in it"), void();
     }
     filmed_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
 
-  /// The arm's motion that the film must show: by the first piece of the log whose clock is known.
-  std::optional<alignment::SeenMotion> arm_in_film() const {
+  /// By the first piece of the log whose clock is known; nothing without one.
+  std::optional<alignment::FilmClock> film_clock_by_arm() const {
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
       const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals_.robot[i]);
       if (!arm || !clocks_[i]) continue;
-      std::vector<alignment::CameraSpan> moves;
-      for (const LikelyMove& move : posterior_.arm_moves) {
-        if (posterior_.robot[move.clock].piece == i) moves.push_back(move.span);
-      }
-      return alignment::seen_motion(*arm, moves, *clocks_[i]);
+      const MotionCourse course(*arm, signals_.robot.size() == 1);
+      return alignment::film_clock(*signals_.video,
+                                   {.begin = clocks_[i]->relation.camera_from(course.begin()),
+                                    .step = course.step(),
+                                    .speed = course.speed(),
+                                    .sigma_us = static_cast<double>(clocks_[i]->uncertainty().count()) / alignment::normal_95});
     }
     return std::nullopt;
   }

@@ -88,7 +88,6 @@ class TimeCheck {
 
 json json_of(const alignment::FittedClock& clock) {
   json object = clock.relation;
-  object["residual_us"] = clock.residual_us;
   object["offset_low_us"] = clock.offset_low_us;
   object["offset_high_us"] = clock.offset_high_us;
   if (clock.drift_within_ppm > 0) {
@@ -115,13 +114,11 @@ alignment::FittedClock clock_in(const json& object, const std::string& where) {
   alignment::FittedClock clock{.relation = {.offset_us = member<std::int64_t>(object, "offset_us", where),
                                             .drift_ppm = member<double>(object, "drift_ppm", where),
                                             .reference_us = member<std::int64_t>(object, "reference_us", where)},
-                               .residual_us = member<double>(object, "residual_us", where),
                                .anchors = member<int>(object, "anchors", where),
                                .method = member<std::string>(object, "method", where),
                                .from = time_in(object, "from_us", where),
                                .to = time_in(object, "to_us", where)};
-  if (clock.residual_us < 0 || clock.anchors < 0)
-    throw Error(where + ": '" + (clock.anchors < 0 ? "anchors" : "residual_us") + "' is below 0; expected 0 or more");
+  if (clock.anchors < 0) throw Error(where + ": 'anchors' is below 0; expected 0 or more");
   clock.offset_low_us =
       object.contains("offset_low_us") ? member<std::int64_t>(object, "offset_low_us", where) : clock.relation.offset_us;
   clock.offset_high_us =

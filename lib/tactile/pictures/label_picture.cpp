@@ -34,11 +34,10 @@ std::string clock_words(std::string_view whose, const alignment::FittedClock& cl
   const auto offset = static_cast<double>(clock.relation.offset_us);
   const std::string drift =
       clock.drift_within_ppm > 0 ? fmt::format(" where it was found, drift within ±{:.1f} %", 1e-4 * clock.drift_within_ppm) : "";
-  const std::string residual = clock.residual_us > 0 ? fmt::format(", residual {:.1f} ms", 1e-3 * clock.residual_us) : "";
-  return fmt::format("{} clock: {}; offset {} to {} ms (95 %){}{}.", whose,
+  return fmt::format("{} clock: {}; offset {} to {} ms (95 %){}.", whose,
                      clock.method.empty() ? "unknown method" : clock.method,
                      signed_ms(1e-3 * (static_cast<double>(clock.offset_low_us) - offset)),
-                     signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), drift, residual);
+                     signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), drift);
 }
 
 /// A sentence of labels.json with its camera times as the axis counts them: "at 1706024628624000 us" is "at 1.2275 s".

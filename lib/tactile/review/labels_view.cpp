@@ -93,14 +93,11 @@ json flags_view(const labels::Labels& labels) {
 json clocks_view(const labels::Labels& labels) {
   constexpr double ms_per_us = 1e-3;
   json clocks = {{"robot_pieces", labels.robot_clocks.size()},
-                 {"robot_residual_ms", nullptr},
                  {"robot_interval_ms", nullptr},
                  {"robot_anchors", nullptr},
-                 {"video_residual_ms", nullptr},
                  {"video_interval_ms", nullptr},
                  {"video_anchors", nullptr}};
   const auto add = [&](const std::string& name, const alignment::FittedClock& clock) {
-    clocks[name + "_residual_ms"] = ms_per_us * clock.residual_us;
     clocks[name + "_interval_ms"] = ms_per_us * static_cast<double>(clock.uncertainty().count());
     clocks[name + "_anchors"] = clock.anchors;
   };

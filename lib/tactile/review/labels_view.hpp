@@ -14,8 +14,8 @@ nlohmann::json labels_view(const labels::VersionedLabels& labels, CameraTime fir
 /// [{"index", "interval_id", "what", "confirmed", "lifted_why"}]
 nlohmann::json flags_view(const labels::Labels& labels);
 
-/// {"robot_residual_ms", "robot_interval_ms", "robot_anchors", "robot_pieces", "video_residual_ms", ...}; the interval is half of
-/// the offset's 95 % interval; of several pieces of a robot's clock the widest. What has no clock is null.
+/// {"robot_interval_ms", "robot_anchors", "robot_pieces", "video_interval_ms", "video_anchors"}; the interval is half of the
+/// offset's 95 % interval; of several pieces of a robot's clock the widest. What has no clock is null.
 nlohmann::json clocks_view(const labels::Labels& labels);
 
 std::size_t open_flags(const labels::Labels& labels);  ///< those that no person has confirmed

@@ -20,6 +20,8 @@ class MotionCourse {
   explicit MotionCourse(const alignment::MotionEnergy& film);
 
   bool has_speed() const { return !speed_.empty(); }
+  std::span<const float> speed() const { return speed_; }  ///< [mm/s] at begin + i * step
+  microseconds step() const { return step_; }
   RobotTime begin() const { return begin_; }  ///< of what is known
   RobotTime end() const { return end_; }
   bool moves_at_all() const { return !moves_.empty(); }
@@ -46,7 +48,7 @@ class MotionCourse {
   std::uint8_t before_ = arm_unknown, after_ = arm_unknown;  ///< conditions beyond what is known
   RobotTime begin_{}, end_{};
   microseconds step_{};
-  std::vector<float> speed_;        ///< [mm/s] at begin + i * step
+  std::vector<float> speed_;
   std::vector<Move> moves_, gaps_;  ///< by time; of the log, what is not known
 };
 
