@@ -8,7 +8,7 @@ namespace tactile::labels {
 namespace {
 
 constexpr std::int64_t step_us = 4'000;
-constexpr double independent_part = 0.2;
+constexpr double independent_part = 0.05;
 constexpr double farther = 2;  // the camera moves more than the arm where its mount rings; what moves still more is not the arm
 constexpr double gravity = 9.81;  // [m/s^2]
 

@@ -265,7 +265,7 @@ class Builder {
       if (from.phase == Phase::moving && may_be_even(from.happening))
         add(even(from.happening), (from.happening == H::press ? 0.3 : 1) * (calm ? 4 : 0.3));
       if (from.phase == Phase::moving && from.happening == H::slip)
-        add_state({H::slip, Phase::stuck, 0}, calm ? 12 : 0.5), add_state({H::slip, Phase::smooth, 0}, calm ? 8 : 0.3);
+        add_state({H::slip, Phase::stuck, 0}, calm ? 12 : 0.5), add_state({H::slip, Phase::smooth, 0}, calm ? 2 : 0.1);
       if (from.phase == Phase::smooth) add(rise(H::slip, Phase::moving, moves), 0.3);
       if (from.phase == Phase::even) add(rise(from.happening, Phase::moving, moves), 2);
       if (from.phase == Phase::even && from.happening == H::slip) add_state({H::slip, Phase::stuck, 0}, 1);
