@@ -27,6 +27,10 @@ class Interval:
     """where the onset comes from, such as "events" or "person" """
     confirmed: bool
     """a person has looked at it"""
+    probability: float | None = None
+    """that it is a touch of this class; None: a person added it"""
+    visible_us: int | None = None
+    """the first time at which a person would see it in the events; None: there is none"""
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,10 @@ def read_labels(path: str | os.PathLike[str]) -> Labels:
     content = json.loads(_tactile.labels_text(path))
 
     def interval(entry: dict) -> Interval:
+        same = {name: entry[name] for name in ("id", "source", "confirmed")}
         times = {f"{which}{bound}_us": entry[f"{which}{bound}_us"] for which in ("start", "end") for bound in ("", "_low", "_high")}
-        return Interval(id=entry["id"], touch=entry["class"], source=entry["source"], confirmed=entry["confirmed"], **times)
+        of_model = {name: entry.get(name) for name in ("probability", "visible_us")}
+        return Interval(touch=entry["class"], **same, **times, **of_model)
 
     return Labels(
         intervals=[interval(entry) for entry in content["intervals"]],

@@ -45,7 +45,7 @@ TEST(FilmClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
     const double error = error_ms(*fit.clock, made, VideoTime{2s});
     EXPECT_LT(std::abs(error), 4) << i;
     covered += fit.clock->offset_low_us <= made.offset_us() && made.offset_us() <= fit.clock->offset_high_us ? 1 : 0;
-    EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 14'000);
+    EXPECT_LT(fit.clock->offset_high_us - fit.clock->offset_low_us, 18'000);
     EXPECT_EQ(fit.clock->relation.drift_ppm, 0);
     EXPECT_EQ(fit.clock->relation.reference_us, 0);
   }
@@ -138,8 +138,7 @@ TEST(FilmClock, IsRefusedWhereOtherThingsMove) {
   fidgeting.reserve(8);
   for (int i = 0; i < 8; ++i) fidgeting.push_back({.start_s = 0.3 + 0.5 * i, .end_s = 0.42 + 0.5 * i, .speed = 8});
   const FilmClock fit = film_clock(film_of({.motions = fidgeting}), MadeSpeed({arm_lift}).seen);
-  EXPECT_FALSE(fit.clock);
-  EXPECT_FALSE(fit.refused.empty());
+  EXPECT_EQ(fit.refused, "the motion in the film does not match the arm's");
   EXPECT_TRUE(fit.contradiction.empty()) << "the film may not show the arm";
 }
 
@@ -164,32 +163,103 @@ TEST(FilmClock, HasADriftWhereSeveralMotionsShowIt) {
     const FilmClock fit = film_clock(film_of(made), speed.seen);
     ASSERT_TRUE(fit.clock) << fit.refused;
     EXPECT_EQ(fit.clock->anchors, 6);
-    EXPECT_NEAR(fit.clock->relation.drift_ppm, drift_ppm, 40);
+    EXPECT_NEAR(fit.clock->relation.drift_ppm, drift_ppm, fit.clock->drift_within_ppm);
+    EXPECT_GT(fit.clock->drift_within_ppm, 2);
     EXPECT_LT(fit.clock->drift_within_ppm, 100);
     EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{80s})), 3);
   }
 }
 
-TEST(FilmClock, CoversTheTruthWithTwoMotions) {
-  const std::vector<MadeMotion> two{{.start_s = 0.4, .end_s = 0.9, .speed = 8}, arm_lift};
-  const MadeSpeed speed(two);
-  int covered = 0, at_the_ends = 0;
-  constexpr int films = 40;
-  for (int i = 0; i < films; ++i) {
-    const MadeFilm made{
-        .motions = two, .begins_s = -1.4 + 0.0317 * i, .drift_ppm = 600.0 * (i - 20), .seed = static_cast<std::uint64_t>(i + 1)};
+/// Of 40 films, those whose 95 % interval holds the true time where the clock was found, and at both ends.
+struct Covered {
+  int found = 0, at_the_ends = 0;
+  double half_ms = 0;  ///< mean half width where the clock was found
+};
+
+Covered covered_of_40(const std::vector<MadeMotion>& motions, double ends_s, double rate_hz) {
+  const MadeSpeed speed(motions, -0.5, ends_s);
+  Covered covered;
+  for (int i = 0; i < 40; ++i) {
+    const MadeFilm made{.motions = motions,
+                        .begins_s = -1.4 + 0.0317 * i,
+                        .ends_s = ends_s,
+                        .rate_hz = rate_hz,
+                        .drift_ppm = 600.0 * (i - 20),
+                        .seed = static_cast<std::uint64_t>(i + 1)};
     const MotionEnergy film = film_of(made);
     const FilmClock fit = film_clock(film, speed.seen);
-    ASSERT_TRUE(fit.clock) << fit.refused;
+    EXPECT_TRUE(fit.clock) << fit.refused;
+    if (!fit.clock) continue;
     const auto holds = [&](VideoTime t) {
       return std::abs(error_ms(*fit.clock, made, t)) <=
              1e-3 * static_cast<double>(fit.clock->uncertainty_at(fit.clock->relation.camera_from(t)).count());
     };
-    covered += holds(VideoTime{microseconds{fit.clock->found_at_us}}) ? 1 : 0;
-    at_the_ends += holds(film.begin()) && holds(film.end()) ? 1 : 0;
+    covered.found += holds(VideoTime{microseconds{fit.clock->found_at_us}}) ? 1 : 0;
+    covered.at_the_ends += holds(film.begin()) && holds(film.end()) ? 1 : 0;
+    covered.half_ms += 1e-3 * static_cast<double>(fit.clock->uncertainty().count()) / 40;
   }
-  EXPECT_GE(covered, films * 9 / 10);
-  EXPECT_GE(at_the_ends, films * 9 / 10);
+  return covered;
+}
+
+const MadeMotion earlier{.start_s = 0.4, .end_s = 0.9, .speed = 8};
+
+TEST(FilmClock, CoversTheTruthHoweverLongNothingMoves) {
+  for (const double ends_s : {5.0, 20.0, 40.0}) {
+    const Covered two = covered_of_40({earlier, arm_lift}, ends_s, 30);
+    EXPECT_GE(two.found, 36) << ends_s;
+    EXPECT_GE(two.at_the_ends, 36) << ends_s;
+    EXPECT_LT(two.half_ms, 8) << ends_s;
+    const Covered one = covered_of_40({arm_lift}, ends_s, 30);
+    EXPECT_GE(one.found, 36) << ends_s;
+    EXPECT_LT(one.half_ms, 8) << ends_s;
+  }
+}
+
+TEST(FilmClock, CoversTheTruthAtAnyFrameRate) {
+  for (const double rate_hz : {10.0, 60.0, 200.0}) {
+    const Covered two = covered_of_40({earlier, arm_lift}, 5, rate_hz);
+    EXPECT_GE(two.found, 36) << rate_hz;
+    EXPECT_GE(two.at_the_ends, 36) << rate_hz;
+  }
+}
+
+TEST(FilmClock, IsFoundWhereTheFilmEndsOrBeginsWithinAMove) {
+  const std::vector<MadeMotion> two{arm_lift, {.start_s = 4.5, .end_s = 5.5, .speed = 8}};
+  const MadeSpeed speed(two, -0.5, 7);
+  for (const double ends_s : {4.6, 4.7, 4.8, 4.9, 5.0, 5.2}) {
+    const MadeFilm made{.motions = two, .ends_s = ends_s};
+    const FilmClock fit = film_clock(film_of(made), speed.seen);
+    ASSERT_TRUE(fit.clock) << ends_s << ": " << fit.refused;
+    EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{microseconds{fit.clock->found_at_us}})), 5) << ends_s;
+  }
+  const std::vector<MadeMotion> before{earlier, arm_lift};
+  for (const double begins_s : {0.6, 0.7, 0.75}) {
+    const FilmClock fit = film_clock(film_of({.motions = before, .begins_s = begins_s}), MadeSpeed(before).seen);
+    EXPECT_TRUE(fit.clock) << begins_s << ": " << fit.refused;
+  }
+}
+
+TEST(FilmClock, IsFoundAcrossAGapOfTheLog) {
+  const MadeFilm made{.motions = {arm_lift}};
+  for (const int missing : {30, 50, 75}) {
+    MadeSpeed speed({arm_lift});
+    for (int i = 0; i < missing; ++i) speed.speed[static_cast<std::size_t>(710 + i)] = std::numeric_limits<float>::quiet_NaN();
+    speed.seen.speed = speed.speed;
+    const FilmClock fit = film_clock(film_of(made), speed.seen);
+    ASSERT_TRUE(fit.clock) << missing << ": " << fit.refused;
+    EXPECT_EQ(fit.clock->anchors, 1) << "a gap does not end a motion";
+    EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{2s})), 8) << missing;
+  }
+  MadeSpeed unknown({arm_lift});
+  unknown.speed.assign(unknown.speed.size(), std::numeric_limits<float>::quiet_NaN());
+  unknown.seen.speed = unknown.speed;
+  EXPECT_EQ(film_clock(film_of(made), unknown.seen).refused, "nothing moves that the film should show");
+}
+
+TEST(FilmClock, IsRefusedWhereFilmAndLogAreTooLongToBeSearched) {
+  const std::vector<MadeMotion> apart{arm_lift, {.start_s = 700, .end_s = 700.6, .speed = 8}};
+  EXPECT_TRUE(film_clock(film_of({.motions = apart, .ends_s = 705}), MadeSpeed(apart, -0.5, 705).seen)
+                  .refused.starts_with("film and robot log are too long to be compared"));
 }
 
 TEST(FilmClock, IsRefusedWhereTheTimesHaveAnotherRate) {
@@ -217,7 +287,7 @@ TEST(FilmClock, IsFoundAtTheEndsOfTime) {
     seen.begin = camera_time(begin_us);
     const FilmClock fit = film_clock(film_of(made), seen);
     if (begin_us < 0) {  // video time 0 lies before the first camera time there is
-      EXPECT_TRUE(fit.clock || !fit.refused.empty());
+      EXPECT_EQ(fit.refused, "the two clocks lie further apart than 64 bits of microseconds");
       continue;
     }
     ASSERT_TRUE(fit.clock) << fit.refused;

@@ -144,7 +144,7 @@ TEST_F(LabelExchange, WhatIsThereAlreadyIsReplacedOnlyIfForced) {
 TEST_F(LabelExchange, WhatCannotBeImportedChangesNothing) {
   ASSERT_EQ(label("--export all.csv").exit_code, 0);
   ASSERT_EQ(label("--export out --format csv").exit_code, 0);
-  write_whole(folder / "broken.csv", text_of("all.csv") + "fan/09,,press,1.0,2.0,,,,,,,,,,,,,,\n");
+  write_whole(folder / "broken.csv", text_of("all.csv") + "fan/09,,press,1.0,2.0,,,,,,,,,,,,,,,,\n");
   expect_refused("--import broken.csv", "has labels of 'fan/09'; expected labels of fan/01, usb-hub/01");
   expect_refused("data/usb-hub/01 --import out/fan-01.csv", "has labels of 'fan/01'; expected labels of usb-hub/01");
   expect_refused("--import out/fan-01.csv --import all.csv", "expected each run once");

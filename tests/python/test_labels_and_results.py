@@ -12,6 +12,8 @@ def test_labels_are_those_of_the_file(lab):
     assert {interval.touch for interval in labels.intervals} == {"press", "slip"}
     for interval in labels.intervals:
         assert interval.start_low_us <= interval.start_us <= interval.start_high_us < interval.end_us
+        assert 0.5 <= interval.probability <= 1
+        assert interval.start_low_us <= interval.visible_us <= interval.end_us
     assert labels.flagged == any(not flag["confirmed"] for flag in content["flags"])
     assert labels.remarks == content["remarks"]
 

@@ -4,16 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "tactile/alignment/film_match.hpp"
 #include "tactile/core/robust_statistics.hpp"
 
 namespace tactile::alignment {
 namespace {
 
-constexpr double independent_us = 300'000;  // between steps whose energies are independent
-constexpr double usual_longer_us = 20'000;  // standard deviation of what a motion is longer by in the film
 constexpr double most_longer_us = 400'000, most_drift = 0.3;
 constexpr double usual = 3;             // standard deviations
 constexpr double contradicted = 12;     // [nats] by which another length or rate fits better than any usual one
@@ -49,251 +50,155 @@ std::string remark_on_counted(const MotionEnergy& energy, const FittedClock& clo
                      rate_of(energy));
 }
 
-/// A step of the film, in microseconds from the film's begin.
-struct Step {
-  double begin, end, energy;
-};
-
-/// A stretch of the seen motion, in microseconds from its first value.
-struct Move {
-  double begin, end;
-
-  double middle() const { return 0.5 * (begin + end); }
-  double length() const { return end - begin; }
-};
-
-/// The relation of both times: film + offset + drift * (film + offset - middle).
-struct Line {
-  double offset = 0, drift = 0;
-  double longer = 0;  ///< a motion in the film [us]
-};
-
-/// A film and the motion that it should have seen.
-class Match {
- public:
-  Match(const MotionEnergy& energy, const SeenMotion& seen, double usual_drift)
-      : step_us_(static_cast<double>(seen.step.count())), usual_drift_(usual_drift) {
-    for (const MotionStep& step : energy.steps)
-      steps_.push_back({in_film(energy, step.begin), in_film(energy, step.end), step.energy});
-    sums_.push_back({});
-    for (const Step& step : steps_) sums_.push_back(sums_.back().with(step));
-    integrals_.push_back(0);
-    for (std::size_t i = 0; i + 1 < seen.speed.size(); ++i) {
-      integrals_.push_back(integrals_[i] + 0.5 * (seen.speed[i] + seen.speed[i + 1]));
-      if (integrals_[i + 1] > integrals_[i]) add_to_moves(i);
-    }
-    frame_us_ = static_cast<double>(std::max<std::int64_t>(energy.median_step.count(), 1));
-    middle_ = 0.5 * (moves_.front().middle() + moves_.back().middle());
-  }
-
-  /// Leaves out motions that the film does not reach. @return  the same line, from the middle of the others
-  Line without_unseen_moves(const Line& line) {
-    std::erase_if(moves_, [&](const Move& move) {
-      const double film = on_film(line, move.middle());
-      return moves_.size() > 1 && (film < 0 || film > film_us());
-    });
-    const double before = std::exchange(middle_, 0.5 * (moves_.front().middle() + moves_.back().middle()));
-    return {line.offset + line.drift / (1 + line.drift) * (middle_ - before), moves_.size() > 1 ? line.drift : 0};
-  }
-
-  const std::vector<Move>& moves() const { return moves_; }
-  double middle() const { return middle_; }
-  double frame_us() const { return frame_us_; }
-  /// From the first motion's middle to the last one's.
-  double span_us() const { return moves_.back().middle() - moves_.front().middle(); }
-  double length_us() const { return step_us_ * static_cast<double>(integrals_.size() - 1); }
-  double film_us() const { return steps_.back().end; }
-
-  /// The film's time of a time of the speed.
-  double on_film(const Line& line, double seen) const { return middle_ + (seen - middle_) / (1 + line.drift) - line.offset; }
-
-  /// How much of the film the motion explains.
-  struct Explained {
-    double us = 0;     ///< for which the speed is known
-    double share = 0;  ///< of the variance of the energies then, r^2
-  };
-
-  Explained explained(const Line& line) const {
-    const auto on_seen = [&](double film) { return film + line.offset + line.drift * (film + line.offset - middle_); };
-    const auto first_after = [&](double seen) {
-      const double film = on_film(line, seen);
-      return static_cast<std::size_t>(
-          std::partition_point(steps_.begin(), steps_.end(), [film](const Step& step) { return step.begin < film; }) -
-          steps_.begin());
-    };
-    const std::size_t first = first_after(0), last = std::max(first, std::min(first_after(length_us()), steps_.size()));
-    Sums sums = sums_[last].without(sums_[first]);
-    double v = 0, vv = 0, ev = 0;
-    for (std::size_t m = 0; m < moves_.size(); ++m) {
-      const double before = m == 0 ? 0 : 0.5 * (moves_[m - 1].end + moves_[m].begin);
-      const double after = m + 1 == moves_.size() ? length_us() : 0.5 * (moves_[m].end + moves_[m + 1].begin);
-      const Move& move = moves_[m];
-      const double shorter = move.length() / std::max(move.length() + line.longer, 0.1 * move.length());
-      const auto travelled = [&](double film) {
-        const double seen = std::clamp(on_seen(film), before, after);
-        return integral(std::clamp(move.middle() + (seen - move.middle()) * shorter, before, after));
-      };
-      const double reach = 0.5 * move.length() / shorter + 2 * frame_us_;
-      const std::size_t from = std::clamp(first_after(std::max(move.middle() - reach, before)), first + 1, last + 1) - 1;
-      for (std::size_t i = from; i < last && on_seen(steps_[i].begin) < std::min(move.middle() + reach, after); ++i) {
-        const Step& step = steps_[i];
-        const double length = step.end - step.begin, speed = (travelled(step.end) - travelled(step.begin)) / length;
-        v += length * speed;
-        vv += length * speed * speed;
-        ev += length * step.energy * speed;
-      }
-    }
-    const double spread_e = sums.w * sums.ee - sums.e * sums.e, spread_v = sums.w * vv - v * v, both = sums.w * ev - sums.e * v;
-    constexpr std::size_t fewest = 6;
-    if (last - first < fewest || !(spread_e > 0) || !(spread_v > 0) || both <= 0) return {};
-    return {sums.w, std::min(both * both / (spread_e * spread_v), 0.9999)};
-  }
-
-  /// ln p(film | line), 0 for a film that has nothing to do with the motion.
-  double log_likelihood(const Line& line) const {
-    const Explained by_motion = explained(line);
-    return -0.5 * by_motion.us / independent_us * std::log1p(-by_motion.share);
-  }
-
-  /// The same of a film with usual times.
-  double log_posterior(const Line& line) const {
-    const double z_longer = line.longer / usual_longer_us, z_drift = line.drift / usual_drift_;
-    return log_likelihood(line) - 0.5 * (z_longer * z_longer + z_drift * z_drift);
-  }
-  double usual_drift() const { return usual_drift_; }
-
- private:
-  struct Sums {  // weighted by the length of a step
-    double w = 0, e = 0, ee = 0;
-
-    Sums with(const Step& step) const {
-      const double length = step.end - step.begin;
-      return {w + length, e + length * step.energy, ee + length * step.energy * step.energy};
-    }
-    Sums without(const Sums& other) const { return {w - other.w, e - other.e, ee - other.ee}; }
-  };
-
-  static double in_film(const MotionEnergy& energy, VideoTime t) { return static_cast<double>((t - energy.begin()).count()); }
-
-  void add_to_moves(std::size_t i) {
-    constexpr double one_motion_us = 100'000;
-    const double begin = step_us_ * static_cast<double>(i);
-    if (moves_.empty() || begin > moves_.back().end + one_motion_us) moves_.push_back({begin, begin});
-    moves_.back().end = begin + step_us_;
-  }
-
-  double integral(double t) const {
-    const double place = std::clamp(t / step_us_, 0.0, static_cast<double>(integrals_.size() - 1));
-    const std::size_t i = std::min(static_cast<std::size_t>(place), integrals_.size() - 2);
-    return integrals_[i] + (place - static_cast<double>(i)) * (integrals_[i + 1] - integrals_[i]);
-  }
-
-  std::vector<Step> steps_;
-  std::vector<Sums> sums_;         // of the steps before each
-  std::vector<double> integrals_;  // of the speed, in steps
-  std::vector<Move> moves_;
-  double step_us_, frame_us_ = 1, middle_ = 0, usual_drift_;
-};
-
-/// The lines that fit best, for motions of the arm's length.
-struct Coarse {
-  Line usual, any;            ///< of usual drifts, and of all
+/// A line of a grid, and how much of the probability is near it.
+struct Place {
+  FilmLine line;
   double probability = 0;     ///< that the film shows this motion, at this place
   bool is_by_chance = false;  ///< else it shows it at another place as well
 };
 
-/// By a grid of half a frame, and of drifts by which the outer motions move by a tenth of a second.
-Coarse coarse_match(const Match& match) {
-  constexpr double most_offsets = 8'192, widest_drift_step = 0.02, apart_us = 100'000, most_drifts = 40;
-  const double from = -match.film_us(), to = match.length_us();
-  const double step = std::max(0.5 * match.frame_us(), (to - from) / most_offsets);
-  const double drift_step = std::min(widest_drift_step, apart_us / std::max(match.span_us(), 1.0));
-  const int drifts = match.span_us() > 0 ? static_cast<int>(std::min(most_drift / drift_step, most_drifts)) : 0;
-  std::vector<Line> lines;
-  std::vector<double> log_p;
-  Coarse found;
-  double most = 0, most_usual = 0;
-  for (int d = -drifts; d <= drifts; ++d) {
-    for (int i = 0; from + step * i <= to; ++i) {
-      const Line& line = lines.emplace_back(Line{.offset = from + step * i, .drift = drift_step * d});
-      log_p.push_back(match.log_likelihood(line));
-      if (log_p.back() > most) most = log_p.back(), found.any = line;
-      if (log_p.back() > most_usual && std::abs(line.drift) <= usual * match.usual_drift())
-        most_usual = log_p.back(), found.usual = line;
-    }
-  }
+struct Coarse {
+  Place usual, any;  ///< among usual drifts, by their probability; and among all drifts
+  double offset_step = 0, drift_step = 0;
+};
+
+/// @param log_p  of each line, 0 by chance
+Place best_of(const FilmMatch& match, const std::vector<FilmLine>& lines, const std::vector<double>& log_p) {
+  const auto most = static_cast<std::size_t>(std::max_element(log_p.begin(), log_p.end()) - log_p.begin());
+  Place place{.line = lines[most]};
   // A motion of another length fits at all offsets at which one lies within the other.
-  const double near_us = std::max(apart_us, 0.5 * std::ranges::max_element(match.moves(), {}, &Move::length)->length());
+  double near_us = 100'000;
+  for (const FilmMatch::Stretch& move : match.moves()) {
+    const double film = match.on_film(place.line, move.middle());
+    if (film > 0 && film < match.film_us()) near_us = std::max(near_us, 0.5 * move.length());
+  }
   double near = 0, elsewhere = 0;
   for (std::size_t i = 0; i < lines.size(); ++i)
-    (std::abs(lines[i].offset - found.any.offset) <= near_us ? near : elsewhere) += std::exp(log_p[i] - most);
-  const double by_chance = std::exp(-most) * static_cast<double>(lines.size());
-  found.probability = near / (near + elsewhere + by_chance);
-  found.is_by_chance = by_chance > elsewhere;
+    (std::abs(lines[i].offset - place.line.offset) <= near_us ? near : elsewhere) += std::exp(log_p[i] - log_p[most]);
+  const double by_chance = std::exp(-log_p[most]) * static_cast<double>(lines.size());
+  place.probability = near / (near + elsewhere + by_chance);
+  place.is_by_chance = by_chance > elsewhere;
+  return place;
+}
+
+/// By a grid of half a frame or 8 ms, and of drifts by which the outer motions move by a tenth of a second. Nothing if it would
+/// be too large.
+std::optional<Coarse> coarse_match(const FilmMatch& match) {
+  constexpr double most_offsets = 8'192, widest_drift_step = 0.02, apart_us = 100'000, most_drifts = 40, most_usual = 100;
+  constexpr double least_step_us = 8'000;
+  const double from = -match.film_us(), to = match.length_us();
+  const double step = std::max({0.5 * match.frame_us(), least_step_us, (to - from) / most_offsets});
+  const double drift_step = std::min(widest_drift_step, apart_us / std::max(match.span_us(), 1.0));
+  const double usual_steps = std::ceil(usual * match.usual_drift() / drift_step);
+  const double shortest = std::ranges::min_element(match.moves(), {}, &FilmMatch::Stretch::length)->length();
+  if ((match.span_us() > 0 && usual_steps > most_usual) || step > std::max(0.5 * shortest, match.frame_us())) return std::nullopt;
+  const int drifts =
+      match.span_us() > 0 ? static_cast<int>(std::max(usual_steps, std::min(most_drift / drift_step, most_drifts))) : 0;
+  std::vector<FilmLine> lines;
+  std::vector<double> log_p;
+  for (int d = -drifts; d <= drifts; ++d) {
+    for (int i = 0; from + step * i <= to; ++i) {
+      lines.push_back({.offset = from + step * i, .drift = drift_step * d});
+      log_p.push_back(match.log_likelihood(lines.back()));
+    }
+  }
+  Coarse found{.usual = {}, .any = best_of(match, lines, log_p), .offset_step = step, .drift_step = drift_step};
+  for (std::size_t i = 0; i < lines.size(); ++i) log_p[i] += match.log_prior(lines[i]);
+  found.usual = best_of(match, lines, log_p);
   return found;
 }
 
 /// The line that fits best, near another one. @param log_p  of a line
 template <class LogP>
-Line fine_match(const Match& match, Line line, const Line& most, LogP log_p) {
+FilmLine fine_match(const FilmMatch& match, const Coarse& coarse, FilmLine line, const FilmLine& most, LogP log_p) {
   constexpr int each_way = 16, rounds = 6;
   double best = log_p(line);
   double part = 1;
-  const auto improve = [&](double Line::*value, double reach, double most_value) {
+  const auto improve = [&](double FilmLine::*value, double reach, double most_value) {
     const double middle = line.*value;
     for (int i = -each_way; i <= each_way; ++i) {
-      Line other = line;
+      FilmLine other = line;
       other.*value = std::clamp(middle + part * reach * i / each_way, -most_value, most_value);
       if (const double p = log_p(other); p > best) best = p, line = other;
     }
   };
   for (int round = 0; round < rounds; ++round, part /= 4) {
-    improve(&Line::offset, 3 * match.frame_us(), most.offset);
-    improve(&Line::longer, most.longer, most.longer);
-    if (match.span_us() > 0) improve(&Line::drift, 2 * match.frame_us() / match.span_us(), most.drift);
+    improve(&FilmLine::offset, std::max(3 * match.frame_us(), coarse.offset_step), most.offset);
+    improve(&FilmLine::longer, most.longer, most.longer);
+    if (match.span_us() > 0)
+      improve(&FilmLine::drift, std::max(2 * match.frame_us() / match.span_us(), coarse.drift_step), most.drift);
   }
   return line;
 }
 
+/// Mean and standard deviation of one number of a line.
+struct Spread {
+  double mean = 0, sigma = 0;
+};
+
 /// The moments of the posterior around the likeliest line.
 struct Moments {
-  double offset = 0, drift = 0;                                 ///< means
-  double offset_offset = 0, offset_drift = 0, drift_drift = 0;  ///< variances
-  double longer_longer = 0;                                     ///< mean square
+  Spread offset, drift, longer;
+  double offset_drift = 0;   ///< covariance
+  double longer_longer = 0;  ///< mean square
 
-  explicit Moments(const Match& match, const Line& best) {
-    constexpr int each_way = 12;
-    const double most_p = match.log_posterior(best);
-    const double offset_step = 1.5 * match.frame_us() / each_way, longer_step = usual * usual_longer_us / each_way;
-    const double drift_step = match.span_us() > 0 ? 2 * match.frame_us() / match.span_us() / each_way : 0;
-    const int drifts = drift_step > 0 ? each_way : 0;
-    double all = 0;
+  /// On a grid that follows what it finds, so that it is as wide and as fine as the posterior.
+  Moments(const FilmMatch& match, const FilmLine& best) {
+    constexpr double first_reach_us = 60'000;
+    constexpr int rounds = 5;
+    offset = {best.offset, first_reach_us / reach};
+    longer = {0, usual_longer_us * usual / reach};
+    drift = {best.drift,
+             match.span_us() > 0 ? std::min(first_reach_us / match.span_us(), usual * match.usual_drift()) / reach : 0};
+    const double moving = match.explained(best).moving;
+    for (int round = 0; round < rounds; ++round) sum(match, moving);
+  }
+
+ private:
+  static constexpr int each_way = 8;
+  static constexpr double reach = 4;  // standard deviations
+
+  void sum(const FilmMatch& match, double moving) {
+    std::vector<FilmLine> lines;
+    std::vector<double> log_p;
+    const auto at = [](const Spread& spread, int i) { return spread.mean + reach * spread.sigma * i / each_way; };
+    const int drifts = drift.sigma > 0 ? each_way : 0;
     for (int d = -drifts; d <= drifts; ++d) {
       for (int w = -each_way; w <= each_way; ++w) {
         for (int i = -each_way; i <= each_way; ++i) {
-          const double off = offset_step * i, drifted = drift_step * d, longer = longer_step * w;
-          const double p = std::exp(match.log_posterior({best.offset + off, best.drift + drifted, longer}) - most_p);
-          all += p;
-          offset += p * off;
-          drift += p * drifted;
-          offset_offset += p * off * off;
-          offset_drift += p * off * drifted;
-          drift_drift += p * drifted * drifted;
-          longer_longer += p * longer * longer;
+          lines.push_back({at(offset, i), at(drift, d), at(longer, w)});
+          log_p.push_back(match.log_posterior_near(lines.back(), moving));
         }
       }
     }
-    offset /= all, drift /= all;
-    offset_offset = offset_offset / all - offset * offset;
-    offset_drift = offset_drift / all - offset * drift;
-    drift_drift = drift_drift / all - drift * drift;
-    longer_longer /= all;
-    offset += best.offset, drift += best.drift;
+    const double most = *std::max_element(log_p.begin(), log_p.end());
+    for (double& p : log_p) p = std::exp(p - most);
+    const double all = std::accumulate(log_p.begin(), log_p.end(), 0.0);
+    const auto mean_of = [&](auto value) {
+      double mean = 0;
+      for (std::size_t i = 0; i < lines.size(); ++i) mean += log_p[i] / all * value(lines[i]);
+      return mean;
+    };
+    // At least what the grid does not resolve.
+    const auto follow = [&](Spread& spread, double FilmLine::*value) {
+      const double mean = mean_of([&](const FilmLine&l) { return l.*value; }), step = reach * spread.sigma / each_way;
+      const double variance = mean_of([&](const FilmLine& l) { return (l.*value - mean) * (l.*value - mean); });
+      spread = {mean, std::max(std::sqrt(variance), 0.5 * step)};
+    };
+    follow(offset, &FilmLine::offset);
+    follow(drift, &FilmLine::drift);
+    follow(longer, &FilmLine::longer);
+    offset_drift = mean_of([&](const FilmLine& l) { return (l.offset - offset.mean) * (l.drift - drift.mean); });
+    longer_longer = mean_of([](const FilmLine& l) { return l.longer * l.longer; });
   }
 };
 
+bool is_unusual(const FilmLine& line, double usual_drift) {
+  return std::abs(line.drift) > usual * usual_drift || std::abs(line.longer) > usual * usual_longer_us;
+}
+
 /// @param fits  better than any usual line
-void set_contradiction(FilmClock& found, const MotionEnergy& energy, const Line& fits, double usual_drift) {
+void set_contradiction(FilmClock& found, const MotionEnergy& energy, const FilmLine& fits, double usual_drift) {
   if (std::abs(fits.drift) > usual * usual_drift) {
     found.refused = fmt::format(
         "the times of the film give {:.4g} frames/s, but by the distance of its motions it has about {:.3g} frames/s; expected "
@@ -314,7 +219,7 @@ std::string refusal_of(const MotionEnergy& energy, const SeenMotion& seen) {
   if (energy.steps.size() < fewest_steps)
     return fmt::format("the film has {} steps from frame to frame; expected at least {}", energy.steps.size(), fewest_steps);
   if (seen.speed.size() < 2) return "nothing is known of the motion that the film should show";
-  if (std::none_of(seen.speed.begin(), seen.speed.end(), [](float v) { return v > 0; }))
+  if (std::none_of(seen.speed.begin(), seen.speed.end(), [](float v) { return std::isfinite(v) && v > 0; }))
     return "nothing moves that the film should show";
   if (std::none_of(energy.steps.begin(), energy.steps.end(), [](const MotionStep& step) { return step.energy > 0; }))
     return "nothing moves in the film";
@@ -335,43 +240,52 @@ FilmClock film_clock(const MotionEnergy& energy, const SeenMotion& seen) {
   if (!found.refused.empty()) return found;
   const bool counted = counts_frames(energy);
   const double usual_drift = usual_drift_of(counted);
-  Match match(energy, seen, usual_drift);
-  Coarse coarse = coarse_match(match);
-  if (coarse.probability < least_probability) {
-    found.refused =
-        coarse.is_by_chance ? "the motion in the film does not match the arm's" : "the film matches at several offsets";
+  FilmMatch match(energy, seen, usual_drift);
+  const std::optional<Coarse> coarse = match.moves().empty() ? std::nullopt : coarse_match(match);
+  if (!coarse) {
+    found.refused = "film and robot log are too long to be compared; expected single runs, as tactile split cuts them";
     return found;
   }
   constexpr double any_offset = 1e18;
-  const Line unusual = fine_match(match, coarse.any, {any_offset, most_drift, most_longer_us},
-                                  [&](const Line& l) { return match.log_likelihood(l); });
-  const double unusual_log_p = match.log_likelihood(unusual);
-  coarse.usual = match.without_unseen_moves(coarse.usual);
-  const Line line = fine_match(match, coarse.usual, {any_offset, usual * usual_drift, usual * usual_longer_us},
-                               [&](const Line& l) { return match.log_posterior(l); });
-  if (match.explained(line).share < well_explained && unusual_log_p - match.log_posterior(line) > contradicted) {
+  FilmMatch all_moves = match;
+  const FilmLine unusual =
+      fine_match(all_moves, *coarse, all_moves.without_unseen_moves(coarse->any.line), {any_offset, most_drift, most_longer_us},
+                 [&](const FilmLine& l) { return all_moves.log_likelihood(l); });
+  const FilmLine start = match.without_unseen_moves(coarse->usual.line);
+  const FilmLine line = fine_match(match, *coarse, start, {any_offset, usual * usual_drift, usual * usual_longer_us},
+                                   [&](const FilmLine& l) { return match.log_posterior(l); });
+  if (coarse->any.probability >= least_probability && is_unusual(unusual, usual_drift) &&
+      match.explained(line).share < well_explained &&
+      all_moves.log_likelihood(unusual) - match.log_posterior(line) > contradicted) {
     set_contradiction(found, energy, unusual, usual_drift);
-    return found;
+  } else if (coarse->usual.probability < least_probability) {
+    found.refused =
+        coarse->usual.is_by_chance ? "the motion in the film does not match the arm's" : "the film matches at several offsets";
   }
+  if (!found.refused.empty()) return found;
 
   const Moments moments(match, line);
   const bool is_rate_seen = match.span_us() > 0;
+  const double drift_variance = moments.drift.sigma * moments.drift.sigma;
   // Where offset and drift are independent: there the offset is known best.
-  const double earlier = is_rate_seen && moments.drift_drift > 0 ? moments.offset_drift / moments.drift_drift : 0;
+  const double earlier = is_rate_seen ? moments.offset_drift / drift_variance : 0;
   const double on_seen = match.middle() - earlier;
-  const double on_film = match.on_film({moments.offset, moments.drift}, on_seen);
-  // A motion that is longer in the film may be so at its start or at its end.
-  const double variance = moments.offset_offset - earlier * moments.offset_drift + moments.longer_longer / 12;
+  const double on_film = match.on_film({moments.offset.mean, moments.drift.mean}, on_seen);
+  // A motion that is longer in the film may be so at its start or at its end, each motion in its own way.
+  const double by_length = moments.longer_longer / 12;
+  const double variance = std::max(0.0, moments.offset.sigma * moments.offset.sigma - earlier * moments.offset_drift) + by_length;
   FittedClock& clock = found.clock.emplace();
   clock.found_at_us = saturating_add(us_of(energy.begin()), std::llround(on_film));
   const CameraTime found_at = after(seen.begin, microseconds{std::llround(on_seen)});
-  clock.relation = {.offset_us = 0, .drift_ppm = 1e6 * moments.drift, .reference_us = us_of(energy.begin())};
+  clock.relation = {.offset_us = 0, .drift_ppm = 1e6 * moments.drift.mean, .reference_us = us_of(energy.begin())};
   if (__builtin_sub_overflow(us_of(found_at), us_of(clock.relation.camera_from(clock.found_at_us)), &clock.relation.offset_us))
     return {.clock = {}, .refused = "the two clocks lie further apart than 64 bits of microseconds"};
   const double half_us = normal_95 * std::hypot(std::sqrt(variance), seen.sigma_us);
   clock.offset_low_us = saturating_subtract(clock.relation.offset_us, std::llround(half_us));
   clock.offset_high_us = saturating_add(clock.relation.offset_us, std::llround(half_us));
-  clock.drift_within_ppm = 1e6 * normal_95 * (is_rate_seen ? std::sqrt(moments.drift_drift) : usual_drift);
+  clock.drift_within_ppm =
+      1e6 * normal_95 *
+      (is_rate_seen ? std::sqrt(drift_variance + 2 * by_length / (match.span_us() * match.span_us())) : usual_drift);
   clock.anchors = static_cast<int>(match.moves().size());
   clock.method = fmt::format("the arm's motions in the film ({})", clock.anchors);
   if (counted) found.remark = remark_on_counted(energy, clock, is_rate_seen);

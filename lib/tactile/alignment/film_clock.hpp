@@ -13,9 +13,10 @@ namespace tactile::alignment {
 /// What a film of the run must have seen move, and how fast.
 struct SeenMotion {
   CameraTime begin{};
-  microseconds step{4'000};     ///< > 0
-  std::span<const float> speed;  ///< at begin + i * step, in any unit, >= 0, 0 at rest; straight lines in between
-  double sigma_us = 0;          ///< standard deviation of its place in camera time, >= 0
+  microseconds step{4'000};  ///< > 0
+  std::span<const float>
+      speed;            ///< at begin + i * step, in any unit, >= 0, 0 at rest, NaN if not known; straight lines in between
+  double sigma_us = 0;  ///< standard deviation of its place in camera time, >= 0
 };
 
 /// The film's clock, or why it could not be found.
@@ -32,20 +33,24 @@ struct FilmClock {
 ///   ln p(film | o, g, w) = -n / 2 * ln(1 - r^2)
 ///
 /// w is by how much longer each motion is in the film than by the arm, because a film does not see slow motion, and sees what
-/// rings on. n is the number of independent steps, one in 0.3 s. Priors: o is even over all offsets at which both overlap,
-/// w has a standard deviation of 20 ms, g one of 0.5 % (1.5 % if the times count frames, since films lack one frame in a
-/// hundred). With one motion, g cannot be told from w.
+/// rings on. n is the number of independent steps, one in 0.3 s.
+/// How exact o and g are depends on steps with motion alone: there n counts one in 80 ms of these. Priors: o is even over all
+/// offsets at which both overlap, w has a standard deviation of 20 ms, g one of 0.5 % (1.5 % if the times count frames, since
+/// films lack one frame in a hundred). With one motion, g cannot be told from w.
 ///
 /// The clock's offset, its interval and its drift are those of the posterior; the interval includes that of the arm's motion.
 ///
-/// Refused where chance explains the film as well (probability above 0.05), or another offset does; and where a w of up to 0.4 s
-/// or a g of up to 30 % fits better than the usual ones by 12 nats, and these leave a tenth of the energies' variance or more: for
-/// its w as a contradiction, for its g as another rate.
+/// Refused where chance explains the film as well (probability above 0.05), or another offset does; where film and log are too
+/// long to look at all offsets and drifts, which takes 10 min and more; and where a w of up to 0.4 s, or a g of up to 30 % (less
+/// if the motions span more than 13 s), fits better than the usual ones by 12 nats, and these leave a tenth of the energies'
+/// variance or more: for its w as a contradiction, for its g as another rate.
 /// @param energy  of the run's film
-/// @param seen    of the same run; other motion in the film does not matter if it is weaker or lasts for another time
+/// @param seen    of the same run. Other motion in the film makes the clock less certain; a stronger one of the same length may
+/// be
+///                taken for it
 FilmClock film_clock(const MotionEnergy& energy, const SeenMotion& seen);
 
-/// Sets how fast a film's clock may drift from the film's middle on, where it was found without the arm.
+/// Sets how fast a film's clock may drift from the film's middle on, by what is usual, where it was found without the arm.
 /// @return  a remark on the film's times, empty if there is none
 std::string allow_for_drift(FittedClock& clock, const MotionEnergy& energy);
 

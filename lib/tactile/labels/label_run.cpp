@@ -131,19 +131,22 @@ class Labeller {
     filmed_ = alignment::video_motions(*signals_.video, *labels_.video_clock);
   }
 
-  /// By the first piece of the log whose clock is known; nothing without one.
+  /// By the first piece of the log that gives it, else why the first one does not; nothing without a piece whose clock is known.
   std::optional<alignment::FilmClock> film_clock_by_arm() const {
+    std::optional<alignment::FilmClock> first;
     for (std::size_t i = 0; i < signals_.robot.size(); ++i) {
       const std::optional<alignment::ArmMotion> arm = alignment::arm_motion(signals_.robot[i]);
       if (!arm || !clocks_[i]) continue;
       const MotionCourse course(*arm, signals_.robot.size() == 1);
-      return alignment::film_clock(*signals_.video,
-                                   {.begin = clocks_[i]->relation.camera_from(course.begin()),
-                                    .step = course.step(),
-                                    .speed = course.speed(),
-                                    .sigma_us = static_cast<double>(clocks_[i]->uncertainty().count()) / alignment::normal_95});
+      alignment::FilmClock found = alignment::film_clock(
+          *signals_.video, {.begin = clocks_[i]->relation.camera_from(course.begin()),
+                            .step = course.step(),
+                            .speed = course.speed(),
+                            .sigma_us = static_cast<double>(clocks_[i]->uncertainty().count()) / alignment::normal_95});
+      if (found.clock) return found;
+      if (!first) first = std::move(found);
     }
-    return std::nullopt;
+    return first;
   }
 
   /// Whether it is another class of a touch that has a label, whose own flag says so.

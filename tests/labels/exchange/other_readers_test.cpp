@@ -25,6 +25,8 @@ TEST(OtherReaders, FindEveryFieldInTheCsv) {
   const test::TemporaryFolder folder;
   LabelsToExport run = test::exported_run(), empty = test::exported_run();
   run.labels.intervals[2].confirmed = true;
+  run.labels.intervals[0].probability = 0.9825;
+  run.labels.intervals[0].visible = after(run.labels.intervals[0].start.at, 4ms);
   run.labels.flags = {{.interval_index = 0, .reason = "odd, \"very\" odd", .confirmed = false}};
   empty.run = "fan/02";
   empty.labels.intervals.clear();
@@ -41,6 +43,9 @@ TEST(OtherReaders, FindEveryFieldInTheCsv) {
   EXPECT_EQ(cell(0, "end_s"), "1.067241");
   EXPECT_EQ(cell(0, "robot_s"), "0.924514");
   EXPECT_EQ(cell(0, "video_s"), "");
+  EXPECT_EQ(cell(0, "visible_s"), "0.933637");
+  EXPECT_EQ(cell(0, "probability"), "0.9825");
+  EXPECT_EQ(cell(1, "probability"), "") << "a person added it";
   EXPECT_EQ(cell(0, "source"), "events");
   EXPECT_EQ(cell(0, "confirmed"), "false");
   EXPECT_EQ(cell(0, "flags"), "odd, \"very\" odd");

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view header =
     "run,id,class,start_s,end_s,confirmed,source,start_low_s,start_high_s,end_low_s,end_high_s,events_s,robot_s,video_s,imu_s,"
-    "flags,origin,zero_s,drift_ppm";
+    "visible_s,probability,flags,origin,zero_s,drift_ppm";
 
 bool is_confirmed(std::string_view cell, const std::string& where) {
   const std::string word = lower_case(trimmed(cell));
@@ -125,8 +125,8 @@ std::string label_csv_text(std::span<const LabelsToExport> runs) {
     const std::array<std::string, 3> axis{std::string(name_of(run.times.origin)), seconds_text(run.times.zero_us),
                                           fmt::format("{}", run.times.drift_ppm)};
     const std::string of_run = doubts_of(run.labels, std::nullopt);
-    const std::array<std::string, 12> no_times{};
-    if (run.labels.intervals.empty()) table.add_row(run.run, "", "none", no_times, of_run, axis);
+    const std::array<std::string, 14> no_cells{};
+    if (run.labels.intervals.empty()) table.add_row(run.run, "", "none", no_cells, of_run, axis);
     for (std::size_t i = 0; i < run.labels.intervals.size(); ++i) {
       const LabelledInterval& interval = run.labels.intervals[i];
       const std::string own = doubts_of(run.labels, i);
@@ -135,7 +135,8 @@ std::string label_csv_text(std::span<const LabelsToExport> runs) {
       table.add_row(run.run, interval.id, name_of(interval.touch), seconds(interval.start.at), seconds(interval.end.at),
                     interval.confirmed ? "true" : "false", interval.source, seconds(interval.start.low),
                     seconds(interval.start.high), seconds(interval.end.low), seconds(interval.end.high),
-                    if_known(evidence.events), if_known(evidence.robot), if_known(evidence.video), if_known(evidence.imu), flags,
+                    if_known(evidence.events), if_known(evidence.robot), if_known(evidence.video), if_known(evidence.imu),
+                    if_known(interval.visible), interval.probability ? fmt::format("{:.4g}", *interval.probability) : "", flags,
                     axis);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "tactile/alignment/film_motions.hpp"
@@ -105,6 +106,9 @@ MotionCourse::MotionCourse(const alignment::ArmMotion& motion, bool is_whole)
       moves_.back().end_cut = stop + 2 >= speed.size() || !motion.known[stop + 1];
     }
     first = last;
+  }
+  for (std::size_t i = 0; i < motion.known.size(); ++i) {
+    if (!motion.known[i]) speed_[i] = std::numeric_limits<float>::quiet_NaN();
   }
   if (is_whole && !moves_in_log.begins) before_ = arm_still;
   if (is_whole && !moves_in_log.ends) after_ = arm_still;

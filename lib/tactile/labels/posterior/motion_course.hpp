@@ -20,7 +20,7 @@ class MotionCourse {
   explicit MotionCourse(const alignment::MotionEnergy& film);
 
   bool has_speed() const { return !speed_.empty(); }
-  std::span<const float> speed() const { return speed_; }  ///< [mm/s] at begin + i * step
+  std::span<const float> speed() const { return speed_; }  ///< [mm/s] at begin + i * step, NaN where it is not known
   microseconds step() const { return step_; }
   RobotTime begin() const { return begin_; }  ///< of what is known
   RobotTime end() const { return end_; }
