@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -241,9 +242,9 @@ TEST(FilmClock, IsFoundWhereTheFilmEndsOrBeginsWithinAMove) {
 
 TEST(FilmClock, IsFoundAcrossAGapOfTheLog) {
   const MadeFilm made{.motions = {arm_lift}};
-  for (const int missing : {30, 50, 75}) {
+  for (const std::size_t missing : {30, 50, 75}) {
     MadeSpeed speed({arm_lift});
-    for (int i = 0; i < missing; ++i) speed.speed[static_cast<std::size_t>(710 + i)] = std::numeric_limits<float>::quiet_NaN();
+    std::fill_n(speed.speed.begin() + 710, missing, std::numeric_limits<float>::quiet_NaN());
     speed.seen.speed = speed.speed;
     const FilmClock fit = film_clock(film_of(made), speed.seen);
     ASSERT_TRUE(fit.clock) << missing << ": " << fit.refused;

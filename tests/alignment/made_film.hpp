@@ -24,7 +24,7 @@ constexpr std::int64_t run_begin_us = 1'700'000'000'000'000;
 
 struct MadeFilm {
   std::vector<MadeMotion> motions = {};  ///< in seconds from the run's start, in camera time
-  double begins_s = -0.7;                  ///< the first frame
+  double begins_s = -0.7;                ///< the first frame
   double ends_s = 5;
   double rate_hz = 30;
   double drift_ppm = 0;

@@ -34,7 +34,7 @@ struct FilmClock {
 ///
 /// w is by how much longer each motion is in the film than by the arm, because a film does not see slow motion, and sees what
 /// rings on. n is the number of independent steps, one in 0.3 s.
-/// How exact o and g are depends on steps with motion alone: there n counts one in 80 ms of these. Priors: o is even over all
+/// How exact o and g are depends on steps with motion alone: there n counts one in 60 ms of these. Priors: o is even over all
 /// offsets at which both overlap, w has a standard deviation of 20 ms, g one of 0.5 % (1.5 % if the times count frames, since
 /// films lack one frame in a hundred). With one motion, g cannot be told from w.
 ///

@@ -25,8 +25,8 @@ struct FittedClock {
   std::int64_t offset_low_us = 0;  ///< 95 % interval of `relation.offset_us`; the robot's in the run's middle, the film's at
                                    ///< `found_at_us`
   std::int64_t offset_high_us = 0;
-  std::int64_t found_at_us = 0;  ///< on the film's clock: the middle of the motions that give it
-  double drift_within_ppm = 0;   ///< 95 % of a drift that is not estimated is within; the film's grows from `found_at_us` on
+  std::int64_t found_at_us = 0;  ///< on the film's clock: where the offset is known best
+  double drift_within_ppm = 0;   ///< half of the 95 % interval of the film's drift, which counts from `found_at_us` on
   int anchors = 0;
   std::string method;
   std::optional<CameraTime> from = {}, to = {};  ///< where it holds, of a clock that restarts within the run

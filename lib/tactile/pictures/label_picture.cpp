@@ -34,8 +34,7 @@ std::string clock_words(std::string_view whose, const alignment::FittedClock& cl
   const auto offset = static_cast<double>(clock.relation.offset_us);
   const std::string drift =
       clock.drift_within_ppm > 0 ? fmt::format(" where it was found, drift within ±{:.1f} %", 1e-4 * clock.drift_within_ppm) : "";
-  return fmt::format("{} clock: {}; offset {} to {} ms (95 %){}.", whose,
-                     clock.method.empty() ? "unknown method" : clock.method,
+  return fmt::format("{} clock: {}; offset {} to {} ms (95 %){}.", whose, clock.method.empty() ? "unknown method" : clock.method,
                      signed_ms(1e-3 * (static_cast<double>(clock.offset_low_us) - offset)),
                      signed_ms(1e-3 * (static_cast<double>(clock.offset_high_us) - offset)), drift);
 }

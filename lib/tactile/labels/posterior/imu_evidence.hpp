@@ -16,8 +16,8 @@ namespace tactile::labels {
 ///
 ///   ln p(IMU | offset) = -n / 2 * sum over axes of ln(1 - r^2)
 ///
-/// n is the number of independent values: a twentieth of the bins, because what the fit leaves is partly the ringing of the mount,
-/// with periods of up to 80 ms.
+/// n is the number of independent values: a twentieth of the bins, because what the fit leaves is partly the ringing of the
+/// mount, with periods of up to 80 ms.
 class ImuEvidence {
  public:
   ImuEvidence(std::span<const events::ImuSample> samples, const alignment::ArmMotion& arm);
