@@ -242,7 +242,7 @@ TEST(FilmClock, IsFoundWhereTheFilmEndsOrBeginsWithinAMove) {
 
 TEST(FilmClock, IsFoundAcrossAGapOfTheLog) {
   const MadeFilm made{.motions = {arm_lift}};
-  for (const std::size_t missing : {30, 50, 75}) {
+  for (const std::size_t missing : {30U, 50U, 75U}) {
     MadeSpeed speed({arm_lift});
     std::fill_n(speed.speed.begin() + 710, missing, std::numeric_limits<float>::quiet_NaN());
     speed.seen.speed = speed.speed;
