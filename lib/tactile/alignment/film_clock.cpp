@@ -20,6 +20,7 @@ constexpr double usual = 3;             // standard deviations
 constexpr double contradicted = 12;     // [nats] by which another length or rate fits better than any usual one
 constexpr double well_explained = 0.9;  // of the variance of the energies, by a usual line: then there is no contradiction
 constexpr double least_probability = 0.95;
+constexpr const char* nothing_moves = "nothing moves that the film should show";
 
 double rate_of(const MotionEnergy& energy) {
   return 1e6 / static_cast<double>(std::max<std::int64_t>(energy.median_step.count(), 1));
@@ -219,8 +220,7 @@ std::string refusal_of(const MotionEnergy& energy, const SeenMotion& seen) {
   if (energy.steps.size() < fewest_steps)
     return fmt::format("the film has {} steps from frame to frame; expected at least {}", energy.steps.size(), fewest_steps);
   if (seen.speed.size() < 2) return "nothing is known of the motion that the film should show";
-  if (std::none_of(seen.speed.begin(), seen.speed.end(), [](float v) { return std::isfinite(v) && v > 0; }))
-    return "nothing moves that the film should show";
+  if (std::none_of(seen.speed.begin(), seen.speed.end(), [](float v) { return std::isfinite(v) && v > 0; })) return nothing_moves;
   if (std::none_of(energy.steps.begin(), energy.steps.end(), [](const MotionStep& step) { return step.energy > 0; }))
     return "nothing moves in the film";
   return {};
@@ -241,22 +241,21 @@ FilmClock film_clock(const MotionEnergy& energy, const SeenMotion& seen) {
   const bool counted = counts_frames(energy);
   const double usual_drift = usual_drift_of(counted);
   FilmMatch match(energy, seen, usual_drift);
-  const std::optional<Coarse> coarse = match.moves().empty() ? std::nullopt : coarse_match(match);
-  if (!coarse) {
-    found.refused = "film and robot log are too long to be compared; expected single runs, as tactile split cuts them";
-    return found;
-  }
+  if (match.moves().empty()) return {.clock = {}, .refused = nothing_moves};
+  const std::optional<Coarse> coarse = coarse_match(match);
+  if (!coarse)
+    return {.clock = {},
+            .refused = "film and robot log are too long to be compared; expected single runs, as tactile split cuts them"};
   constexpr double any_offset = 1e18;
-  FilmMatch all_moves = match;
+  FilmMatch of_any = match;
   const FilmLine unusual =
-      fine_match(all_moves, *coarse, all_moves.without_unseen_moves(coarse->any.line), {any_offset, most_drift, most_longer_us},
-                 [&](const FilmLine& l) { return all_moves.log_likelihood(l); });
+      fine_match(of_any, *coarse, of_any.without_unseen_moves(coarse->any.line), {any_offset, most_drift, most_longer_us},
+                 [&](const FilmLine& l) { return of_any.log_likelihood(l); });
   const FilmLine start = match.without_unseen_moves(coarse->usual.line);
   const FilmLine line = fine_match(match, *coarse, start, {any_offset, usual * usual_drift, usual * usual_longer_us},
                                    [&](const FilmLine& l) { return match.log_posterior(l); });
   if (coarse->any.probability >= least_probability && is_unusual(unusual, usual_drift) &&
-      match.explained(line).share < well_explained &&
-      all_moves.log_likelihood(unusual) - match.log_posterior(line) > contradicted) {
+      match.explained(line).share < well_explained && of_any.log_likelihood(unusual) - match.log_posterior(line) > contradicted) {
     set_contradiction(found, energy, unusual, usual_drift);
   } else if (coarse->usual.probability < least_probability) {
     found.refused =
