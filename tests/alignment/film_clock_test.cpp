@@ -36,6 +36,17 @@ double error_ms(const FittedClock& clock, const MadeFilm& made, VideoTime at) {
   return 1e-3 * static_cast<double>(between(truth, clock.relation.camera_from(at)).count());
 }
 
+VideoTime found_at(const FittedClock& clock) { return VideoTime{microseconds{clock.found_at_us}}; }
+
+bool holds_truth(const FittedClock& clock, const MadeFilm& made, VideoTime at) {
+  return std::abs(error_ms(clock, made, at)) <=
+         1e-3 * static_cast<double>(clock.uncertainty_at(clock.relation.camera_from(at)).count());
+}
+
+bool holds_truth_at_the_ends(const FittedClock& clock, const MadeFilm& made, const MotionEnergy& film) {
+  return holds_truth(clock, made, film.begin()) && holds_truth(clock, made, film.end());
+}
+
 TEST(FilmClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
   int covered = 0;
   constexpr int films = 40;
@@ -55,10 +66,6 @@ TEST(FilmClock, IsFoundToAFewMillisecondsWithItsUncertainty) {
 
 TEST(FilmClock, AllowsForTimesThatDriftOrCountFrames) {
   constexpr double ms_23_in_4_s = 5'750;
-  const auto within = [](const FittedClock& clock, const MadeFilm& made, VideoTime t) {
-    return std::abs(error_ms(clock, made, t)) <=
-           1e-3 * static_cast<double>(clock.uncertainty_at(clock.relation.camera_from(t)).count());
-  };
   for (const MadeFilm& kind : {MadeFilm{.drift_ppm = ms_23_in_4_s}, MadeFilm{.drift_ppm = -ms_23_in_4_s},
                                MadeFilm{.drift_ppm = -ms_23_in_4_s, .jitter = 0},  // a camera of 30.17 frames/s, times of 30
                                MadeFilm{.drift_ppm = ms_23_in_4_s, .jitter = 0, .repeats = 5}, MadeFilm{.repeats = 5}}) {
@@ -72,10 +79,9 @@ TEST(FilmClock, AllowsForTimesThatDriftOrCountFrames) {
       const FilmClock fit = film_clock(film, MadeSpeed({arm_lift}).seen);
       ASSERT_TRUE(fit.clock) << fit.refused;
       EXPECT_NEAR(static_cast<double>(fit.clock->found_at_us), 1e6 * (2.465 - made.begins_s), 30'000);
-      const VideoTime lift{microseconds{fit.clock->found_at_us}};
-      covered += within(*fit.clock, made, film.begin()) && within(*fit.clock, made, lift) && within(*fit.clock, made, film.end())
-                     ? 1
-                     : 0;
+      const bool is_covered =
+          holds_truth(*fit.clock, made, found_at(*fit.clock)) && holds_truth_at_the_ends(*fit.clock, made, film);
+      covered += is_covered ? 1 : 0;
       EXPECT_EQ(fit.remark.starts_with("the times of the film are even"), made.jitter == 0) << fit.remark;
     }
     EXPECT_GE(covered, films * 9 / 10) << kind.drift_ppm << " ppm, jitter " << kind.jitter << ", repeats " << kind.repeats;
@@ -108,7 +114,7 @@ TEST(FilmClock, IsFoundByTheMotionsThatAreInTheFilm) {
   ASSERT_TRUE(fit.clock) << fit.refused;
   EXPECT_EQ(fit.clock->anchors, 1);
   EXPECT_EQ(fit.clock->relation.drift_ppm, 0) << "one motion does not show it";
-  EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{microseconds{fit.clock->found_at_us}})), 4);
+  EXPECT_LT(std::abs(error_ms(*fit.clock, made, found_at(*fit.clock))), 4);
 }
 
 TEST(FilmClock, IsRefusedWhereTheLiftIsNotInTheFilm) {
@@ -191,12 +197,8 @@ Covered covered_of_40(const std::vector<MadeMotion>& motions, double ends_s, dou
     const FilmClock fit = film_clock(film, speed.seen);
     EXPECT_TRUE(fit.clock) << fit.refused;
     if (!fit.clock) continue;
-    const auto holds = [&](VideoTime t) {
-      return std::abs(error_ms(*fit.clock, made, t)) <=
-             1e-3 * static_cast<double>(fit.clock->uncertainty_at(fit.clock->relation.camera_from(t)).count());
-    };
-    covered.found += holds(VideoTime{microseconds{fit.clock->found_at_us}}) ? 1 : 0;
-    covered.at_the_ends += holds(film.begin()) && holds(film.end()) ? 1 : 0;
+    covered.found += holds_truth(*fit.clock, made, found_at(*fit.clock)) ? 1 : 0;
+    covered.at_the_ends += holds_truth_at_the_ends(*fit.clock, made, film) ? 1 : 0;
     covered.half_ms += 1e-3 * static_cast<double>(fit.clock->uncertainty().count()) / 40;
   }
   return covered;
@@ -231,7 +233,7 @@ TEST(FilmClock, IsFoundWhereTheFilmEndsOrBeginsWithinAMove) {
     const MadeFilm made{.motions = two, .ends_s = ends_s};
     const FilmClock fit = film_clock(film_of(made), speed.seen);
     ASSERT_TRUE(fit.clock) << ends_s << ": " << fit.refused;
-    EXPECT_LT(std::abs(error_ms(*fit.clock, made, VideoTime{microseconds{fit.clock->found_at_us}})), 5) << ends_s;
+    EXPECT_LT(std::abs(error_ms(*fit.clock, made, found_at(*fit.clock))), 5) << ends_s;
   }
   const std::vector<MadeMotion> before{earlier, arm_lift};
   for (const double begins_s : {0.6, 0.7, 0.75}) {

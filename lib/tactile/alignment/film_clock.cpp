@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 #include "tactile/alignment/film_match.hpp"
@@ -140,8 +138,7 @@ struct Spread {
 /// The moments of the posterior around the likeliest line.
 struct Moments {
   Spread offset, drift, longer;
-  double offset_drift = 0;   ///< covariance
-  double longer_longer = 0;  ///< mean square
+  double offset_drift = 0;  ///< covariance
 
   /// On a grid that follows what it finds, so that it is as wide and as fine as the posterior.
   Moments(const FilmMatch& match, const FilmLine& best) {
@@ -182,7 +179,8 @@ struct Moments {
     };
     // At least what the grid does not resolve.
     const auto follow = [&](Spread& spread, double FilmLine::*value) {
-      const double mean = mean_of([&](const FilmLine&l) { return l.*value; }), step = reach * spread.sigma / each_way;
+      const double mean = mean_of([&](const FilmLine& l) { return l.*value; });
+      const double step = reach * spread.sigma / each_way;
       const double variance = mean_of([&](const FilmLine& l) { return (l.*value - mean) * (l.*value - mean); });
       spread = {mean, std::max(std::sqrt(variance), 0.5 * step)};
     };
@@ -190,7 +188,6 @@ struct Moments {
     follow(drift, &FilmLine::drift);
     follow(longer, &FilmLine::longer);
     offset_drift = mean_of([&](const FilmLine& l) { return (l.offset - offset.mean) * (l.drift - drift.mean); });
-    longer_longer = mean_of([](const FilmLine& l) { return l.longer * l.longer; });
   }
 };
 
@@ -271,7 +268,7 @@ FilmClock film_clock(const MotionEnergy& energy, const SeenMotion& seen) {
   const double on_seen = match.middle() - earlier;
   const double on_film = match.on_film({moments.offset.mean, moments.drift.mean}, on_seen);
   // A motion that is longer in the film may be so at its start or at its end, each motion in its own way.
-  const double by_length = moments.longer_longer / 12;
+  const double by_length = (moments.longer.mean * moments.longer.mean + moments.longer.sigma * moments.longer.sigma) / 12;
   const double variance = std::max(0.0, moments.offset.sigma * moments.offset.sigma - earlier * moments.offset_drift) + by_length;
   FittedClock& clock = found.clock.emplace();
   clock.found_at_us = saturating_add(us_of(energy.begin()), std::llround(on_film));

@@ -13,10 +13,9 @@ namespace tactile::alignment {
 /// What a film of the run must have seen move, and how fast.
 struct SeenMotion {
   CameraTime begin{};
-  microseconds step{4'000};  ///< > 0
-  std::span<const float>
-      speed;            ///< at begin + i * step, in any unit, >= 0, 0 at rest, NaN if not known; straight lines in between
-  double sigma_us = 0;  ///< standard deviation of its place in camera time, >= 0
+  microseconds step{4'000};      ///< > 0
+  std::span<const float> speed;  ///< at begin + i * step, straight lines in between; >= 0 in any unit, NaN where it is not known
+  double sigma_us = 0;           ///< standard deviation of its place in camera time, >= 0
 };
 
 /// The film's clock, or why it could not be found.
@@ -32,11 +31,11 @@ struct FilmClock {
 ///
 ///   ln p(film | o, g, w) = -n / 2 * ln(1 - r^2)
 ///
-/// w is by how much longer each motion is in the film than by the arm, because a film does not see slow motion, and sees what
-/// rings on. n is the number of independent steps, one in 0.3 s.
-/// How exact o and g are depends on steps with motion alone: there n counts one in 60 ms of these. Priors: o is even over all
-/// offsets at which both overlap, w has a standard deviation of 20 ms, g one of 0.5 % (1.5 % if the times count frames, since
-/// films lack one frame in a hundred). With one motion, g cannot be told from w.
+/// w is by how much longer each motion is in the film than by the arm: a film does not show slow motion, but shows the ringing
+/// after a motion. n is the number of independent steps. One step in 0.3 s is independent. How exact o and g are depends on the
+/// steps with motion alone: of these, one in 60 ms. Priors: o is even over all offsets at which both overlap, w has a standard
+/// deviation of 20 ms, g one of 0.5 % (1.5 % if the times count frames, since films lose about 1 % of them). One motion does not
+/// separate g from w.
 ///
 /// The clock's offset, its interval and its drift are those of the posterior; the interval includes that of the arm's motion.
 ///
@@ -45,9 +44,8 @@ struct FilmClock {
 /// if the motions span more than 13 s), fits better than the usual ones by 12 nats, and these leave a tenth of the energies'
 /// variance or more: for its w as a contradiction, for its g as another rate.
 /// @param energy  of the run's film
-/// @param seen    of the same run. Other motion in the film makes the clock less certain; a stronger one of the same length may
-/// be
-///                taken for it
+/// @param seen    of the same run. Other motion in the film makes the clock less certain. A stronger one of the same length may
+///                be taken for the arm's
 FilmClock film_clock(const MotionEnergy& energy, const SeenMotion& seen);
 
 /// Sets how fast a film's clock may drift from the film's middle on, by what is usual, where it was found without the arm.

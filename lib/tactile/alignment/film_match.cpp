@@ -8,7 +8,7 @@ namespace tactile::alignment {
 namespace {
 
 constexpr double independent_us = 300'000;        // between steps whose energies are independent
-constexpr double independent_moving_us = 60'000;  // the same while something moves: only this tells how exact an offset is
+constexpr double independent_moving_us = 60'000;  // the same while something moves: these steps show how exact an offset is
 
 }  // namespace
 
@@ -20,7 +20,7 @@ FilmMatch::FilmMatch(const MotionEnergy& energy, const SeenMotion& seen, double 
   const auto in_film = [&](VideoTime t) { return static_cast<double>((t - energy.begin()).count()); };
   for (const MotionStep& step : energy.steps) steps_.push_back({in_film(step.begin), in_film(step.end), step.energy});
   sums_.push_back({});
-  for (const Step& step : steps_) sums_.push_back(sums_.back().with(step));
+  for (const FilmStep& step : steps_) sums_.push_back(sums_.back().with(step));
   integrals_.push_back(0);
   for (std::size_t i = 0; i + 1 < seen.speed.size(); ++i) {
     const double mean = 0.5 * (seen.speed[i] + seen.speed[i + 1]);
@@ -68,7 +68,7 @@ FilmLine FilmMatch::without_unseen_moves(const FilmLine& line) {
   return {line.offset + line.drift / (1 + line.drift) * (middle_ - before), span_ > 0 ? line.drift : 0};
 }
 
-FilmMatch::Sums FilmMatch::Sums::with(const Step& step) const {
+FilmMatch::Sums FilmMatch::Sums::with(const FilmStep& step) const {
   const double length = step.length();
   return {w + length, e + length * step.energy, ee + length * step.energy * step.energy,
           independent + std::min(length / independent_us, 1.0)};
@@ -83,11 +83,11 @@ double FilmMatch::integral(double t) const {
 /// The first step that begins at this time of the speed or later.
 std::size_t FilmMatch::first_after(const FilmLine& line, double seen) const {
   const double film = on_film(line, seen);
-  const auto begins_before = [film](const Step& step) { return step.begin < film; };
+  const auto begins_before = [film](const FilmStep& step) { return step.begin < film; };
   return static_cast<std::size_t>(std::partition_point(steps_.begin(), steps_.end(), begins_before) - steps_.begin());
 }
 
-bool FilmMatch::touches_gap(const FilmLine& line, const Step& step) const {
+bool FilmMatch::touches_gap(const FilmLine& line, const FilmStep& step) const {
   return std::any_of(gaps_.begin(), gaps_.end(), [&](const Stretch& gap) {
     return on_seen(line, step.end) > gap.begin && on_seen(line, step.begin) < gap.end;
   });
@@ -127,7 +127,7 @@ void FilmMatch::add_move(const FilmLine& line, const StepRange& known, std::size
   const std::size_t next = first_after(line, std::max(move.middle() - reach, before));
   for (std::size_t i = std::max(known.first, next - std::min<std::size_t>(next, 1));
        i < known.last && on_seen(line, steps_[i].begin) < until; ++i) {
-    const Step& step = steps_[i];
+    const FilmStep& step = steps_[i];
     if (!gaps_.empty() && touches_gap(line, step)) continue;
     const double length = step.length(), speed = (travelled(step.end) - travelled(step.begin)) / length;
     sums.v += length * speed;

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "tactile/alignment/film_clock.hpp"
+#include "tactile/alignment/film_motions.hpp"
 
 namespace tactile::alignment {
 
@@ -73,15 +73,10 @@ class FilmMatch {
   }
 
  private:
-  struct Step {
-    double begin, end, energy;
-
-    double length() const { return end - begin; }
-  };
   struct Sums {  // weighted by the length of a step
     double w = 0, e = 0, ee = 0, independent = 0;
 
-    Sums with(const Step& step) const;
+    Sums with(const FilmStep& step) const;
     Sums without(const Sums& other) const { return {w - other.w, e - other.e, ee - other.ee, independent - other.independent}; }
   };
   struct MovingSums {
@@ -97,12 +92,12 @@ class FilmMatch {
   void set_middle(Counts counts);
   double integral(double t) const;
   std::size_t first_after(const FilmLine& line, double seen) const;
-  bool touches_gap(const FilmLine& line, const Step& step) const;
+  bool touches_gap(const FilmLine& line, const FilmStep& step) const;
   StepRange known_steps(const FilmLine& line) const;
   Sums sums_of(const FilmLine& line, const StepRange& known) const;
   void add_move(const FilmLine& line, const StepRange& known, std::size_t m, MovingSums& sums) const;
 
-  std::vector<Step> steps_;
+  std::vector<FilmStep> steps_;
   std::vector<Sums> sums_;         ///< of the steps before each
   std::vector<double> integrals_;  ///< of the speed, in steps
   std::vector<Stretch> moves_, gaps_;

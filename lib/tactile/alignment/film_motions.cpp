@@ -9,14 +9,6 @@
 namespace tactile::alignment {
 namespace {
 
-/// A step of a film, from frame to frame, in microseconds from any zero.
-struct FilmStep {
-  double begin = 0, end = 0;
-  double energy = 0;
-
-  double length() const { return end - begin; }
-};
-
 /// Steps [first, last] of a film in which something moves.
 struct StepRange {
   std::size_t first = 0, last = 0;

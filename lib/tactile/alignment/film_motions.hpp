@@ -10,6 +10,14 @@
 
 namespace tactile::alignment {
 
+/// A step of a film, from frame to frame, in microseconds from any zero.
+struct FilmStep {
+  double begin = 0, end = 0;
+  double energy = 0;
+
+  double length() const { return end - begin; }
+};
+
 /// A time of the film and its 95 % interval.
 struct VideoSpan {
   VideoTime low{}, at{}, high{};
