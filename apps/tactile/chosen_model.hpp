@@ -23,8 +23,7 @@ struct ChosenModel {
 };
 
 /// The model that a command without --model takes: the pinned one (`tactile models pin`), else the last one that `tactile train`
-/// made here. Folders of older versions have no note of the last one: there it is the newest single-run model, else the newest
-/// model.
+/// made here. In a folder without a note of the last one it is the newest single-run model, else the newest model.
 /// @param dataset  hash of the manifest of the dataset that all but a pinned model must have learned from; null: of any
 /// @return         nothing if there is none
 std::optional<ChosenModel> model_without_name(const std::string& models, const std::string* dataset = nullptr);

@@ -17,6 +17,7 @@
 #include "detect_page.hpp"
 #include "detect_plot.hpp"
 #include "detect_report.hpp"
+#include "field_options.hpp"
 #include "live_line.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
@@ -42,7 +43,8 @@ struct DetectArguments {
   std::string from;
   capture::CameraSourceOptions source;
   double reconnect_s = 10, duration_s = 0;
-  std::string engine = "fast", precision = "fp32";
+  model::EngineKind engine = model::EngineKind::fast;
+  model::Precision precision = model::Precision::fp32;
   DecisionArguments decision{.thresholds = text_of(model::TwoThresholds{})};
   std::int64_t slack_us = 2000;
   std::optional<std::int64_t> tick_us;
@@ -66,11 +68,10 @@ void check_tick_count(const DetectArguments& args, const heatmaps::HeatmapOption
 }
 
 model::Classifier opened(const DetectArguments& args, const model::ModelBundle& bundle) {
-  const model::EngineKind kind = model::engine_named(args.engine);
-  const model::Precision precision = model::precision_named(args.precision);
-  if (kind == model::EngineKind::libtorch && precision != model::Precision::fp32)
-    throw Error("--precision " + args.precision + ": libtorch supports only fp32; expected --engine fast");
-  return model::open_classifier(bundle.folder, 1, kind, {.precision = precision});
+  if (args.engine == model::EngineKind::libtorch && args.precision != model::Precision::fp32) {
+    throw Error(fmt::format("--precision {}: libtorch supports only fp32; expected --engine fast", name_of(args.precision)));
+  }
+  return model::open_classifier(bundle.folder, 1, args.engine, {.precision = args.precision});
 }
 
 /// The run folder that a file source plays, if it has labels or truth.
@@ -180,7 +181,9 @@ void detect(DetectArguments args, const CommonArguments& common) {
   line.clear();
   if (page) page->end(summary);
   summary.ticks_left_out += reader.not_kept();
-  const DetectModel used{.name = bundle.name(), .engine = std::string(name_of(classifier.engine())), .precision = args.precision};
+  const DetectModel used{.name = bundle.name(),
+                         .engine = std::string(name_of(classifier.engine())),
+                         .precision = std::string(name_of(args.precision))};
   const std::string drawn = draw(args, summary, used.name, reader.kept());
   print_result(common, json_of(summary, used), (common.json ? "" : "\n") + text_of(summary, used, args.verbose) + drawn);
   if (summary.failure) std::rethrow_exception(summary.failure);
@@ -201,9 +204,7 @@ void add_model_options(Command& command, DetectArguments& args) {
   add_thresholds_option(command, args.decision);
   add_mask_option(command, args.mask).default_text("the model's");
   add_engine_option(command, args.engine);
-  command.add_option("--precision", args.precision, "Precision of the fast engine's largest layer")
-      .check(one_of({"fp32", "bf16", "int8"}))
-      .show_default();
+  add_word(command, "--precision", args.precision, model::precision_names, "Precision of the fast engine's largest layer");
   command.add_option("--tick-us", args.tick_us, "Time between two verdicts [us]; t_h must be a multiple of it")
       .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
       .default_text("the model's");

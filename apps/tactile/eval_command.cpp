@@ -140,7 +140,7 @@ void evaluate_one(const EvalArguments& args, const CommonArguments& common) {
   fs::create_directories(bundle.results());  // of a bundle it is there
   check_writable(bundle.results());
   log_choice("evaluating", *chosen);
-  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
+  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, args.engine);
   auto runs = model::test_runs_of(dataset, classifier.model());
   evaluation::leave_out_calibration_runs(runs, dataset, classifier);
   evaluation::EvaluationOptions options = options_of(args, common, classifier.kind());
@@ -178,7 +178,7 @@ model::ModelSettings settings_of(const model::ModelBundle& first, const windows:
 /// The two models and, of each, the further trainings up to `count`; trains what is missing.
 UnseenTrainings open_trainings(const EvalArguments& args, const CommonArguments& common, const windows::Dataset& dataset,
                                const model::ModelBundle& seen, const model::ModelBundle& held_out, unsigned count) {
-  const model::EngineKind engine = model::engine_named(args.engine);
+  const model::EngineKind engine = args.engine;
   std::vector<windows::SplitOptions> splits;
   for (unsigned training = 0; training < count; ++training) {
     for (const model::ModelBundle& first : {seen, held_out}) splits.push_back(settings_of(first, dataset, training).split);

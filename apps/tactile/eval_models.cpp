@@ -22,44 +22,11 @@ namespace fs = std::filesystem;
 
 std::string train_command(const EvalArguments& args, const model::ModelSettings& settings) {
   std::string command = "tactile train";
-  const model::ModelSettings defaults;
-  const auto add = [&](const std::string& option, const auto& value, const auto& usual) {
-    if (value != usual) command += fmt::format(" --{} {}", option, value);
-  };
   if (args.data != "data") command += " " + shell_word(args.data);
-  command += fmt::format(" --th {}", static_cast<double>(settings.rendering.history.count()) / 1000);
-  if (settings.split.kind == windows::SplitKind::unseen) {
-    command += " --split unseen";
-    model::ModelSettings with_default = settings;
-    with_default.split.held_out = windows::default_held_out();
-    if (!model::same_settings(settings, with_default))
-      command += fmt::format(" --held-out {}", fmt::join(settings.split.held_out, ","));
-  }
-  add("kind", name_of(settings.kind), name_of(defaults.kind));
-  add("steps", settings.stream.steps, defaults.stream.steps);
-  add("train-run", settings.split.train_run, defaults.split.train_run);
-  add("seed", settings.training.seed, defaults.training.seed);
-  add("epochs", settings.training.epochs, defaults.training.epochs);
-  add("batch", settings.training.batch, defaults.training.batch);
-  add("lr", settings.training.learning_rate, defaults.training.learning_rate);
-  add("schedule", name_of(settings.training.schedule), name_of(defaults.training.schedule));
-  add("optimizer", name_of(settings.training.optimizer), name_of(defaults.training.optimizer));
-  add("engine", name_of(settings.training.engine), name_of(defaults.training.engine));
-  add("activation", name_of(settings.network.activation), name_of(defaults.network.activation));
-  add("pool", name_of(settings.network.pooling), name_of(defaults.network.pooling));
-  add("augment", text_of(settings.training.augmentation), text_of(defaults.training.augmentation));
-  add("class-weights", text_of(settings.training.class_weights), text_of(defaults.training.class_weights));
-  // An early stop has a default validation share.
-  add("validation", settings.training.validation_share, settings.training.early_stop > 0 ? 0.2 : 0.0);
-  add("early-stop", settings.training.early_stop, defaults.training.early_stop);
+  for (const OptionValue& option : model::train_options(settings)) command += fmt::format(" {} {}", option.name, option.text);
   // With other objects held out, a training starts from another model, which only the user knows.
   if (settings.from)
     command += settings.split.kind == windows::SplitKind::unseen ? " --from MODEL" : " --from " + settings.from->name;
-  const nlohmann::json rendering = settings.rendering, usual = defaults.rendering;
-  add("denoise", rendering.at("denoise").get<std::string>(), usual.at("denoise").get<std::string>());
-  add("resize", rendering.at("resize").get<std::string>(), usual.at("resize").get<std::string>());
-  add("factor", settings.rendering.factor, defaults.rendering.factor);
-  add("tick-us", settings.rendering.tick.count(), defaults.rendering.tick.count());
   if (args.models != "models") command += " --models " + shell_word(args.models);
   return command;
 }

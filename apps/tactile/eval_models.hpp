@@ -18,7 +18,8 @@ struct EvalArguments {
   bool unseen = false, no_train = false, strict = false, verbose = false;
   DecisionArguments decision{.thresholds = "by-kind"};
   std::optional<unsigned> trainings;  ///< of --unseen; their usual number if not given
-  std::string engine = "fast", onset = "first";
+  model::EngineKind engine = model::EngineKind::fast;
+  std::string onset = "first";
   std::vector<std::string> held_out;  ///< of --unseen; empty: those of the paper's five objects that the dataset has
   std::vector<std::string> runs;      ///< to show over time, instead of the evaluation
   std::string out;

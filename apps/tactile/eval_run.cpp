@@ -221,7 +221,7 @@ void show_runs(const EvalArguments& args, const CommonArguments& common) {
   if (chosen.empty()) return end_with(errors);
   const ChosenModel by = model_for_runs(args, dataset);
   const model::ModelBundle& bundle = by.bundle;
-  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, model::engine_named(args.engine));
+  const model::Classifier classifier = model::open_classifier(bundle.folder, common.threads, args.engine);
   log_choice("every tick, predicted by", by);
   const evaluation::PredictionOptions options = prediction_options(args, common.threads, dataset, classifier.kind());
   RunsOfModel shown{.args = args, .dataset = dataset, .bundle = bundle, .classifier = classifier, .options = options};

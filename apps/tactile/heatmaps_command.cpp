@@ -6,6 +6,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "field_options.hpp"
 #include "heatmap_pictures.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
@@ -22,9 +23,9 @@ namespace fs = std::filesystem;
 
 struct HeatmapsArguments {
   std::string data = "data";
-  std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
-  RenderingArguments rendering;
-  std::string pictures;
+  std::vector<microseconds> histories{2ms, 10ms, 20ms, 30ms, 40ms, 50ms};
+  heatmaps::HeatmapOptions rendering;  ///< its history has no meaning
+  std::string mask, pictures;
 };
 
 /// "unchanged", "written", or "1 run rendered, 29 kept" of an older dataset.
@@ -60,8 +61,10 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
                             args.data == "data" ? "" : (is_file ? " DATA --out " : " ") + shell_word(args.data)));
   }
   std::vector<heatmaps::HeatmapOptions> histories;
-  for (const double history_ms : args.histories_ms) {
-    histories.push_back(heatmap_options(history_ms, args.rendering));
+  for (const microseconds history : args.histories) {
+    histories.push_back(args.rendering);
+    histories.back().history = history;
+    histories.back() = with_mask(histories.back(), args.mask);
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, heatmaps::stored_name(histories.back()));
   }
   nlohmann::json result = {
@@ -69,7 +72,7 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   std::vector<std::vector<std::string>> rows;
   {
     const windows::Dataset dataset(file);
-    check_mask(args.rendering, histories.front(), dataset.sensor());  // all histories have the same
+    check_mask(args.mask, histories.front(), dataset.sensor());  // all histories have the same
     result["simulated"] = dataset.simulated();
     result["samples"] = dataset.samples().size();
     for (const auto& history : heatmaps::store_heatmaps(dataset, histories, common.threads, progress_line(common))) {
@@ -108,11 +111,9 @@ void add_heatmaps_command(CLI::App& app) {
   Command command = add_command(app, "heatmaps", "Render the heatmaps of a dataset's samples",
                                 [args](const CommonArguments& common) { render_heatmaps(*args, common); });
   command.add_option("data", args->data, "Data folder with dataset.h5, or a dataset file").show_default();
-  command.add_option("--th", args->histories_ms, "Histories t_h [ms], separated by commas; each a whole number of ticks")
-      .delimiter(',')
-      .check(in_range(0.001, 1e5))
-      .show_default();
-  add_rendering_options(command, args->rendering);
+  add_histories_option(command, args->histories, "Histories t_h [ms], each a whole number of ticks");
+  add_field_options(command, args->rendering, {"th"});
+  add_mask_option(command, args->mask);
   command.add_option("--png", args->pictures, "Also write each heatmap as a PNG file in this folder").type_name("DIR");
 }
 

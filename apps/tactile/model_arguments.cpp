@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "field_options.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
 #include "tactile/core/confirmation.hpp"
@@ -153,12 +154,9 @@ void TrainingEstimate::see(const Progress& progress) {
   if (progress_) progress_(progress);
 }
 
-void add_engine_option(Command command, std::string& engine) {
-  command
-      .add_option("--engine", engine,
-                  "Inference engine: fast (tactile's own) or libtorch (supports every activation and pooling)")
-      .check(one_of({"fast", "libtorch"}))
-      .show_default();
+void add_engine_option(Command command, model::EngineKind& engine) {
+  add_word(command, "--engine", engine, model::training_engines,
+           "Inference engine: fast (tactile's own) or libtorch (supports every activation and pooling)");
 }
 
 void add_confirm_option(Command command, DecisionArguments& args) {

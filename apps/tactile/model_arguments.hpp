@@ -81,6 +81,6 @@ class TrainingEstimate {
 };
 
 /// `--engine`, which runs a model.
-void add_engine_option(Command command, std::string& engine);
+void add_engine_option(Command command, model::EngineKind& engine);
 
 }  // namespace tactile::cli

@@ -42,7 +42,9 @@ std::string check_number(const std::string& text, bool whole, double low, double
   return "";
 }
 
-Check one_of(std::initializer_list<const char*> words) {
+Check one_of(std::initializer_list<std::string_view> words) { return one_of(std::span(words.begin(), words.size())); }
+
+Check one_of(std::span<const std::string_view> words) {
   const std::vector<std::string> known(words.begin(), words.end());
   return Check{[known](std::string& text) {
                  return std::find(known.begin(), known.end(), text) != known.end()
@@ -50,6 +52,17 @@ Check one_of(std::initializer_list<const char*> words) {
                             : fmt::format("'{}' is unknown; expected {}", text, alternatives(known));
                },
                alternatives(known), known};
+}
+
+Check is_duration(double low, double high, double us) {
+  return Check{[=](std::string& text) {
+                 if (std::string wrong = check_number(text, us == 1, low / us, high / us); !wrong.empty()) return wrong;
+                 const double duration = number_in(text).value_or(0) * us;
+                 return std::abs(duration - std::round(duration)) > 1e-6
+                            ? fmt::format("{} is not a whole number of us; expected at most three decimals", text)
+                            : std::string();
+               },
+               range_text(low / us, high / us)};
 }
 
 Check is_run() {

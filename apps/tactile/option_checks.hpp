@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <initializer_list>
+#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "options.hpp"
@@ -18,7 +20,11 @@ template <class T>
 Check in_range(T low, T high);
 
 /// One of these words.
-Check one_of(std::initializer_list<const char*> words);
+Check one_of(std::initializer_list<std::string_view> words);
+Check one_of(std::span<const std::string_view> words);
+
+/// A duration in units of `us` microseconds: from `low` to `high` microseconds, and a whole number of them.
+Check is_duration(double low, double high, double us);
 
 /// A whole number from 0 to 18446744073709551615.
 Check is_seed();

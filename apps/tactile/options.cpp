@@ -93,6 +93,24 @@ Option Command::add_option(const std::string& names, T& value, const std::string
   return Option(with_a_name_of_its_own(*command_, command_->add_option(names, value, meaning)));
 }
 
+Option Command::add_text_option(const std::string& names, const std::function<std::string()>& value,
+                                const std::function<void(const std::string&)>& set, const std::string& meaning) {
+  CLI::Option* option = command_->add_option_function<std::string>(names, set, meaning);
+  return Option(with_a_name_of_its_own(*command_, option->default_function(value)));
+}
+
+Option Command::add_path_option(const std::string& names, std::filesystem::path& value, const std::string& meaning) {
+  return add_text_option(
+      names, [&value] { return value.string(); }, [&value](const std::string& path) { value = path; }, meaning);
+}
+
+Option Command::add_list_option(const std::string& names, const std::function<std::vector<std::string>()>& values,
+                                const std::function<void(const std::vector<std::string>&)>& set, const std::string& meaning) {
+  CLI::Option* option = command_->add_option_function<std::vector<std::string>>(names, set, meaning)->delimiter(',');
+  return Option(with_a_name_of_its_own(
+      *command_, option->default_function([values] { return fmt::format("[{}]", fmt::join(values(), ",")); })));
+}
+
 Option Command::add_flag(const std::string& names, bool& value, const std::string& meaning) {
   return Option(with_a_name_of_its_own(*command_, command_->add_flag(names, value, meaning)));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -52,6 +53,16 @@ class Command {
   /// T is one of the types at the end of options.cpp.
   template <class T>
   Option add_option(const std::string& names, T& value, const std::string& meaning = "");
+
+  /// An option that `set` reads; the help shows what `value` returns as its default.
+  Option add_text_option(const std::string& names, const std::function<std::string()>& value,
+                         const std::function<void(const std::string&)>& set, const std::string& meaning);
+
+  Option add_path_option(const std::string& names, std::filesystem::path& value, const std::string& meaning);
+
+  /// A list with commas: `set` gets its parts, and the help shows what `values` returns as its default.
+  Option add_list_option(const std::string& names, const std::function<std::vector<std::string>()>& values,
+                         const std::function<void(const std::vector<std::string>&)>& set, const std::string& meaning);
 
   Option add_flag(const std::string& names, bool& value, const std::string& meaning = "");
 

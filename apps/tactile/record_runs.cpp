@@ -83,15 +83,15 @@ std::string drops_text(const capture::RunDrops& drops) {
   return text;
 }
 
-class Walk {
+class SessionRecording {
  public:
-  Walk(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
+  SessionRecording(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line)
       : recorder_(recorder), wanted_(wanted), plan_(wanted.plan), line_(line), session_(plan_.name) {}
 
   RecordedRuns all() {
     std::string error;
     try {
-      walk();
+      record_all();
       if (!done_.empty() && !done_.back().errors.empty()) error = done_.back().errors.front();
     } catch (const std::exception& e) {  // the runs so far are reported nevertheless
       line_.clear();
@@ -105,7 +105,7 @@ class Walk {
     return capture::complete_runs(wanted_.data, plan_, plan_.objects[object_index].name);
   }
 
-  void walk();
+  void record_all();
   RecordChoice wait_to_begin();
   std::string question() const;
   std::vector<OfferedChoice> offered() const;
@@ -141,7 +141,7 @@ class Walk {
   std::uint64_t drawn_events_ = 0;
 };
 
-void Walk::walk() {
+void SessionRecording::record_all() {
   if (wanted_.is_session && is_there(wanted_.data)) {
     const RunsBelow below = look_for_runs(wanted_.data);
     for (const auto* sentences : {&below.misnamed, &below.unreadable}) {
@@ -168,7 +168,7 @@ void Walk::walk() {
   }
 }
 
-std::string Walk::question() const {
+std::string SessionRecording::question() const {
   const std::string redo = done_.empty() ? "" : fmt::format(" r repeats {},", done_.back().run.name());
   if (object_index_ == plan_.objects.size())
     return done_.empty() ? "End of the list. Enter ends."
@@ -180,7 +180,7 @@ std::string Walk::question() const {
 }
 
 /// What the page offers while the next run is waited for.
-std::vector<OfferedChoice> Walk::offered() const {
+std::vector<OfferedChoice> SessionRecording::offered() const {
   std::vector<OfferedChoice> choices;
   const bool at_end = object_index_ == plan_.objects.size();
   const std::string object = at_end ? "" : plan_.objects[object_index_].name;
@@ -193,7 +193,7 @@ std::vector<OfferedChoice> Walk::offered() const {
 }
 
 /// The choice that a line of standard input is; nothing if it is none.
-std::optional<RecordChoice> Walk::choice_in(const std::string& line) const {
+std::optional<RecordChoice> SessionRecording::choice_in(const std::string& line) const {
   const bool at_end = object_index_ == plan_.objects.size();
   if (line == "q" || (line.empty() && at_end)) return RecordChoice::end;
   if (line == "r" && !done_.empty()) return RecordChoice::redo;
@@ -203,7 +203,7 @@ std::optional<RecordChoice> Walk::choice_in(const std::string& line) const {
 }
 
 /// Skips the objects that have all their runs. At the end of the list a question allows redoing the last run.
-RecordChoice Walk::wait_to_begin() {
+RecordChoice SessionRecording::wait_to_begin() {
   if (interrupted()) return RecordChoice::end;
   if (!wanted_.is_session && !plan_.start_on) return done_.empty() ? RecordChoice::start : RecordChoice::end;
   if (!wanted_.is_session && !done_.empty()) return RecordChoice::end;
@@ -251,7 +251,7 @@ RecordChoice Walk::wait_to_begin() {
   }
 }
 
-void Walk::discard_last() {
+void SessionRecording::discard_last() {
   const capture::RunSummary last = done_.back();
   done_.pop_back();
   line_.inform(fmt::format("{} is now {}", last.run.name(), capture::discard_run(last.run).filename().string()));
@@ -261,7 +261,7 @@ void Walk::discard_last() {
 }
 
 /// False if nothing more shall be recorded.
-bool Walk::record_one() {
+bool SessionRecording::record_one() {
   const int counted_before = wanted_.is_session ? runs_there(object_index_) : 0;
   capture::RunRequest request{.run = capture::make_run_folder(wanted_.data, plan_.objects[object_index_].name, wanted_.run),
                               .session = session_.of(recorder_.robot()),
@@ -320,7 +320,7 @@ bool Walk::record_one() {
   return run.errors.empty() && !interrupted();
 }
 
-void Walk::draw(const RunFolder& run, const capture::RunState& state) {
+void SessionRecording::draw(const RunFolder& run, const capture::RunState& state) {
   const Steady::time_point now = Steady::now();
   if (!line_.draws() || now - drawn_ < std::chrono::seconds(1)) return;
   const double passed = std::chrono::duration<double>(now - drawn_).count();
@@ -342,7 +342,7 @@ void Walk::draw(const RunFolder& run, const capture::RunState& state) {
 }  // namespace
 
 RecordedRuns record_runs(capture::RunRecorder& recorder, const RunsToRecord& wanted, LiveLine& line) {
-  return Walk(recorder, wanted, line).all();
+  return SessionRecording(recorder, wanted, line).all();
 }
 
 std::string text_of(const capture::RunSummary& run) {

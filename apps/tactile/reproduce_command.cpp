@@ -13,9 +13,9 @@
 #include "estimate_text.hpp"
 #include "executor_arguments.hpp"
 #include "experiment_output.hpp"
+#include "field_options.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
-#include "rendering_arguments.hpp"
 #include "suggested_words.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
@@ -38,45 +38,16 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReproduceArguments {
-  std::string data = "data", models, out = "study";
-  std::string preset = "quick";
-  std::vector<std::string> objects{"all"};
-  int runs = 0;
-  bool force = false;
-  std::vector<double> histories_ms{2, 10, 20, 30, 40, 50};
-  std::string train_run = "01";
-  std::vector<std::string> held_out;
-  unsigned worlds = 0, epochs = 0, steps = 0, trainings = 0;
-  std::uint64_t seed = 1;
-  std::string engine = "fast";
-  bool include_flagged = false, strict = false;
+  study::StudyOptions options{.models = "", .objects = {"all"}};
   bool without_report = false, verbose = false, dry_run = false;
   ExecutorArguments executor;
 };
 
 study::StudyOptions options_of(const ReproduceArguments& args, const CommonArguments& common) {
-  study::StudyOptions options;
-  options.data = args.data;
-  options.models = experiments::models_folder(args.models, args.out);
-  options.out = args.out;
-  options.preset = args.preset;
-  options.objects = args.objects;
+  study::StudyOptions options = args.options;
+  options.models = experiments::models_folder(options.models, options.out);
   if (std::find(options.objects.begin(), options.objects.end(), "all") != options.objects.end()) options.objects.clear();
-  if (args.runs > 0) options.runs = args.runs;
-  options.force = args.force;
-  options.include_flagged = args.include_flagged;
-  options.strict = args.strict;
-  options.histories.clear();
-  for (const double history_ms : args.histories_ms) options.histories.push_back(heatmap_options(history_ms, {}).history);
-  options.train_run = args.train_run;
-  options.held_out = args.held_out;
-  if (args.worlds > 0) options.worlds = args.worlds;
-  if (args.epochs > 0) options.epochs = args.epochs;
-  if (args.steps > 0) options.steps = args.steps;
-  if (args.trainings > 0) options.trainings = args.trainings;
-  options.seed = args.seed;
   options.program = fs::read_symlink("/proc/self/exe");
-  options.engine = model::engine_named(args.engine);
   options.threads = common.threads;
   options.slurm = slurm_of(args.executor);
   return options;
@@ -86,7 +57,7 @@ study::StudyOptions options_of(const ReproduceArguments& args, const CommonArgum
 std::string next_commands(const ReproduceArguments& args, const results::Study& study) {
   const auto stream = std::find_if(study.models.begin(), study.models.end(),
                                    [](const results::StudiedModel& model) { return model.setting == "stream"; });
-  const fs::path out = args.out;
+  const fs::path out = args.options.out;
   const std::string folder = shell_word((out / stream->folder).lexically_normal().string());
   const std::string data = shell_word((out / study.worlds[stream->world].data).lexically_normal().string());
   return fmt::format("To use its first stream:\n  tactile eval {} --model {}\n  tactile detect --model {}\n", data, folder,
@@ -215,7 +186,7 @@ void reproduce(const ReproduceArguments& args, const CommonArguments& common) {
   const study::StudySummary summary = resumable([&] {
     return study::run_study(options, new_progress, log_step, [](const std::string& sentence) { spdlog::warn("{}", sentence); });
   });
-  write_settings(common, fs::path(args.out) / "settings.json");
+  write_settings(common, args.options.out / "settings.json");
   nlohmann::json result = summary.study;
   result["file"] = summary.file.string();
   result["steps_done"] = summary.done;
@@ -250,69 +221,66 @@ void add_reproduce_command(CLI::App& app) {
   auto args = std::make_shared<ReproduceArguments>();
   Command command = add_command(app, "reproduce", "Run the paper's whole study and compare its claims with measured results",
                                 [args](const CommonArguments& common) { reproduce(*args, common); });
-  command.add_option("data", args->data, "Folder of runs; runs are simulated if it has none").show_default();
+  study::StudyOptions& options = args->options;
+  command.add_path_option("data", options.data, "Folder of runs; runs are simulated if it has none").show_default();
   command
-      .add_option("--preset", args->preset,
+      .add_option("--preset", options.preset,
                   "tiny: 1 simulated world of 2 runs per object, 2 trainings of 3 epochs and 100 steps; quick: 3 worlds of 3 "
                   "runs, 6 epochs, 800 steps; paper: 8 worlds of 10 runs, 10 epochs, 1600 steps. One training in each world; "
                   "on runs that are there, 5 trainings")
       .check(one_of({"paper", "quick", "tiny"}))
       .show_default();
-  command.add_option("--worlds", args->worlds, "Simulated worlds, each with another seed; default: the preset's")
+  command.add_option("--worlds", options.worlds, "Simulated worlds, each with another seed; default: the preset's")
       .check(in_range(1U, 1000U))
       .type_name("N");
-  command.add_option("--objects", args->objects, "Objects to simulate, separated by commas, or all")
+  command.add_option("--objects", options.objects, "Objects to simulate, separated by commas, or all")
       .delimiter(',')
       .type_name("NAME,...")
       .suggest(simulated_objects())
       .show_default();
-  command.add_option("--runs", args->runs, "Simulated runs per object; default: the preset's")
+  command.add_option("--runs", options.runs, "Simulated runs per object; default: the preset's")
       .check(in_range(1, 99))
       .type_name("N");
-  command.add_flag("--force", args->force, "Replace runs that were simulated with other settings");
-  command.add_option("--th", args->histories_ms, "Histories t_h to train [ms], separated by commas")
-      .delimiter(',')
-      .check(in_range(0.001, 1e5))
-      .show_default();
+  command.add_flag("--force", options.force, "Replace runs that were simulated with other settings");
+  add_histories_option(command, options.histories, "Histories t_h to train [ms]");
   command
-      .add_option("--train-run", args->train_run,
+      .add_option("--train-run", options.train_run,
                   "Run of each object that the first training learns from; the others learn from the runs after it")
       .check(is_run())
       .type_name("NN")
       .show_default();
   command
-      .add_option("--held-out", args->held_out,
+      .add_option("--held-out", options.held_out,
                   "Objects held out in the unseen test, separated by commas; default: those of the paper's five that exist, and "
                   "in every second world the others")
       .delimiter(',')
       .type_name("NAME,...");
-  command.add_option("--epochs", args->epochs, "Training epochs of a LeNet; default: the preset's")
+  command.add_option("--epochs", options.epochs, "Training epochs of a LeNet; default: the preset's")
       .check(in_range(1U, 100'000U))
       .type_name("N");
-  command.add_option("--steps", args->steps, "Training steps of a stream; default: the preset's")
+  command.add_option("--steps", options.steps, "Training steps of a stream; default: the preset's")
       .check(in_range(1U, 1'000'000U))
       .type_name("N");
   command
-      .add_option("--trainings", args->trainings,
+      .add_option("--trainings", options.trainings,
                   "Trainings of each setting in each world, each on another run and seed; default: the preset's")
       .check(in_range(1U, 1000U))
       .type_name("N");
-  command.add_option("--seed", args->seed, "Seed of the first world and its first training; the next ones add 1, 2, ...")
+  command.add_option("--seed", options.seed, "Seed of the first world and its first training; the next ones add 1, 2, ...")
       .check(is_seed())
       .show_default();
-  command.add_option("--engine", args->engine, "Engine for training and inference: fast (tactile's own) or libtorch")
-      .check(one_of({"fast", "libtorch"}))
-      .show_default();
-  command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
-  add_strict_option(command, args->strict);
+  add_word(command, "--engine", options.engine, model::training_engines,
+           "Engine for training and inference: fast (tactile's own) or libtorch");
+  command.add_flag("--include-flagged", options.include_flagged, "Also use flagged runs and intervals");
+  add_strict_option(command, options.strict);
   add_executor_options(command, args->executor);
   command.add_flag("--dry-run", args->dry_run, "Only print the study's steps, hours and size on the disk");
   command.add_flag("--verbose", args->verbose, "Print all tables and what was found");
   command.add_flag("--no-report", args->without_report, "Do not write the report");
-  command.add_option("--models", args->models, "Folder of the models that it trains")
+  command.add_path_option("--models", options.models, "Folder of the models that it trains")
       .type_name("DIR")
       .default_text("models/ in --out");
-  command.add_option("--out", args->out, "Output folder of the study").type_name("DIR").show_default();
+  command.add_path_option("--out", options.out, "Output folder of the study").type_name("DIR").show_default();
 }
 
 }  // namespace tactile::cli

@@ -45,7 +45,8 @@ namespace fs = std::filesystem;
 struct StressArguments {
   std::string data = "data", models = "models", out = "stress";
   std::vector<std::string> model, recipes, worlds, quiet;
-  std::string sensor, engine = "fast";
+  std::string sensor;
+  model::EngineKind engine = model::EngineKind::fast;
   std::optional<unsigned> runs;
   std::uint64_t seed = 1;
   ExecutorArguments executor;
@@ -110,7 +111,7 @@ stress::StressOptions options_of(const StressArguments& args, const CommonArgume
   for (const std::string& file : args.quiet) options.quiet.emplace_back(file);
   options.runs = args.runs;
   options.judging.threads = common.threads;
-  options.engine = model::engine_named(args.engine);
+  options.engine = args.engine;
   options.seed = args.seed;
   options.force = args.force;
   options.program = fs::read_symlink("/proc/self/exe");

@@ -11,7 +11,7 @@
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
-#include "kind_arguments.hpp"
+#include "field_options.hpp"
 #include "model_arguments.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
@@ -33,43 +33,36 @@ namespace fs = std::filesystem;
 
 struct TrainArguments {
   std::string data = "data";
-  double history_ms = 40;
-  RenderingArguments rendering;
-  std::string split = "single-run", train_run = "01";
+  model::ModelSettings settings;
+  std::string mask;
   std::vector<std::string> held_out;  ///< empty: those of the paper's five objects that the dataset has
-  model::TrainingOptions training;
-  std::string engine = "fast", optimizer = "adam", schedule = "constant", activation = "relu", pool = "max",
-              class_weights = "none";
-  std::vector<std::string> augment{"none"};
   std::optional<double> validation_share;
-  KindArguments kind;
   std::string models = "models", name, from, tensorboard;
   std::vector<std::string> calibrate;  ///< ids of runs to fit a temperature on; empty: none is fitted
   bool force = false, resume = false, strict = false, verbose = false;
   double save_every_s = 30;
 };
 
-constexpr double usual_validation_share = 0.2;  // of the training samples, with an early stop
+/// @throws Error  that names an option which has no meaning for the kind of model
+void check_options_of_kind(const model::ModelSettings& settings) {
+  if (const std::vector<std::string> idle = idle_options(settings); !idle.empty()) {
+    throw Error(fmt::format("{}: a model of kind {} has none; expected --kind {} with it", idle.front(), name_of(settings.kind),
+                            settings.kind == model::ModelKind::lenet ? "stream" : "lenet"));
+  }
+}
 
 model::ModelSettings settings_of(const TrainArguments& args) {
-  model::ModelSettings settings;
-  settings.rendering = heatmap_options(args.history_ms, args.rendering);
-  settings.split = {.kind = windows::split_named(args.split), .train_run = args.train_run, .held_out = args.held_out};
-  settings.network = {model::activation_named(args.activation), model::pooling_named(args.pool)};
-  settings.training = args.training;
-  settings.training.optimizer = model::optimizer_named(args.optimizer);
-  settings.training.engine = model::engine_named(args.engine);
-  settings.training.schedule = model::schedule_named(args.schedule);
-  settings.training.augmentation = model::augmentation_named(fmt::format("{}", fmt::join(args.augment, ",")));
-  settings.training.class_weights = model::class_weights_named(args.class_weights);
+  model::ModelSettings settings = args.settings;
+  settings.rendering = with_mask(settings.rendering, args.mask);
+  settings.split.held_out = args.held_out;
   settings.training.validation_share =
-      args.validation_share.value_or(args.training.early_stop > 0 ? usual_validation_share : 0.0);
-  settings.kind = model::kind_named(args.kind.kind);
-  settings.stream = args.kind.stream;
+      args.validation_share.value_or(settings.training.early_stop > 0 ? model::usual_validation_share : 0.0);
+  if (!args.from.empty()) settings.from.emplace();
+  check_options_of_kind(settings);
+  settings.from.reset();
   // A stream reads each tick once, and remembers.
   if (settings.kind == model::ModelKind::stream) settings.rendering.history = settings.rendering.tick;
   check(settings.training);
-  check_options_of_kind(settings, !args.from.empty());
   if (!args.held_out.empty() && settings.split.kind != windows::SplitKind::unseen)
     throw Error("--held-out: a split of single-run holds no object out; expected --split unseen with it");
   return settings;
@@ -297,15 +290,13 @@ std::string check_bundle_name(const std::string& name) {
 void add_split_options(Command& command, TrainArguments& args) {
   command.add_option("data", args.data, "Data folder with dataset.h5, or a dataset file; a missing dataset is made")
       .show_default();
-  command.add_option("--th", args.history_ms, "History t_h [ms], a whole number of ticks")
-      .check(in_range(0.001, 1e5))
-      .show_default();
+  add_field_options(command, args.settings.rendering);
+  add_mask_option(command, args.mask);
+  add_word(command, "--split", args.settings.split.kind, windows::split_names,
+           "single-run: train on one run of every object; unseen: on one run of each object that is not held out");
   command
-      .add_option("--split", args.split,
-                  "single-run: train on one run of every object; unseen: on one run of each object that is not held out")
-      .check(one_of({"single-run", "unseen"}))
-      .show_default();
-  command.add_option("--train-run", args.train_run, "Run of each object to train on; the next one if it has no samples")
+      .add_option("--train-run", args.settings.split.train_run,
+                  "Run of each object to train on; the next one if it has no samples")
       .check(is_run())
       .type_name("NN")
       .show_default();
@@ -318,40 +309,11 @@ void add_split_options(Command& command, TrainArguments& args) {
 }
 
 void add_training_options(Command& command, TrainArguments& args) {
-  command.add_option("--seed", args.training.seed, "Seed of the initial weights and of the sample order")
-      .check(is_seed())
-      .show_default();
-  command.add_option("--epochs", args.training.epochs, "Training epochs").check(in_range(1U, 100'000U)).show_default();
-  command.add_option("--batch", args.training.batch, "Batch size").check(in_range(1U, 65'536U)).show_default();
-  command.add_option("--lr", args.training.learning_rate, "Learning rate").check(in_range(1e-12, 10.0)).show_default();
-  command
-      .add_option("--schedule", args.schedule,
-                  "Learning rate schedule: constant, cosine (down to 0) or step (to a tenth, then a hundredth)")
-      .check(one_of({"constant", "cosine", "step"}))
-      .show_default();
-  command.add_option("--optimizer", args.optimizer, "Optimizer: adam, adamw (with weight decay) or sgd (with momentum)")
-      .check(one_of({"adam", "adamw", "sgd"}))
-      .show_default();
-  command
-      .add_option("--engine", args.engine,
-                  "Training engine: fast (tactile's own) or libtorch; their results differ only by rounding")
-      .check(one_of({"fast", "libtorch"}))
-      .show_default();
-  command.add_option("--activation", args.activation, "Activation function")
-      .check(one_of({"relu", "tanh", "sigmoid"}))
-      .show_default();
-  command.add_option("--pool", args.pool, "Pooling").check(one_of({"max", "average"})).show_default();
-  command
-      .add_option("--augment", args.augment,
-                  "Random augmentation: none, or flip, shift and stress:RECIPE[:SEVERITY] of 'convert', separated by commas")
-      .delimiter(',')
-      .type_name("NAME,...")
-      .check(readable_by(model::augmentation_named))
-      .show_default();
-  command
-      .add_option("--class-weights", args.class_weights,
-                  "Weights of the classes: none (equal samples), balanced (equal classes), or three numbers such as 1,2,1")
-      .show_default();
+  add_word(command, "--kind", args.settings.kind, model::trained_kinds,
+           "Kind of model: lenet, on heatmaps; stream, a recurrent network on the events of each tick, trained on whole runs");
+  add_field_options(command, args.settings.stream);
+  add_field_options(command, args.settings.training);
+  add_field_options(command, args.settings.network);
 }
 
 void add_model_options(Command& command, TrainArguments& args) {
@@ -360,11 +322,6 @@ void add_model_options(Command& command, TrainArguments& args) {
                   "Share of training samples used for validation, the last ones of each class")
       .check(in_range(0.0, 0.5))
       .default_text("0, or 0.2 with --early-stop");
-  command
-      .add_option("--early-stop", args.training.early_stop,
-                  "Stop after this many epochs without a lower validation loss, and keep the best weights; 0: never")
-      .check(in_range(0U, 100'000U))
-      .show_default();
   command.add_option("--from", args.from, "Start from the weights of this model: a folder, or a name in --models")
       .type_name("MODEL");
   command
@@ -374,7 +331,6 @@ void add_model_options(Command& command, TrainArguments& args) {
       .delimiter(',')
       .check(is_run())
       .type_name("NN,...");
-  add_rendering_options(command, args.rendering);
   command.add_option("--models", args.models, "Folder of models").type_name("DIR").show_default();
   command
       .add_option("--name", args.name,
@@ -399,7 +355,6 @@ void add_train_command(CLI::App& app) {
   Command command = add_command(app, "train", "Train a model on one run per object: LeNet on heatmaps, or a stream",
                                 [args](const CommonArguments& common) { train(*args, common); });
   add_split_options(command, *args);
-  add_kind_options(command, args->kind);
   add_training_options(command, *args);
   add_model_options(command, *args);
 }

@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "field_options.hpp"
 #include "option_checks.hpp"
 #include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
@@ -23,8 +24,8 @@ struct ViewArguments {
   std::string what;
   std::string out;
   std::string stream;
-  double history_ms = 40;
-  RenderingArguments rendering;
+  heatmaps::HeatmapOptions rendering;
+  std::string mask;
   std::optional<int> tiles;
   std::optional<double> from_ms, to_ms;
   std::optional<double> fps, speed;
@@ -61,7 +62,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
     refuse(args.tiles.has_value(), "--tiles", shown_out, wanted == Form::mp4 ? "a film" : "a folder", "contact sheets (.png)");
   }
   ViewRequest request{.out = args.out,
-                      .options = heatmap_options(args.history_ms, args.rendering),
+                      .options = with_mask(args.rendering, args.mask),
                       .from_ms = args.from_ms,
                       .to_ms = args.to_ms,
                       .tiles = args.tiles};
@@ -69,7 +70,7 @@ void view(const ViewArguments& args, const CommonArguments& common) {
   if (args.speed) request.speed = *args.speed;
 
   ViewedRecording recording(args.what, args.stream, common);
-  check_mask(args.rendering, request.options, recording.sensor());
+  check_mask(args.mask, request.options, recording.sensor());
   if (request.out.empty()) request.out = recording.file_stem() + ".png";
   switch (wanted) {
     case Form::sheet:
@@ -100,9 +101,6 @@ void add_view_command(CLI::App& app) {
           "--out", args->out,
           "Contact sheet (.png), video (.mp4), or folder for single pictures; default: a contact sheet named after the recording")
       .type_name("FILE.png|FILE.mp4|DIR");
-  command.add_option("--th", args->history_ms, "History t_h [ms], a whole number of ticks")
-      .check(in_range(0.001, 1e5))
-      .show_default();
   command.add_option("--from-ms", args->from_ms, "Start of the part to show [ms after the first event]")
       .check(in_range(0.0, 1e12));
   command.add_option("--to-ms", args->to_ms, "End of the part to show [ms after the first event]").check(in_range(0.0, 1e12));
@@ -113,7 +111,8 @@ void add_view_command(CLI::App& app) {
   command.add_option("--tiles", args->tiles, "Number of evenly spaced tiles in a contact sheet; default: tiles around the onsets")
       .check(in_range(1, 240));
   command.add_option("--stream", args->stream, "Event stream to use, if a recording has several").type_name("ID|SOURCE");
-  add_rendering_options(command, args->rendering);
+  add_field_options(command, args->rendering);
+  add_mask_option(command, args->mask);
 }
 
 }  // namespace tactile::cli

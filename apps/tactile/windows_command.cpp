@@ -10,9 +10,9 @@
 
 #include "command.hpp"
 #include "commands.hpp"
+#include "field_options.hpp"
 #include "option_checks.hpp"
 #include "quantity_text.hpp"
-#include "rendering_arguments.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/windows/dataset_settings.hpp"
 #include "tactile/windows/verify_dataset.hpp"
@@ -25,10 +25,8 @@ namespace {
 struct WindowsArguments {
   std::string data = "data";
   std::string out;
-  double window_ms = 500, guard_ms = 100, history_ms = 50;
-  std::int64_t tick_us = 2000;
-  std::uint64_t seed = 1;
-  bool mix = false, include_flagged = false, strict = false, verify = false, verbose = false;
+  windows::WindowsOptions options;
+  bool verify = false, verbose = false;
 };
 
 const char* name_of(windows::DatasetSummary::Outcome outcome) {
@@ -109,6 +107,7 @@ std::string table_of_objects(const windows::DatasetSummary& summary) {
   }
   if (sums.size() > most_objects) sums = {{fmt::format("all {}", sums.size()), all}};
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(sums.size());
   for (const auto& [object, sum] : sums) {
     rows.push_back({object, std::to_string(sum.runs), std::to_string(sum.samples[0]), std::to_string(sum.samples[1]),
                     std::to_string(sum.samples[2]),
@@ -179,16 +178,9 @@ void verify(const WindowsArguments& args, const std::string& file, const CommonA
 void write_windows(const WindowsArguments& args, const CommonArguments& common) {
   const std::string file = args.out.empty() ? (std::filesystem::path(args.data) / "dataset.h5").string() : args.out;
   if (args.verify) return verify(args, file, common);
-  const windows::WindowsOptions options{.sampling = {.tick = microseconds{args.tick_us},
-                                                     .window = whole_us(args.window_ms, "--window-ms"),
-                                                     .guard = whole_us(args.guard_ms, "--guard-ms"),
-                                                     .history = whole_us(args.history_ms, "--history-ms"),
-                                                     .seed = args.seed},
-                                        .mix = args.mix,
-                                        .include_flagged = args.include_flagged,
-                                        .strict = args.strict};
-  const std::vector<std::string> differing = windows::settings_unlike_those_in(file, options);
-  const windows::DatasetSummary summary = windows::write_dataset(args.data, file, options, common.threads, progress_line(common));
+  const std::vector<std::string> differing = windows::settings_unlike_those_in(file, args.options);
+  const windows::DatasetSummary summary =
+      windows::write_dataset(args.data, file, args.options, common.threads, progress_line(common));
   for (const std::string& warning : summary.warnings) spdlog::warn("{}", warning);
   print_result(common, json_of(summary, file), text_of(summary, file, differing, args.verbose));
   end_with(summary.errors);
@@ -202,24 +194,11 @@ void add_windows_command(CLI::App& app) {
                                 [args](const CommonArguments& common) { write_windows(*args, common); });
   command.add_option("data", args->data, "Folder of runs, DATA/<object>/<run>").show_default();
   command.add_option("--out", args->out, "Dataset to write; default: DATA/dataset.h5").type_name("FILE.h5");
-  command.add_option("--window-ms", args->window_ms, "Part of each press and slip to use, from its onset [ms]")
-      .check(in_range(0.001, 1e6))
-      .show_default();
-  command.add_option("--guard-ms", args->guard_ms, "Distance of none samples from every press and slip [ms]")
-      .check(in_range(0.0, 1e6))
-      .show_default();
-  command
-      .add_option("--history-ms", args->history_ms, "Time before each sample whose events are stored [ms]. No t_h can be longer")
-      .check(in_range(0.001, 1e5))
-      .show_default();
-  command.add_option("--tick-us", args->tick_us, "Time between two ticks [us]")
-      .check(in_range(std::int64_t{1}, std::int64_t{1'000'000}))
-      .show_default();
-  command.add_option("--seed", args->seed, "Seed of the random draw").check(is_seed()).show_default();
-  command.add_flag("--mix", args->mix,
+  add_field_options(command, args->options.sampling);
+  command.add_flag("--mix", args->options.mix,
                    "Put simulated and real runs into one dataset; default: only the real runs if there are both");
-  command.add_flag("--include-flagged", args->include_flagged, "Also use flagged runs and intervals");
-  add_strict_option(command, args->strict);
+  command.add_flag("--include-flagged", args->options.include_flagged, "Also use flagged runs and intervals");
+  add_strict_option(command, args->options.strict);
   command.add_flag("--verbose", args->verbose, "Print a line for each run, with its remarks");
   command.add_flag("--verify", args->verify,
                    "Write nothing: derive the dataset again with its own settings and compare; exit with 2 if it differs");

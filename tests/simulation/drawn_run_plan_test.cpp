@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "drawn_runs.hpp"
-#include "tactile/core/json_fields.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/simulation/run_plan.hpp"
 
 namespace tactile::simulation {

@@ -12,8 +12,8 @@
 #include "support/error_of.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/json_fields.hpp"
 #include "tactile/core/whole_file.hpp"
 
 namespace tactile::simulation {

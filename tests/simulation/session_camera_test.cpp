@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tactile/core/json_fields.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/simulation/simulated_run.hpp"
 
 namespace tactile::simulation {

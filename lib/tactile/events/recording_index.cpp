@@ -17,13 +17,13 @@ namespace {
 constexpr std::uint64_t zero_sector = 512;  // this many zeros in a row are lost bytes, not packets without contents [B]
 
 /// The packets from the first on, as found by their headers.
-struct Walk {
+struct FoundPackets {
   std::vector<PacketRecord> packets;  ///< with contents, declared or not
   std::uint64_t end = 0;              ///< of the last one [B]
   std::uint64_t empty = 0;            ///< packets without contents
   std::uint64_t skipped = 0;          ///< between packets [B]
   std::uint64_t resized = 0;          ///< packets whose own header has another size
-  bool at_table = false;              ///< the walk ended before a data table
+  bool at_table = false;              ///< they end before a data table
 
   bool damaged() const { return skipped > 0 || resized > 0; }
 };
@@ -36,16 +36,17 @@ class PacketFinder {
   PacketList find();
 
  private:
-  std::string disagreement(const std::vector<PacketRecord>& entries, const Walk& walked) const;
+  std::string disagreement(const std::vector<PacketRecord>& entries, const FoundPackets& found_packets) const;
   std::vector<PacketRecord> hints_from(std::vector<PacketRecord> entries);
 
-  Walk walk(std::uint64_t end, const std::vector<PacketRecord>* table = nullptr);
-  std::optional<std::uint64_t> resume(Walk& walked, std::uint64_t at, std::uint64_t end, const std::vector<PacketRecord>& hints);
-  std::optional<std::uint64_t> resume_by_table(Walk& walked, std::uint64_t at, std::uint64_t end,
+  FoundPackets find_packets(std::uint64_t end, const std::vector<PacketRecord>* table = nullptr);
+  std::optional<std::uint64_t> resume(FoundPackets& found_packets, std::uint64_t at, std::uint64_t end,
+                                      const std::vector<PacketRecord>& hints);
+  std::optional<std::uint64_t> resume_by_table(FoundPackets& found_packets, std::uint64_t at, std::uint64_t end,
                                                const std::vector<PacketRecord>& hints);
 
-  void count_missing(const std::vector<PacketRecord>& entries, const Walk& walked);
-  void take(Walk walked);
+  void count_missing(const std::vector<PacketRecord>& entries, const FoundPackets& found_packets);
+  void take(FoundPackets found_packets);
   void take_table(const std::vector<PacketRecord>& entries);
 
   const RecordingHeader& header_;
@@ -60,7 +61,7 @@ PacketList PacketFinder::find() {
   const std::int64_t position = header_.table_position;
   const bool has_position = position >= 0 || position < -2;  // -1: not closed, -2: jAER's mark for the same
   std::optional<std::uint64_t> table_at;
-  std::optional<Walk> walked;
+  std::optional<FoundPackets> found_packets;
   if (has_position) {
     const auto announced = static_cast<std::uint64_t>(position);
     if (position < 0 || announced < data_begin_ || announced >= size_) {
@@ -72,23 +73,23 @@ PacketList PacketFinder::find() {
   }
   probe_.release_memory();  // the table may be as large as all entries
   if (!table_at) {
-    walked = walk(size_);
-    if (!walked->at_table) {
-      list_.problems.truncated_bytes = size_ - walked->end;
+    found_packets = find_packets(size_);
+    if (!found_packets->at_table) {
+      list_.problems.truncated_bytes = size_ - found_packets->end;
     } else if (!has_position) {
-      why = probe_.read_table(walked->end, entries);
-      if (why.empty()) table_at = walked->end;
+      why = probe_.read_table(found_packets->end, entries);
+      if (why.empty()) table_at = found_packets->end;
     }
   }
-  if (table_at && (!walked || walked->damaged())) {
-    walked = walk(*table_at, &entries);
-    walked->skipped += *table_at - walked->end;
+  if (table_at && (!found_packets || found_packets->damaged())) {
+    found_packets = find_packets(*table_at, &entries);
+    found_packets->skipped += *table_at - found_packets->end;
   }
   if (table_at) {
-    why = walked->damaged() ? "packets before it are damaged" : disagreement(entries, *walked);
-    if (!why.empty()) count_missing(entries, *walked);
+    why = found_packets->damaged() ? "packets before it are damaged" : disagreement(entries, *found_packets);
+    if (!why.empty()) count_missing(entries, *found_packets);
   }
-  take(std::move(*walked));
+  take(std::move(*found_packets));
   if (table_at && why.empty()) {
     take_table(entries);
     list_.problems.header_not_patched = !has_position;
@@ -122,60 +123,60 @@ std::vector<PacketRecord> PacketFinder::hints_from(std::vector<PacketRecord> ent
 }
 
 /// Walks from header to header up to `end` or a data table. Where there is damage, it also uses the entries of `table`.
-Walk PacketFinder::walk(std::uint64_t end, const std::vector<PacketRecord>* table) {
-  Walk walked;
+FoundPackets PacketFinder::find_packets(std::uint64_t end, const std::vector<PacketRecord>* table) {
+  FoundPackets found_packets;
   std::optional<std::vector<PacketRecord>> hints;  // made when first needed, because they take memory
-  if (table != nullptr) walked.packets.reserve(table->size());
+  if (table != nullptr) found_packets.packets.reserve(table->size());
   std::uint64_t at = data_begin_;
   std::uint64_t empty_run = 0;  ///< packets without contents right before `at`
   while (at < end) {
     if (end == size_ && end - at >= packet_header_size && probe_.table_starts_at(at, probe_.bytes_at(at, end))) {
-      walked.at_table = true;
+      found_packets.at_table = true;
       break;
     }
     if (const auto packet = probe_.header_at(at, end)) {
       if (packet->payload_size == 0) {
-        ++walked.empty;
+        ++found_packets.empty;
         ++empty_run;
       } else {
         if (empty_run >= zero_sector / packet_header_size) {
-          walked.empty -= empty_run;
-          walked.skipped += empty_run * packet_header_size;
+          found_packets.empty -= empty_run;
+          found_packets.skipped += empty_run * packet_header_size;
         }
         empty_run = 0;
-        walked.packets.push_back(*packet);
+        found_packets.packets.push_back(*packet);
       }
       at = packet->payload_offset + packet->payload_size;
       continue;
     }
     // These zeros come from a power cut or a lost sector, or are a frame's end mark and the next packet's id.
     if (empty_run > 0) {
-      walked.empty -= empty_run;
+      found_packets.empty -= empty_run;
       at -= empty_run * packet_header_size;
     }
     empty_run = 0;
     if (!hints) hints = table == nullptr ? std::vector<PacketRecord>{} : hints_from(*table);
-    const auto next = resume(walked, at, end, *hints);
+    const auto next = resume(found_packets, at, end, *hints);
     if (!next) break;
     at = *next;
   }
-  if (end == size_ && !walked.at_table && empty_run > 1) {
-    walked.empty -= empty_run;
+  if (end == size_ && !found_packets.at_table && empty_run > 1) {
+    found_packets.empty -= empty_run;
     at -= empty_run * packet_header_size;
   }
-  walked.end = at;
-  return walked;
+  found_packets.end = at;
+  return found_packets;
 }
 
 /// The place of the next packet, or of the data table, after bytes that cannot be a packet. Counts the bytes between.
-std::optional<std::uint64_t> PacketFinder::resume(Walk& walked, std::uint64_t at, std::uint64_t end,
+std::optional<std::uint64_t> PacketFinder::resume(FoundPackets& found_packets, std::uint64_t at, std::uint64_t end,
                                                   const std::vector<PacketRecord>& hints) {
-  if (const auto next = resume_by_table(walked, at, end, hints)) return next;
+  if (const auto next = resume_by_table(found_packets, at, end, hints)) return next;
   // A wrong size of the packet before may have led here, so the search begins inside that packet.
-  PacketRecord* before = walked.packets.empty() ? nullptr : &walked.packets.back();
+  PacketRecord* before = found_packets.packets.empty() ? nullptr : &found_packets.packets.back();
   const bool adjacent = before != nullptr && before->payload_offset + before->payload_size == at;
   const std::uint64_t from = adjacent ? before->payload_offset : at + 1;
-  const auto next = probe_.search(from, end, walked.packets.size());
+  const auto next = probe_.search(from, end, found_packets.packets.size());
   if (!next) return std::nullopt;
   const auto resized_to_next = [&] {
     PacketRecord packet = *before;
@@ -183,19 +184,19 @@ std::optional<std::uint64_t> PacketFinder::resume(Walk& walked, std::uint64_t at
     return packet;
   };
   if (adjacent && *next == from) {  // it was not a packet
-    walked.skipped += packet_header_size;
-    walked.packets.pop_back();
+    found_packets.skipped += packet_header_size;
+    found_packets.packets.pop_back();
   } else if (*next < at || (adjacent && *next - from <= std::numeric_limits<std::int32_t>::max() && !probe_.is_whole(*before) &&
                             probe_.is_whole(resized_to_next()))) {
     *before = resized_to_next();
-    ++walked.resized;
+    ++found_packets.resized;
   } else {
-    walked.skipped += *next - at;
+    found_packets.skipped += *next - at;
   }
   return next;
 }
 
-std::optional<std::uint64_t> PacketFinder::resume_by_table(Walk& walked, std::uint64_t at, std::uint64_t end,
+std::optional<std::uint64_t> PacketFinder::resume_by_table(FoundPackets& found_packets, std::uint64_t at, std::uint64_t end,
                                                            const std::vector<PacketRecord>& hints) {
   const auto from_offset = [&](std::uint64_t offset) {
     return std::lower_bound(hints.begin(), hints.end(), offset,
@@ -212,21 +213,21 @@ std::optional<std::uint64_t> PacketFinder::resume_by_table(Walk& walked, std::ui
            (next != hints.end() && next->payload_offset == next_payload);
   };
   if (hints.empty()) return std::nullopt;
-  if (!walked.packets.empty()) {
-    PacketRecord& before = walked.packets.back();
+  if (!found_packets.packets.empty()) {
+    PacketRecord& before = found_packets.packets.back();
     const auto hint = from_offset(before.payload_offset);
     if (hint != hints.end() && hint->payload_offset == before.payload_offset && hint->payload_size != before.payload_size &&
         is_sound(*hint)) {
       before.payload_size = hint->payload_size;
-      ++walked.resized;
+      ++found_packets.resized;
       return end_of(*hint);
     }
   }
   auto hint = from_offset(at + packet_header_size);
   if (hint != hints.end() && hint->payload_offset == at + packet_header_size && is_sound(*hint)) {
-    walked.packets.push_back(
+    found_packets.packets.push_back(
         {.stream_id = hint->stream_id, .payload_offset = hint->payload_offset, .payload_size = hint->payload_size});
-    walked.skipped += packet_header_size;
+    found_packets.skipped += packet_header_size;
     return end_of(*hint);
   }
   for (; hint != hints.end(); ++hint) {
@@ -235,20 +236,20 @@ std::optional<std::uint64_t> PacketFinder::resume_by_table(Walk& walked, std::ui
     if (place >= end) break;
     const auto header = probe_.header_at(place, end);
     if (!header || header->stream_id != hint->stream_id || header->payload_size != hint->payload_size) continue;
-    walked.skipped += place - at;
+    found_packets.skipped += place - at;
     return place;
   }
   return std::nullopt;
 }
 
 /// How the table's entries differ from the packets' own headers, or are impossible; empty if they agree.
-std::string PacketFinder::disagreement(const std::vector<PacketRecord>& entries, const Walk& walked) const {
-  auto packet = walked.packets.begin();
+std::string PacketFinder::disagreement(const std::vector<PacketRecord>& entries, const FoundPackets& found_packets) const {
+  auto packet = found_packets.packets.begin();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const PacketRecord& entry = entries[i];
     if (entry.payload_size == 0) continue;
-    if (packet == walked.packets.end())
-      return fmt::format("it lists more packets than the {} that the file has", walked.packets.size());
+    if (packet == found_packets.packets.end())
+      return fmt::format("it lists more packets than the {} that the file has", found_packets.packets.size());
     // One known writer gives the place of the packet's header instead of its contents.
     const bool same_place =
         entry.payload_offset == packet->payload_offset || entry.payload_offset == packet->payload_offset - packet_header_size;
@@ -268,16 +269,17 @@ std::string PacketFinder::disagreement(const std::vector<PacketRecord>& entries,
     if (entry.elements > 0 && entry.last < entry.first) return fmt::format("its entry {} ends before it begins", i);
     ++packet;
   }
-  if (packet != walked.packets.end()) {
-    return fmt::format("it lists {} packets where the file has {}", packet - walked.packets.begin(), walked.packets.size());
+  if (packet != found_packets.packets.end()) {
+    return fmt::format("it lists {} packets where the file has {}", packet - found_packets.packets.begin(),
+                       found_packets.packets.size());
   }
   return {};
 }
 
 /// Counts the table's packets that the file lacks. Stream and size identify a packet: once bytes are lost, its place does not.
-void PacketFinder::count_missing(const std::vector<PacketRecord>& entries, const Walk& walked) {
+void PacketFinder::count_missing(const std::vector<PacketRecord>& entries, const FoundPackets& found_packets) {
   std::map<std::pair<std::int32_t, std::uint32_t>, std::uint64_t> there;
-  for (const PacketRecord& packet : walked.packets) ++there[{packet.stream_id, packet.payload_size}];
+  for (const PacketRecord& packet : found_packets.packets) ++there[{packet.stream_id, packet.payload_size}];
   for (const PacketRecord& entry : entries) {
     if (entry.payload_size == 0) continue;
     const auto packet = there.find({entry.stream_id, entry.payload_size});
@@ -291,13 +293,13 @@ void PacketFinder::count_missing(const std::vector<PacketRecord>& entries, const
   }
 }
 
-void PacketFinder::take(Walk walked) {
-  list_.problems.empty_packets = walked.empty;
-  list_.problems.skipped_bytes = walked.skipped;
-  list_.problems.resized_packets = walked.resized;
+void PacketFinder::take(FoundPackets found_packets) {
+  list_.problems.empty_packets = found_packets.empty;
+  list_.problems.skipped_bytes = found_packets.skipped;
+  list_.problems.resized_packets = found_packets.resized;
   const auto is_undeclared = [this](const PacketRecord& packet) { return header_.declared(packet.stream_id) == nullptr; };
-  list_.problems.undeclared_packets = std::erase_if(walked.packets, is_undeclared);
-  list_.packets = std::move(walked.packets);
+  list_.problems.undeclared_packets = std::erase_if(found_packets.packets, is_undeclared);
+  list_.packets = std::move(found_packets.packets);
 }
 
 /// Completes the packets by the table's entries, which agree with them.

@@ -44,7 +44,7 @@ model::ModelBundle training_bundle(const fs::path& models, const fs::path& out, 
     if (made_here(out, bundle.name())) return false;
     return model.manifest_hash != manifest_hash || !model::same_settings(model.settings, settings);
   };
-  return model::free_bundle(models, model::full_name(settings), is_foreign);
+  return model::free_bundle(models, model::default_name(settings), is_foreign);
 }
 
 }  // namespace tactile::experiments

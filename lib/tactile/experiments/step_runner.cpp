@@ -1,6 +1,5 @@
 #include "tactile/experiments/step_runner.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
+#include "tactile/core/utc_time.hpp"
 #include "tactile/experiments/processes.hpp"
 
 namespace tactile::experiments {
@@ -18,12 +18,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-/// "2024-05-31T12:00:00Z"
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-}
 
 const std::string& command_or_name(const Step& step) { return step.command.empty() ? step.name : step.command; }
 const std::string& description_or_name(const Step& step) { return step.description.empty() ? step.name : step.description; }
@@ -155,7 +149,7 @@ void StepRunner::finish(const Step& step, double seconds) {
   if (known.outputs.is_null())
     throw Error(fmt::format("'{}' ended, but its outputs are missing or changed meanwhile", command_or_name(step)));
   known.done = known.made_outputs = true;
-  known.record = {step.name, step.command, seconds, utc_now()};
+  known.record = {step.name, step.command, seconds, now_utc()};
   write(step, known);
   records_.push_back(std::move(known.record));
   ++done_now_;

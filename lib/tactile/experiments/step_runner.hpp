@@ -23,7 +23,7 @@ struct StepStart {
 
 /// A piece of work that is done once, and again only if its inputs change or its outputs are missing or changed.
 struct Step {
-  std::string name;        ///< also a file's name: "train-th040-single-run-01-s1"
+  std::string name;        ///< also a file's name: "train-th40-single-1"
   std::string command;     ///< what a person types to do the same; empty if there is no such command
   nlohmann::json inputs;   ///< settings and hashes of what goes in. The step's key is the hash of this and its name
   std::string after = {};  ///< name of an earlier step of the same call, which must be done first: if it is due, so is this one

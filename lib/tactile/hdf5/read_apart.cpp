@@ -201,9 +201,9 @@ class Child {
 };
 
 /// Visits an open file. @throws Damaged  at the first object that HDF5 cannot read
-class Walk {
+class FileVisitor {
  public:
-  Walk(hid_t file, const fs::path& path) : path_(path) {
+  FileVisitor(hid_t file, const fs::path& path) : path_(path) {
     H5F_info2_t info{};
     if (H5Fget_info2(file, &info) < 0) fail(path_.string(), "cannot be read");
     has_checksums_ = info.super.version >= first_checked_superblock;
@@ -274,7 +274,7 @@ class Walk {
 void walk_through(const fs::path& file) {
   try {
     const Id id = open_file(file, false);
-    const Walk walk(id, file);
+    const FileVisitor walk(id, file);
   } catch (const Damaged&) {
     throw_damaged(file);  // one sentence instead of HDF5's text
   }

@@ -8,16 +8,12 @@
 #include <cstdio>
 #include <string_view>
 
-#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/json.hpp"
 #include "tactile/heatmaps/byte_blocks.hpp"
 
 namespace tactile::heatmaps {
 namespace {
-
-constexpr std::array<std::string_view, 3> denoise_names{"mean", "literal", "none"};
-constexpr std::array<std::string_view, 2> resize_names{"area", "linear"};
 
 int step_of(double factor) { return static_cast<int>(std::lround(1.0 / factor)); }
 
@@ -51,23 +47,18 @@ int pixels_read(int pixels, int cell, const CellGrid& grid) {
 }  // namespace
 
 void to_json(nlohmann::json& json, const HeatmapOptions& options) {
-  json = {{"history_us", options.history.count()},
-          {"tick_us", options.tick.count()},
-          {"denoise", denoise_names.at(static_cast<std::size_t>(options.denoise))},
-          {"resize", resize_names.at(static_cast<std::size_t>(options.resize))},
-          {"factor", options.factor}};
+  json = json_of_fields(options);
   if (!options.mask.empty()) json["mask"] = options.mask;
 }
 
 void from_json(const nlohmann::json& json, HeatmapOptions& options) {
   const std::string where = "heatmap settings";
-  options.history = microseconds{member<std::int64_t>(json, "history_us", where)};
-  options.tick = microseconds{member<std::int64_t>(json, "tick_us", where)};
-  options.denoise = enumerator_named<Denoise>(member<std::string>(json, "denoise", where), denoise_names, "denoise");
-  options.resize = enumerator_named<Resize>(member<std::string>(json, "resize", where), resize_names, "resize");
-  options.factor = member<double>(json, "factor", where);
+  FieldReader fields(json, where, {}, FieldReader::Missing::is_an_error);
+  list_fields(fields, options);
   options.mask.clear();
-  if (json.contains("mask")) options.mask = events::ordered(member<events::MaskPixels>(json, "mask", where));
+  if (json.contains("mask") && fields.find("mask") != nullptr)
+    options.mask = events::ordered(member<events::MaskPixels>(json, "mask", where));
+  fields.refuse_others();
 }
 
 void check(const HeatmapOptions& options) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "tactile/core/fields.hpp"
 #include "tactile/events/pixel_mask.hpp"
 #include "tactile/heatmaps/cell_counts.hpp"
 #include "tactile/heatmaps/sliding_counts.hpp"
@@ -18,6 +20,8 @@ enum class Denoise : std::uint8_t {
   none,     ///< D = E
 };
 enum class Resize : std::uint8_t { area, linear };
+inline constexpr std::array<std::string_view, 3> denoise_names{"mean", "literal", "none"};
+inline constexpr std::array<std::string_view, 2> resize_names{"area", "linear"};
 
 /// The settings of a heatmap; saved with everything that is made from it.
 struct HeatmapOptions {
@@ -30,6 +34,18 @@ struct HeatmapOptions {
 
   friend bool operator==(const HeatmapOptions&, const HeatmapOptions&) = default;
 };
+
+template <class Fields>
+void list_fields(Fields& fields, HeatmapOptions& o) {
+  fields("history_us", o.history, 1, 100'000'000,
+         {.name = "th", .meaning = "History t_h [ms], a whole number of ticks", .us = 1000});
+  fields("denoise", o.denoise, denoise_names,
+         {"denoise", "Noise reduction: mean (the paper's text), literal (the paper's printed equation) or none"});
+  fields("resize", o.resize, resize_names,
+         {"resize", "Resizing: area (mean of each block) or linear (OpenCV's default, one pixel of each block)"});
+  fields("factor", o.factor, 0.001, 1, {"factor", "Heatmap size divided by sensor size; 1 divided by a whole number"});
+  fields("tick_us", o.tick, 1, 1'000'000, {"tick-us", "Time between two ticks [us]; samples of a dataset must be at ticks"});
+}
 
 void to_json(nlohmann::json& json, const HeatmapOptions& options);
 void from_json(const nlohmann::json& json, HeatmapOptions& options);  ///< @throws Error

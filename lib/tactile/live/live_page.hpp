@@ -39,7 +39,7 @@ class LivePage {
 
   EventWatch& events();  ///< gets all events of the stream
 
-  /// The state as the page shows it; see docs/cli/record.md. Any thread.
+  /// The state as the page shows it. Any thread.
   void publish(nlohmann::json state);
 
   /// Values for the chart: it shows the highest of each in 0.05 s. Any thread. @param values  as many as the options name

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/json_fields.hpp"
 #include "tactile/core/text.hpp"
 #include "tactile/recipes/recipe.hpp"
 #include "tactile/recipes/sensor_noise.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "tactile/core/error.hpp"
-#include "tactile/core/json_fields.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/core/run_folder.hpp"
 #include "tactile/simulation/default_configs.hpp"
 
@@ -22,6 +22,7 @@ namespace {
 
 std::vector<std::string> names_of(const std::vector<ObjectModel>& objects) {
   std::vector<std::string> names;
+  names.reserve(objects.size());
   for (const ObjectModel& object : objects) names.push_back(object.name);
   return names;
 }
@@ -60,6 +61,7 @@ EventCameraOptions preset_camera(std::string_view name) {
   const auto found = cameras.find(std::string(name));
   if (found != cameras.end()) return found->second;
   std::vector<std::string> names;
+  names.reserve(cameras.size());
   for (const auto& [known, camera] : cameras) names.push_back(known);
   refuse_name(name, "preset of the camera", names);
 }
@@ -114,6 +116,7 @@ const SimulationPreset& SimulationPhysics::preset(std::string_view name) const {
   const auto found = presets.find(std::string(name));
   if (found != presets.end()) return found->second;
   std::vector<std::string> names;
+  names.reserve(presets.size());
   for (const auto& [known, preset] : presets) names.push_back(known);
   refuse_name(name, "preset of the simulation", names);
 }

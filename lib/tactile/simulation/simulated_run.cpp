@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "tactile/core/fields.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/json_fields.hpp"
 #include "tactile/core/numbers.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/core/whole_file.hpp"

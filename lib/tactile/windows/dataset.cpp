@@ -160,7 +160,7 @@ void Dataset::State::read() {
   const nlohmann::json settings = parsed(h5::read_text_attribute(id, "settings", where), where);
   manifest = dataset_layout::manifest_of(settings, sensor, simulated, runs);
   if (hash_of(manifest) != manifest_hash) throw_inconsistent(where, "its manifest hash is not that of its contents");
-  sampling = member<nlohmann::json>(manifest, "sampling", where).get<SamplingOptions>();
+  read_all_fields(member<nlohmann::json>(manifest, "sampling", where), sampling, where + ": sampling");
 
   const auto interval_run = h5::read_table<std::uint32_t>(id, "intervals/run", where);
   const auto interval_class = h5::read_table<std::uint8_t>(id, "intervals/class", where);

@@ -60,7 +60,7 @@ class Dataset {
   std::span<const DatasetRun> runs() const;
   std::span<const DatasetInterval> intervals() const;
   std::span<const Sample> samples() const;
-  /// The manifest: "sampling" as SamplingOptions, "mix", "include_flagged", the runs' hashes.
+  /// The manifest: "sampling" as the fields of SamplingOptions, "mix", "include_flagged", the runs' hashes.
   const nlohmann::json& settings() const;
   const SamplingOptions& sampling() const;
   const std::string& manifest_hash() const;

@@ -39,7 +39,7 @@ nlohmann::json flat(const nlohmann::json& settings) {
 }  // namespace
 
 nlohmann::json dataset_settings_of(const WindowsOptions& options) {
-  return {{"sampling", options.sampling}, {"mix", options.mix}, {"include_flagged", options.include_flagged}};
+  return {{"sampling", json_of_fields(options.sampling)}, {"mix", options.mix}, {"include_flagged", options.include_flagged}};
 }
 
 nlohmann::json dataset_settings_in(const nlohmann::json& manifest) {

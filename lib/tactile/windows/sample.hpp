@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "tactile/core/fields.hpp"
 #include "tactile/core/touch.hpp"
 
 namespace tactile::windows {
@@ -27,8 +28,19 @@ struct SamplingOptions {
   std::uint64_t seed = 1;
 };
 
-void to_json(nlohmann::json& json, const SamplingOptions& options);
-void from_json(const nlohmann::json& json, SamplingOptions& options);  ///< @throws Error
+template <class Fields>
+void list_fields(Fields& fields, SamplingOptions& o) {
+  fields("window_us", o.window, 1, 1'000'000'000,
+         {.name = "window-ms", .meaning = "Part of each press and slip to use, from its onset [ms]", .us = 1000});
+  fields("guard_us", o.guard, 0, 1'000'000'000,
+         {.name = "guard-ms", .meaning = "Distance of none samples from every press and slip [ms]", .us = 1000});
+  fields("history_us", o.history, 1, 100'000'000,
+         {.name = "history-ms",
+          .meaning = "Time before each sample whose events are stored [ms]. No t_h can be longer",
+          .us = 1000});
+  fields("tick_us", o.tick, 1, 1'000'000, {"tick-us", "Time between two ticks [us]"});
+  fields("seed", o.seed, {"seed", "Seed of the random draw"});
+}
 
 /// @throws Error  if an option is out of its range
 void check(const SamplingOptions& options);

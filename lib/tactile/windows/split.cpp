@@ -1,7 +1,6 @@
 #include "tactile/windows/split.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 
@@ -10,8 +9,6 @@
 
 namespace tactile::windows {
 namespace {
-
-constexpr std::array<std::string_view, 2> split_names{"single-run", "unseen"};
 
 using RunIndexes = std::vector<std::uint32_t>;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@ namespace tactile::windows {
 
 enum class SplitKind : std::uint8_t { single_run, unseen };
 
+inline constexpr std::array<std::string_view, 2> split_names{"single-run", "unseen"};
 std::string_view name_of(SplitKind kind);      ///< "single-run", "unseen"
 SplitKind split_named(std::string_view name);  ///< @throws Error
 

@@ -49,6 +49,7 @@ std::string finished_at(const nlohmann::json& study, const std::string& begin) {
   for (const auto& step : study.at("steps")) {
     if (step.at("name").get<std::string>().starts_with(begin)) return step.at("finished_at").dump() + step.at("seconds").dump();
   }
+  ADD_FAILURE() << "no step " << begin;
   return "";
 }
 
@@ -218,12 +219,12 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   const nlohmann::json more = run_study(folder.path(), small + "--th 10,20,40");
   EXPECT_EQ(more.at("steps_done"), 5) << "heatmaps, two trainings and their judgements";
   EXPECT_EQ(finished_at(more, "windows"), finished_at(first, "windows"));
-  EXPECT_EQ(finished_at(more, "train-th040"), finished_at(first, "train-th040"));
+  EXPECT_EQ(finished_at(more, "train-th40"), finished_at(first, "train-th40"));
 
   const nlohmann::json longer = run_study(folder.path(), without_epochs + "--epochs 2");
   for (const char* kept : {"simulate", "label", "windows"})
     EXPECT_EQ(finished_at(longer, kept), finished_at(first, kept)) << kept;
-  for (const char* redone : {"train-th040", "judge-th040", "run-th040"})
+  for (const char* redone : {"train-th40", "judge-th40", "run-th040"})
     EXPECT_NE(finished_at(longer, redone), finished_at(first, redone)) << redone;
   EXPECT_NE(longer.at("models")[0].at("name"), first.at("models")[0].at("name"));
 
@@ -244,7 +245,7 @@ TEST(ReproduceCommand, AChangedSettingRedoesWhatDependsOnItAlone) {
   EXPECT_NE(relabelled.at("worlds")[0].at("manifest_hash"), first.at("worlds")[0].at("manifest_hash"));
   EXPECT_EQ(relabelled.at("models")[0].at("name"), first.at("models")[0].at("name"));
   EXPECT_EQ(finished_at(relabelled, "simulate"), finished_at(first, "simulate"));
-  EXPECT_NE(finished_at(relabelled, "train-th040"), finished_at(first, "train-th040"));
+  EXPECT_NE(finished_at(relabelled, "train-th40"), finished_at(first, "train-th40"));
 }
 
 TEST(ReproduceCommand, WarnsWhereItReplacesTheDatasetOfAnotherStudy) {

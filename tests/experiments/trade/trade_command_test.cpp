@@ -68,7 +68,7 @@ TEST(TradeCommand, TriesAStreamAndNamesIt) {
   EXPECT_EQ(stream->at("setting").at("kind"), "stream");
   EXPECT_EQ(stream->at("setting").at("th_ms"), 2);
   EXPECT_EQ(trade.at("points")[0].at("setting").at("kind"), "lenet");
-  EXPECT_TRUE(stream->at("models")[0].get<std::string>().starts_with("stream-th002-single-run-01-s1-")) << "its number of steps";
+  EXPECT_TRUE(stream->at("models")[0].get<std::string>().starts_with("stream-single-1-steps200")) << "its number of steps";
   EXPECT_GT(stream->at("reported").at("accuracy").at("value").get<double>(), 0.6);
   EXPECT_GT(stream->at("reported").at("us_p50").at("value").get<double>(), 0);
   EXPECT_EQ(point_of(trade, "stream, int8"), nullptr);
@@ -116,7 +116,7 @@ TEST(TradeCommand, MeasuresSettingsAndDrawsThem) {
   // The usual setting has all trainings, and so has whatever shares its predictions. The second training has other runs.
   EXPECT_EQ(trade.at("points")[0].at("trainings"), 2);
   EXPECT_EQ(point_of(trade, "tick 4 ms")->at("trainings"), 2);
-  EXPECT_TRUE(trade.at("points")[0].at("models")[1].get<std::string>().starts_with("th040-single-run-02-s2"))
+  EXPECT_TRUE(trade.at("points")[0].at("models")[1].get<std::string>().starts_with("th40-single-run02-2-epochs1"))
       << trade.at("points")[0].at("models");
   const auto& second_runs = trade.at("runs")[1];
   EXPECT_EQ(second_runs.at("train")[0], "plastic-container/02");
@@ -287,18 +287,18 @@ TEST(TradeCommand, ABudgetLeavesOutWhatItDoesNotAllowAndTheNextCallResumes) {
 
   // Its models are in its own folder, so no command takes one of them unasked.
   EXPECT_FALSE(fs::exists(folder / "models"));
-  EXPECT_TRUE(fs::exists(folder / "trade/models/th040-single-run-01-s1-55becbf6/model.json"));
+  EXPECT_TRUE(fs::exists(folder / "trade/models/th40-single-1-epochs1/model.json"));
   const auto unasked = test::run_tactile("detect --from sim --duration 1", folder.path());
   EXPECT_EQ(unasked.exit_code, 1);
   EXPECT_NE(unasked.err.find("models: no model; expected one, run 'tactile train' first"), std::string::npos) << unasked.err;
 
   // Models of another dataset in a folder that is named stay as they are.
   ASSERT_EQ(test::run_tactile("windows --seed 3", folder.path()).exit_code, 0);
-  const std::string weights = read_text(folder / "trade/models/th040-single-run-01-s1-55becbf6/weights.safetensors");
+  const std::string weights = read_text(folder / "trade/models/th40-single-1-epochs1/weights.safetensors");
   const nlohmann::json third = traded(folder.path(), "--th 40 --out third --models trade/models", few);
   ASSERT_TRUE(third.is_object());
-  EXPECT_EQ(third.at("points")[0].at("models")[0], "th040-single-run-01-s1-55becbf6-2");
-  EXPECT_EQ(read_text(folder / "trade/models/th040-single-run-01-s1-55becbf6/weights.safetensors"), weights);
+  EXPECT_EQ(third.at("points")[0].at("models")[0], "th40-single-1-epochs1-2");
+  EXPECT_EQ(read_text(folder / "trade/models/th40-single-1-epochs1/weights.safetensors"), weights);
 }
 
 TEST(TradeCommand, NeedsRunsToChooseOn) {

@@ -93,7 +93,7 @@ TEST(OwnDescription, SaysWhatIsWrong) {
   expect_refused(
       heatmap_json(), [](Json& json) { json["rendering"]["factor"] = 0.3; }, "factor");
   expect_refused(
-      heatmap_json(), [](Json& json) { json["rendering"]["history_us"] = 1'000'000'000; }, "at most");
+      heatmap_json(), [](Json& json) { json["rendering"]["history_us"] = 1'000'000'000; }, "history_us is 1000000000; expected");
   expect_refused(
       heatmap_json(), [](Json& json) { json["sensor"]["width"] = 1'000'000; }, "expected sides of 1 to 32767");
   expect_refused(

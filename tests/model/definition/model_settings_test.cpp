@@ -57,25 +57,6 @@ TEST(DefaultName, BeginsWithAKindOtherThanLeNet) {
 }
 
 /// Records of studies that began with version 0.1.0 have these names.
-TEST(FullName, IsThatOfTheFirstVersion) {
-  ModelSettings settings;
-  EXPECT_EQ(full_name(settings), "th040-single-run-01-s1");
-  settings.training.epochs = 1;
-  settings.training.engine = EngineKind::libtorch;
-  const std::regex hashed("th040-single-run-01-s1-[0-9a-f]{8}");
-  EXPECT_TRUE(std::regex_match(full_name(settings), hashed)) << full_name(settings);
-  ModelSettings unseen;
-  unseen.kind = ModelKind::stream;
-  unseen.split = {.kind = windows::SplitKind::unseen, .train_run = "03", .held_out = windows::default_held_out()};
-  unseen.training.seed = 12;
-  unseen.rendering.history = 2ms;
-  EXPECT_EQ(full_name(unseen), "stream-th002-unseen-03-s12");
-  ModelSettings between;
-  between.rendering.history = 40'500us;
-  between.rendering.tick = 500us;
-  EXPECT_TRUE(std::regex_match(full_name(between), hashed)) << full_name(between);
-}
-
 TEST(ModelSettings, WithoutAKindAreOfLeNetAndStayAsTheyWere) {
   const nlohmann::json lenet = ModelSettings{};
   EXPECT_FALSE(lenet.at("network").contains("kind"));
@@ -101,6 +82,55 @@ TEST(DefaultName, DoesNotDependOnTheOrderOfHeldOutObjectsNorOnThemWhereNoneIsHel
   EXPECT_EQ(default_name(settings), "th40-unseen-1");
   settings.split.held_out = {"fan"};
   EXPECT_NE(default_name(settings), "th40-unseen-1");
+}
+
+TEST(TrainOptions, AreThoseOffTheirDefaults) {
+  const auto words_of = [](const ModelSettings& settings) {
+    std::string words;
+    for (const OptionValue& option : train_options(settings)) words += option.name + " " + option.text + " ";
+    return words;
+  };
+  EXPECT_EQ(words_of({}), "--th 40 ");
+  ModelSettings settings;
+  settings.split = {.kind = windows::SplitKind::unseen, .train_run = "02", .held_out = {"fan", "usb-hub"}};
+  settings.rendering = {.history = 2'500us, .tick = 500us, .resize = heatmaps::Resize::linear};
+  settings.network.pooling = Pooling::average;
+  settings.training = {.seed = 7, .learning_rate = 0.0005, .augmentation = {.flip = true, .shift = true}, .early_stop = 3};
+  EXPECT_EQ(words_of(settings),
+            "--th 2.5 --split unseen --held-out fan,usb-hub --train-run 02 --resize linear --tick-us 500 --pool average --seed 7 "
+            "--lr 0.0005 --augment flip,shift --early-stop 3 --validation 0 ");
+  settings.training.validation_share = usual_validation_share;
+  EXPECT_EQ(words_of(settings).find("--validation"), std::string::npos) << "that of an early stop";
+  settings = {};
+  settings.split = {.kind = windows::SplitKind::unseen, .held_out = windows::default_held_out()};
+  settings.stream.steps = 80;
+  EXPECT_EQ(words_of(settings), "--th 40 --split unseen ") << "a LeNet has no steps";
+  ModelSettings stream;
+  stream.kind = ModelKind::stream;
+  stream.stream.steps = 80;
+  stream.training.epochs = 3;
+  stream.rendering.history = stream.rendering.tick = 1ms;
+  EXPECT_EQ(words_of(stream), "--kind stream --tick-us 1000 --steps 80 ");
+}
+
+TEST(IdleOptions, HaveNoMeaningForTheKind) {
+  ModelSettings lenet;
+  lenet.training.learning_rate = 0.1;
+  EXPECT_TRUE(idle_options(lenet).empty());
+  lenet.stream.steps = 10;
+  EXPECT_EQ(idle_options(lenet), std::vector<std::string>{"--steps"});
+  ModelSettings stream;
+  stream.kind = ModelKind::stream;
+  stream.stream.steps = 10;
+  stream.training.seed = 3;
+  stream.rendering.history = stream.rendering.tick = 1ms;
+  EXPECT_TRUE(idle_options(stream).empty());
+  stream.training.epochs = 4;
+  stream.training.validation_share = 0.1;
+  stream.network.activation = Activation::tanh;
+  stream.rendering.factor = 0.1;
+  stream.from.emplace();
+  EXPECT_EQ(idle_options(stream), (std::vector<std::string>{"--epochs", "--activation", "--factor", "--validation", "--from"}));
 }
 
 TEST(ModelSettings, ComeBackFromJson) {

@@ -255,13 +255,13 @@ TEST(ModelBundle, ThatNoTrainingWritesIsRefusedAsItIsLoaded) {
   const ModelBundle bundle = small_bundle(folder);
   const auto whole = read_json(bundle.description());
   const std::vector<std::tuple<std::string, nlohmann::json, std::string>> cases{
-      {"/rendering/factor", 0, "model.json: rendering: factor of 0; expected"},
-      {"/rendering/tick_us", -5, "model.json: rendering: tick of -5 us; expected"},
-      {"/rendering/history_us", 1'000'000'000'000'000, "model.json: rendering: history_us of 1000000000000000; expected"},
+      {"/rendering/factor", 0, "model.json: heatmap settings: factor is 0; expected 0.001 to 1"},
+      {"/rendering/tick_us", -5, "model.json: heatmap settings: tick_us is -5; expected"},
+      {"/rendering/history_us", 1'000'000'000'000'000, "model.json: heatmap settings: history_us is 1000000000000000; expected"},
       {"/network/input/width", 0, "model.json: network.input: 0 x "},
       {"/network/input/height", 40'000, "x 40000; expected"},
-      {"/training/epochs", 0, "model.json: training: "},
-      {"/training/batch", 0, "model.json: training: "},
+      {"/training/epochs", 0, "model.json: training settings: epochs is 0; expected"},
+      {"/training/batch", 0, "model.json: training settings: batch is 0; expected"},
       {"/threads", 0, "model.json: threads: 0; expected at least 1"},
       {"/rendering", nlohmann::json::array({1}), "model.json: 'rendering' is a list; expected an object"},
       {"/split", nullptr, "model.json: 'split' is null; expected an object"},

@@ -141,8 +141,9 @@ TEST(TrainStream, RefusesABundleThatSomeoneChanged) {
   };
   EXPECT_NE(error_with([](auto& json) { json["network"]["parameters"] = 11; }).find("network.parameters is 11; expected "),
             std::string::npos);
-  EXPECT_NE(error_with([](auto& json) { json["network"]["steps"] = 0; }).find("0 steps; expected 1 to 100000"),
-            std::string::npos);
+  EXPECT_NE(
+      error_with([](auto& json) { json["network"]["steps"] = 0; }).find("steps is 0; expected a whole number from 1 to 100000"),
+      std::string::npos);
   EXPECT_NE(error_with([](auto& json) { json["network"]["kind"] = "forest"; }).find("kind of model 'forest' is unknown"),
             std::string::npos);
   EXPECT_NE(error_with([](auto& json) { json["weights_sha256"] = "0"; }).find("its hash differs"), std::string::npos);

@@ -121,7 +121,7 @@ TEST(TrainCommand, KeepsAnUnchangedModelAndRequiresForceOrANameForAChangedOne) {
   EXPECT_EQ(trained("--name other --seed 1", folder.path()).at("weights_sha256"), first.at("weights_sha256"));
 }
 
-TEST(TrainCommand, GivesTheNextNameToAModelOfAnotherDatasetAndFindsOlderNames) {
+TEST(TrainCommand, GivesTheNextNameToAModelOfAnotherDataset) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan", "usb-hub"}, 2);
   const auto first = trained("", folder.path());
@@ -137,14 +137,6 @@ TEST(TrainCommand, GivesTheNextNameToAModelOfAnotherDatasetAndFindsOlderNames) {
   EXPECT_EQ(first.at("weights_sha256"), read_description({folder / "models/th40-single-1-epochs2"}).weights_sha256);
   EXPECT_EQ(read_text(folder / "models/last"), "th40-single-1-epochs2-2\n");
   EXPECT_EQ(trained("--force", folder.path()).at("name"), "th40-single-1-epochs2-2") << "--force replaces no other model";
-
-  ModelSettings settings;
-  settings.training.epochs = 2;
-  const std::filesystem::path older = folder / "models" / full_name(settings);
-  std::filesystem::rename(folder / "models/th40-single-1-epochs2-2", older);
-  const auto found = trained("", folder.path());
-  EXPECT_EQ(found.at("name"), full_name(settings)) << "a bundle of an older version";
-  EXPECT_EQ(found.at("outcome"), "unchanged");
 }
 
 TEST(TrainCommand, WritesItsHistoryWhileItTrainsAndScalarsForTensorBoard) {
@@ -320,11 +312,11 @@ TEST(TrainCommand, EitherEnginesModelsAreNamedApartAndUsedByAll) {
 TEST(TrainCommand, ReportsWrongOptions) {
   const test::TemporaryFolder folder;
   make_runs(folder / "data", {"fan"}, 2);
-  for (const auto& [arguments, word] :
-       {std::pair("--class-weights 1,2", "class weights"), std::pair("--validation 0 --early-stop 2", "early stop"),
-        std::pair("--augment none,flip", "none")}) {
+  for (const auto& [arguments, word] : {std::pair("--class-weights 1,2", "--class-weights: class weights '1,2'; expected"),
+                                        std::pair("--validation 0 --early-stop 2", "early stop"),
+                                        std::pair("--augment none,flip", "--augment: augmentation 'none,flip' is unknown")}) {
     const auto refused = run_tactile(std::string("train ") + arguments, folder.path());
-    EXPECT_EQ(refused.exit_code, 1) << arguments;
+    EXPECT_NE(refused.exit_code, 0) << arguments;
     EXPECT_NE(refused.err.find(word), std::string::npos) << refused.err;
   }
 }

@@ -277,17 +277,17 @@ TEST(TrainingOptions, ComeBackFromJson) {
                                 .engine = EngineKind::libtorch,
                                 .validation_share = 0.25,
                                 .early_stop = 4};
-  EXPECT_EQ(nlohmann::json(options).get<TrainingOptions>(), options);
-  EXPECT_EQ(nlohmann::json(TrainingOptions{}).get<TrainingOptions>(), TrainingOptions{});
-  nlohmann::json of_before = TrainingOptions{};
-  of_before.erase("engine");
-  EXPECT_EQ(of_before.get<TrainingOptions>().engine, EngineKind::libtorch);
-  EXPECT_THROW(nlohmann::json::parse(R"({"seed": 1})").get<TrainingOptions>(), Error);
+  TrainingOptions back;
+  read_all_fields(json_of_fields(options), back, "training");
+  EXPECT_EQ(back, options);
+  EXPECT_THROW(read_all_fields(nlohmann::json::parse(R"({"seed": 1})"), back, "training"), Error);
+  EXPECT_THROW(check_fields(TrainingOptions{.learning_rate = 11}, "training"), Error);
 }
 
 TEST(TrainingOptions, UnknownWordsAreRefused) {
-  EXPECT_THROW(optimizer_named("lion"), Error);
-  EXPECT_THROW(schedule_named("warm"), Error);
+  TrainingOptions options;
+  for (const char* text : {R"({"optimizer": "lion"})", R"({"schedule": "warm"})", R"({"engine": "opencv"})"})
+    EXPECT_THROW(read_fields(nlohmann::json::parse(text), options, "training"), Error) << text;
   EXPECT_THROW(engine_named("slow"), Error);
   EXPECT_THROW(augmentation_named("flip,turn"), Error);
   EXPECT_THROW(augmentation_named(""), Error);

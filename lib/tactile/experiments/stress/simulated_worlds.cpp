@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "tactile/core/error.hpp"
+#include "tactile/core/fields.hpp"
 #include "tactile/core/json.hpp"
-#include "tactile/core/json_fields.hpp"
 #include "tactile/core/whole_file.hpp"
 #include "tactile/simulation/simulate.hpp"
 
@@ -125,7 +125,7 @@ RunFolder simulated_in_world(const RunFolder& run, std::string_view world, doubl
   const simulation::RunSettings own = simulation::read_run_settings(run);
   const simulation::SimulationPhysics physics = physics_in(world, severity, own.physics);
   const std::string hash = hash_of(simulation::simulation_settings(physics, own.object, own.run, own.preset, own.seed));
-  const RunFolder target{
+  RunFolder target{
       cache / fmt::format("{}-{:g}", world, severity) / fmt::format("{}-{}-{}", run.object, run.run, hash.substr(0, 8)),
       run.object, run.run};
   if (fs::exists(target.truth())) return target;

@@ -184,7 +184,7 @@ void draw_samples(const StudyOptions& options, const std::vector<RunFolder>& run
   if (world.seed != 1) words.insert(words.end(), {"--seed", std::to_string(world.seed)});
   if (windows.sampling.history != shortest_stored)
     words.insert(words.end(), {"--history-ms", experiments::ms_text(windows.sampling.history)});
-  json inputs = {{"sampling", windows.sampling}, {"labels", hashes_of_labels(runs)}, {"events", events}};
+  json inputs = {{"sampling", json_of_fields(windows.sampling)}, {"labels", hashes_of_labels(runs)}, {"events", events}};
   if (options.include_flagged) {
     words.emplace_back("--include-flagged");
     inputs["include_flagged"] = true;  // only if it is on, so that older steps without it are kept

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tactile/alignment/felt_moves.hpp"
+#include "tactile/alignment/imu_motions.hpp"
 #include "tactile/core/random.hpp"
 #include "tactile/labels/posterior/press_pattern.hpp"
 #include "tactile/labels/posterior/run_model_numbers.hpp"
@@ -17,7 +17,7 @@ constexpr std::size_t paths_of_round = 60, paths_at_end = 400;
 /// Whether the camera moves in each bin, by its IMU; empty if it never does.
 std::vector<std::uint8_t> felt_conditions(std::span<const events::ImuSample> imu, const PlaceCounts& counts) {
   constexpr microseconds within = 30ms;
-  const std::vector<alignment::CameraSpan> felt = alignment::felt_moves(imu);
+  const std::vector<alignment::CameraSpan> felt = alignment::imu_motions(imu);
   if (felt.empty()) return {};
   std::vector<std::uint8_t> conditions(counts.bins(), arm_unknown);
   const auto fill = [&](CameraTime begin, CameraTime end, std::uint8_t condition) {

@@ -119,7 +119,6 @@ namespace {
 /// Checks the ranges of the settings, because anyone may have edited the file.
 void check_description(const ModelDescription& description) {
   constexpr int longest_side = 32'767;  // [px]
-  constexpr std::chrono::seconds longest_history{100};
   const auto within = [](const std::string& member, const auto& work) {
     try {
       work();
@@ -132,11 +131,7 @@ void check_description(const ModelDescription& description) {
     throw Error(
         fmt::format("model.json: network.input: {} x {}; expected sides of 1 to {}", input.width, input.height, longest_side));
   within("rendering", [&] { check(description.settings.rendering); });
-  if (const auto history = description.settings.rendering.history; history > longest_history)
-    throw Error(fmt::format("model.json: rendering: history_us of {}; expected {} at most", history.count(),
-                            std::chrono::microseconds(longest_history).count()));
   within("training", [&] { check(description.settings.training); });
-  within("network", [&] { check(description.settings.stream); });
   if (description.threads < 1) throw Error("model.json: threads: 0; expected at least 1");
 }
 
@@ -258,7 +253,8 @@ ModelDescription read_description(const ModelBundle& bundle) {
     check_network(json.at("network"), description);
     return description;
   } catch (const Error& e) {
-    throw Error(bundle.folder.string() + ": " + e.what());
+    const bool names_it = std::string_view(e.what()).starts_with("model.json");
+    throw Error(bundle.folder.string() + (names_it ? ": " : ": model.json: ") + e.what());
   }
 }
 

@@ -22,7 +22,6 @@ constexpr std::array<std::string_view, 2> input_names{"heatmap", "counts"};
 constexpr int format = 1;
 constexpr std::int64_t most_values = std::int64_t{16} << 20;  // of all states
 constexpr std::size_t most_states = 64;
-constexpr microseconds longest_history = 100s;
 
 const char* usual_input_name(OwnInput input) { return input == OwnInput::heatmap ? "heatmaps" : "counts"; }
 
@@ -77,9 +76,6 @@ void read_input(const nlohmann::json& json, const std::string& where, OwnDescrip
     throw Error(where + ": " + e.what());
   }
   const heatmaps::HeatmapOptions& rendering = description.rendering;
-  if (rendering.history > longest_history)
-    throw Error(fmt::format("{}: rendering: history_us of {}; expected {} at most", where, rendering.history.count(),
-                            longest_history.count()));
   if (description.input == OwnInput::counts) {
     description.grid = member<std::array<double, 4>>(json, "grid", where);
     if (rendering.history != rendering.tick)

@@ -1,10 +1,6 @@
 #include "tactile/model/definition/lenet_layers.hpp"
 
-#include <array>
-
-#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
 #include "tactile/core/touch.hpp"
 
 namespace tactile::model {
@@ -12,29 +8,11 @@ namespace {
 
 constexpr int kernel = 5, smallest_side = 16, largest_side = 4096;
 
-constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
-constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
-
 events::SensorSize pooled(events::SensorSize size) { return {(size.width - kernel + 1) / 2, (size.height - kernel + 1) / 2}; }
 
 }  // namespace
 
 bool LeNetOptions::is_fast() const { return activation == Activation::relu && pooling == Pooling::max; }
-
-std::string_view name_of(Activation activation) { return activation_names.at(static_cast<std::size_t>(activation)); }
-std::string_view name_of(Pooling pooling) { return pooling_names.at(static_cast<std::size_t>(pooling)); }
-
-Activation activation_named(std::string_view name) { return enumerator_named<Activation>(name, activation_names, "activation"); }
-Pooling pooling_named(std::string_view name) { return enumerator_named<Pooling>(name, pooling_names, "pooling"); }
-
-void to_json(nlohmann::json& json, const LeNetOptions& options) {
-  json = {{"activation", name_of(options.activation)}, {"pool", name_of(options.pooling)}};
-}
-
-void from_json(const nlohmann::json& json, LeNetOptions& options) {
-  options.activation = activation_named(member<std::string>(json, "activation", "network settings"));
-  options.pooling = pooling_named(member<std::string>(json, "pool", "network settings"));
-}
 
 std::size_t ParameterShape::count() const {
   std::size_t product = 1;
@@ -95,7 +73,7 @@ nlohmann::json json_of(const LeNetLayers& layers, const LeNetOptions& options) {
                            activation, pool + "-pool 2", "flatten " + std::to_string(layers.flat), linear(layers.first_hidden),
                            activation, linear(layers.second_hidden), activation, linear(touch_count)}},
                          {"parameters", layers.parameter_count()}};
-  json.update(nlohmann::json(options));
+  json.update(json_of_fields(options));
   return json;
 }
 

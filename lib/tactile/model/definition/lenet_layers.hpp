@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tactile/core/fields.hpp"
 #include "tactile/events/event.hpp"
 
 namespace tactile::model {
@@ -24,8 +26,12 @@ struct ParameterShape {
 
 /// The function after each layer except the last.
 enum class Activation : std::uint8_t { relu, tanh, sigmoid };
+inline constexpr std::array<std::string_view, 3> activation_names{"relu", "tanh", "sigmoid"};
+constexpr std::string_view name_of(Activation activation) { return activation_names.at(static_cast<std::size_t>(activation)); }
 /// The reduction of 2 x 2 values to one.
 enum class Pooling : std::uint8_t { max, average };
+inline constexpr std::array<std::string_view, 2> pooling_names{"max", "average"};
+constexpr std::string_view name_of(Pooling pooling) { return pooling_names.at(static_cast<std::size_t>(pooling)); }
 
 /// Options of the network; the defaults are the paper's.
 struct LeNetOptions {
@@ -37,12 +43,11 @@ struct LeNetOptions {
   friend bool operator==(const LeNetOptions&, const LeNetOptions&) = default;
 };
 
-std::string_view name_of(Activation activation);                    ///< "relu", "tanh", "sigmoid"
-std::string_view name_of(Pooling pooling);                          ///< "max", "average"
-Activation activation_named(std::string_view name);                 ///< @throws Error
-Pooling pooling_named(std::string_view name);                       ///< @throws Error
-void to_json(nlohmann::json& json, const LeNetOptions& options);    ///< {"activation", "pool"}
-void from_json(const nlohmann::json& json, LeNetOptions& options);  ///< @throws Error
+template <class Fields>
+void list_fields(Fields& fields, LeNetOptions& o) {
+  fields("activation", o.activation, activation_names, {"activation", "Activation function"});
+  fields("pool", o.pooling, pooling_names, {"pool", "Pooling"});
+}
 
 /// LeNet-5 for heatmaps of one size:
 ///

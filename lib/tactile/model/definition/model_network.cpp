@@ -19,7 +19,7 @@ std::vector<ParameterShape> parameters_of(const ModelSettings& settings, events:
   if (settings.kind == ModelKind::own)
     throw Error("a network of one's own has no weights of a bundle; expected a model that tactile trained");
   if (settings.kind == ModelKind::lenet) return lenet_layers(input).parameters();
-  check(settings.stream);
+  check_fields(settings.stream, "training of kind stream");
   return stream_parameters();
 }
 

@@ -1,9 +1,11 @@
 #include "tactile/model/definition/model_settings.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -14,26 +16,28 @@ namespace tactile::model {
 namespace {
 
 nlohmann::json network_options(const ModelSettings& settings) {
-  if (settings.kind == ModelKind::lenet) return settings.network;  // as before there were other kinds
-  nlohmann::json json = settings.kind == ModelKind::own ? nlohmann::json::object() : nlohmann::json(settings.stream);
+  if (settings.kind == ModelKind::lenet) return json_of_fields(settings.network);
+  nlohmann::json json = settings.kind == ModelKind::own ? nlohmann::json::object() : json_of_fields(settings.stream);
   json["kind"] = name_of(settings.kind);
   return json;
 }
 
 nlohmann::json training_options(const ModelSettings& settings) {
-  if (settings.kind == ModelKind::lenet) return settings.training;
+  if (settings.kind == ModelKind::lenet) return json_of_fields(settings.training);
   return {{"seed", settings.training.seed}};
 }
 
-/// Reads what `training_options` and `network_options` give.
+/// Reads what `training_options` and `network_options` give. A bundle's "network" also describes the layers.
 void read_options(const nlohmann::json& network, const nlohmann::json& training, ModelSettings& settings) {
   const std::string where = "model settings";
   settings.kind = network.contains("kind") ? kind_named(member<std::string>(network, "kind", where)) : ModelKind::lenet;
+  FieldReader of_network(network, "network settings", {}, FieldReader::Missing::is_an_error);
+  FieldReader of_training(training, "training settings", {}, FieldReader::Missing::is_an_error);
   if (settings.kind == ModelKind::lenet) {
-    settings.network = network.get<LeNetOptions>();
-    settings.training = training.get<TrainingOptions>();
+    list_fields(of_network, settings.network);
+    list_fields(of_training, settings.training);
   } else {
-    settings.stream = network.get<StreamOptions>();
+    if (settings.kind == ModelKind::stream) list_fields(of_network, settings.stream);
     settings.training.seed = member<std::uint64_t>(training, "seed", where);
   }
 }
@@ -72,6 +76,51 @@ void from_json(const nlohmann::json& json, ModelSettings& settings) {
     settings.split.held_out = member<std::vector<std::string>>(split, "held_out", where);
 }
 
+std::vector<OptionValue> train_options(const ModelSettings& settings) {
+  const ModelSettings usual;
+  const std::vector<std::string> idle = idle_options(settings);
+  std::vector<OptionValue> options;
+  const auto add = [&](const std::string& name, const std::string& text) { options.push_back({name, text}); };
+  if (settings.kind != usual.kind) add("--kind", std::string(name_of(settings.kind)));
+  if (reads_heatmaps(settings.kind))
+    add("--th", fmt::format("{}", static_cast<double>(settings.rendering.history.count()) / 1000));
+  if (settings.split.kind != usual.split.kind) {
+    add("--split", std::string(name_of(settings.split.kind)));
+    ModelSettings with_default = settings;
+    with_default.split.held_out = windows::default_held_out();
+    if (!same_settings(settings, with_default)) add("--held-out", fmt::format("{}", fmt::join(settings.split.held_out, ",")));
+  }
+  if (settings.split.train_run != usual.split.train_run) add("--train-run", settings.split.train_run);
+  for (const std::vector<OptionValue>& some : {options_off(settings.rendering), options_off(settings.stream),
+                                               options_off(settings.network), options_off(settings.training)}) {
+    std::copy_if(some.begin(), some.end(), std::back_inserter(options), [&](const OptionValue& option) {
+      return option.name != "--th" && std::find(idle.begin(), idle.end(), option.name) == idle.end();
+    });
+  }
+  const TrainingOptions& training = settings.training;
+  if (reads_heatmaps(settings.kind) && training.validation_share != (training.early_stop > 0 ? usual_validation_share : 0))
+    add("--validation", fmt::format("{}", training.validation_share));
+  return options;
+}
+
+std::vector<std::string> idle_options(const ModelSettings& settings) {
+  std::vector<std::string> idle;
+  const auto add = [&](const std::vector<OptionValue>& options) {
+    for (const OptionValue& option : options) idle.push_back(option.name);
+  };
+  if (settings.kind == ModelKind::lenet) {
+    add(options_off(settings.stream));
+    return idle;
+  }
+  add(options_off(settings.training));
+  add(options_off(settings.network));
+  add(options_off(settings.rendering));
+  if (settings.training.validation_share > 0) idle.emplace_back("--validation");
+  if (settings.from) idle.emplace_back("--from");
+  std::erase_if(idle, [](const std::string& name) { return name == "--seed" || name == "--th" || name == "--tick-us"; });
+  return idle;
+}
+
 bool depends_on_threads(const ModelSettings& settings) {
   return settings.kind == ModelKind::lenet && (settings.training.engine != EngineKind::fast || !settings.network.is_fast());
 }
@@ -81,14 +130,13 @@ bool same_settings(const ModelSettings& a, const ModelSettings& b) { return nloh
 namespace {
 
 /// The settings that differ from the defaults and that no name has: history, kind, split, run and seed are parts of every name.
-/// @param whole_ms  whether the name has the history in whole milliseconds only
-nlohmann::json off_default(const ModelSettings& settings, bool whole_ms) {
+nlohmann::json off_default(const ModelSettings& settings) {
   ModelSettings plain;
   plain.kind = settings.kind;
   plain.split.kind = settings.split.kind;
   plain.split.train_run = settings.split.train_run;
   plain.training.seed = settings.training.seed;
-  plain.rendering.history = whole_ms ? microseconds{settings.rendering.history / 1ms * 1ms} : settings.rendering.history;
+  plain.rendering.history = settings.rendering.history;
   const nlohmann::json ours = settings, defaults = plain;
   nlohmann::json off = nlohmann::json::object();
   for (const auto& [group, options] : ours.items()) {
@@ -145,15 +193,7 @@ std::string default_name(const ModelSettings& settings) {
   const std::string kind = settings.kind == ModelKind::lenet ? history : std::string(name_of(settings.kind));
   return fmt::format("{}-{}-{}{}{}", kind, split.kind == windows::SplitKind::unseen ? "unseen" : "single",
                      split.train_run == windows::SplitOptions{}.train_run ? "" : "run" + split.train_run + "-",
-                     settings.training.seed, suffix_of(off_default(settings, false)));
-}
-
-std::string full_name(const ModelSettings& settings) {
-  const std::string kind = settings.kind == ModelKind::lenet ? "" : fmt::format("{}-", name_of(settings.kind));
-  const std::string name = fmt::format("{}th{:03}-{}-{}-s{}", kind, settings.rendering.history / 1ms,
-                                       name_of(settings.split.kind), settings.split.train_run, settings.training.seed);
-  const nlohmann::json off = off_default(settings, true);
-  return off.empty() ? name : name + "-" + hash_of(off).substr(0, 8);
+                     settings.training.seed, suffix_of(off_default(settings)));
 }
 
 }  // namespace tactile::model

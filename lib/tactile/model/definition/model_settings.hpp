@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
@@ -37,20 +38,25 @@ struct ModelSettings {
 void to_json(nlohmann::json& json, const ModelSettings& settings);
 void from_json(const nlohmann::json& json, ModelSettings& settings);  ///< @throws Error
 
+/// The share of the training samples that an early stop is judged by, where none is given.
+inline constexpr double usual_validation_share = 0.2;
+
+/// The options of `tactile train` that give these settings: "--th" of a LeNet, "--kind" of others, and those off their defaults.
+std::vector<OptionValue> train_options(const ModelSettings& settings);
+
+/// The options off their defaults that have no meaning for the settings' kind of model: "--lr" of a stream.
+std::vector<std::string> idle_options(const ModelSettings& settings);
+
 /// Whether the last digits of the weights depend on the number of threads: where libtorch's layers are trained.
 bool depends_on_threads(const ModelSettings& settings);
 
 /// Whether both give the same model with the same dataset.
 bool same_settings(const ModelSettings& a, const ModelSettings& b);
 
-/// The name of a model that a person trains: "th40-single-7" with history, split and seed; "stream-single-7" of
+/// The usual name of a model: "th40-single-7" with history, split and seed; "stream-single-7" of
 /// kind stream, "th40-single-run02-7" of another training run than 01. Up to three settings off their default follow as words:
 /// "th40-unseen-1-epochs3-denoise-none"; more, or such as are no words, as the first 8 characters of their hash. Different
 /// settings have different names.
 std::string default_name(const ModelSettings& settings);
-
-/// The name of a model of an experiment, and of every model of older versions: "th040-single-run-01-s1", with "-" and the first
-/// 8 characters of the hash of settings off their default. The records of steps know models by it.
-std::string full_name(const ModelSettings& settings);
 
 }  // namespace tactile::model

@@ -1,23 +1,8 @@
 #include "tactile/model/definition/stream_options.hpp"
 
-#include <fmt/core.h>
-
-#include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
 #include "tactile/core/touch.hpp"
 
 namespace tactile::model {
-
-void to_json(nlohmann::json& json, const StreamOptions& options) { json = {{"steps", options.steps}}; }
-
-void from_json(const nlohmann::json& json, StreamOptions& options) {
-  options.steps = member<unsigned>(json, "steps", "settings of a model of kind stream");
-}
-
-void check(const StreamOptions& options) {
-  if (options.steps < 1 || options.steps > 100'000)
-    throw Error(fmt::format("training of kind stream: {} steps; expected 1 to 100000", options.steps));
-}
 
 std::vector<ParameterShape> stream_parameters() {
   constexpr std::int64_t channels = StreamSizes::channels, memory = StreamSizes::memory, pooled = StreamSizes::pooled;

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "tactile/core/fields.hpp"
 #include "tactile/core/time.hpp"
 #include "tactile/model/definition/lenet_layers.hpp"
 
@@ -48,10 +48,10 @@ struct StreamOptions {
   friend bool operator==(const StreamOptions&, const StreamOptions&) = default;
 };
 
-void to_json(nlohmann::json& json, const StreamOptions& options);    ///< {"steps"}
-void from_json(const nlohmann::json& json, StreamOptions& options);  ///< @throws Error
-
-void check(const StreamOptions& options);  ///< @throws Error  if an option is out of its range
+template <class Fields>
+void list_fields(Fields& fields, StreamOptions& o) {
+  fields("steps", o.steps, 1, 100'000, {"steps", "With --kind stream: steps of the training"});
+}
 
 /// The parameters in a weights file: "grid" [4], the rectangle's left, top, right and bottom [px]; "cells" [24, 145] of the
 /// logarithms of a place's counts and of their sum, "means" [24, 96], "place" [24, 24], each ".weight" with a ".bias" [24];

@@ -7,17 +7,12 @@
 #include <sstream>
 #include <vector>
 
-#include "tactile/core/enum_names.hpp"
 #include "tactile/core/error.hpp"
-#include "tactile/core/json.hpp"
 #include "tactile/core/numbers.hpp"
 
 namespace tactile::model {
 namespace {
 
-constexpr std::array<std::string_view, 3> optimizer_names{"adam", "adamw", "sgd"};
-constexpr std::array<std::string_view, 3> schedule_names{"constant", "cosine", "step"};
-constexpr double largest_share = 0.5;
 constexpr std::string_view stress_prefix = "stress:";
 
 std::vector<std::string> parts_of(std::string_view text) {
@@ -28,14 +23,6 @@ std::vector<std::string> parts_of(std::string_view text) {
 }
 
 }  // namespace
-
-std::string_view name_of(OptimizerKind optimizer) { return optimizer_names.at(static_cast<std::size_t>(optimizer)); }
-std::string_view name_of(Schedule schedule) { return schedule_names.at(static_cast<std::size_t>(schedule)); }
-
-OptimizerKind optimizer_named(std::string_view name) {
-  return enumerator_named<OptimizerKind>(name, optimizer_names, "optimizer");
-}
-Schedule schedule_named(std::string_view name) { return enumerator_named<Schedule>(name, schedule_names, "schedule"); }
 
 Augmentation augmentation_named(std::string_view names) {
   Augmentation augmentation;
@@ -88,35 +75,6 @@ std::string text_of(const ClassWeights& weights) {
   return fmt::format("{},{},{}", weights.given[0], weights.given[1], weights.given[2]);
 }
 
-void to_json(nlohmann::json& json, const TrainingOptions& options) {
-  json = {{"seed", options.seed},
-          {"epochs", options.epochs},
-          {"batch", options.batch},
-          {"learning_rate", options.learning_rate},
-          {"optimizer", name_of(options.optimizer)},
-          {"schedule", name_of(options.schedule)},
-          {"augment", text_of(options.augmentation)},
-          {"class_weights", text_of(options.class_weights)},
-          {"engine", name_of(options.engine)},
-          {"validation_share", options.validation_share},
-          {"early_stop", options.early_stop}};
-}
-
-void from_json(const nlohmann::json& json, TrainingOptions& options) {
-  const std::string where = "training settings";
-  options.seed = member<std::uint64_t>(json, "seed", where);
-  options.epochs = member<unsigned>(json, "epochs", where);
-  options.batch = member<unsigned>(json, "batch", where);
-  options.learning_rate = member<double>(json, "learning_rate", where);
-  options.optimizer = optimizer_named(member<std::string>(json, "optimizer", where));
-  options.schedule = schedule_named(member<std::string>(json, "schedule", where));
-  options.augmentation = augmentation_named(member<std::string>(json, "augment", where));
-  options.class_weights = class_weights_named(member<std::string>(json, "class_weights", where));
-  options.engine = json.contains("engine") ? engine_named(member<std::string>(json, "engine", where)) : EngineKind::libtorch;
-  options.validation_share = member<double>(json, "validation_share", where);
-  options.early_stop = member<unsigned>(json, "early_stop", where);
-}
-
 void check(const TrainingOptions& options) {
   if (options.epochs == 0 || options.batch == 0) {
     throw Error(fmt::format("training: {} epochs in batches of {}; expected at least 1 of each", options.epochs, options.batch));
@@ -124,8 +82,8 @@ void check(const TrainingOptions& options) {
   if (!(options.learning_rate > 0) || !std::isfinite(options.learning_rate)) {
     throw Error(fmt::format("training: a learning rate of {}; expected more than 0", options.learning_rate));
   }
-  if (!(options.validation_share >= 0 && options.validation_share <= largest_share)) {
-    throw Error(fmt::format("training: a validation part of {}; expected 0 to {}", options.validation_share, largest_share));
+  if (!(options.validation_share >= 0 && options.validation_share <= 0.5)) {
+    throw Error(fmt::format("training: a validation part of {}; expected 0 to 0.5", options.validation_share));
   }
   if (options.early_stop > 0 && options.validation_share == 0)
     throw Error("training: early stop needs a validation part; expected a share above 0");

@@ -164,8 +164,6 @@ void set_hidden_empty(LeNetPlan& plan, const Parameter& bias) {
   }
 }
 
-constexpr std::array<std::string_view, 3> precision_names{"fp32", "bf16", "int8"};
-
 LeNetKernel kernel_named(const std::string& name) {
   if (name.empty()) return best_kernel();
   std::string known;

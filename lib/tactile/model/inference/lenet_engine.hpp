@@ -21,6 +21,7 @@ enum class Precision : std::uint8_t {
   int8,  ///< integers from -127 to 127 with a float32 scale per output; sums are float32
 };
 
+inline constexpr std::array<std::string_view, 3> precision_names{"fp32", "bf16", "int8"};
 std::string_view name_of(Precision precision);     ///< "fp32", "bf16", "int8"
 Precision precision_named(std::string_view name);  ///< @throws Error
 

@@ -197,7 +197,6 @@ torch::Tensor inputs_to_whiten(std::span<const StreamRun> runs, std::uint64_t se
 FittedStream fit_stream_on_torch(std::span<const StreamRun> runs, const StreamGrid& grid, const StreamOptions& options,
                                  std::uint64_t seed, const ProgressCallback& progress,
                                  const std::function<void(const std::vector<EpochResult>& finished)>& on_epoch) {
-  check(options);
   check(grid);
   use_one_thread();
   const StreamCrops crops_of(runs, seed);

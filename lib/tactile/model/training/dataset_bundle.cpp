@@ -25,12 +25,6 @@ BundleState state_of(const ModelBundle& bundle, const windows::Dataset& dataset,
 }
 
 ModelBundle bundle_for(const std::filesystem::path& models, const windows::Dataset& dataset, const ModelSettings& settings) {
-  const ModelBundle older{models / full_name(settings)};
-  try {
-    if (is_of(read_description(older), dataset, settings)) return older;
-  } catch (const Error&) {
-    // Missing, or damaged: the new one has another name.
-  }
   return free_bundle(models, default_name(settings),
                      [&](const ModelBundle&, const ModelDescription& model) { return !is_of(model, dataset, settings); });
 }

@@ -17,7 +17,6 @@ namespace tactile::model {
 namespace {
 
 constexpr void (*check_grid)(const StreamGrid&) = &check;
-constexpr void (*check_options)(const StreamOptions&) = &check;
 constexpr StreamBatch (StreamCrops::*batch_of)(std::uint64_t, unsigned) const = &StreamCrops::batch;
 
 // The part calls functions of the program that loads it. These keep in each such program the files that it calls: at least one
@@ -25,7 +24,7 @@ constexpr StreamBatch (StreamCrops::*batch_of)(std::uint64_t, unsigned) const = 
 [[gnu::used]] const std::tuple called_by_part(&parallel_for, &seed_for, &lenet_layers, &stream_parameters, &check_finite,
                                               &check_shapes, &heatmap_count, &verdict_of, &prepare_blas, &take_step,
                                               &moment_shapes, &FusedConvolutions::make_kept, &FullyConnected::forward, check_grid,
-                                              check_options, batch_of);
+                                              batch_of);
 
 }  // namespace
 

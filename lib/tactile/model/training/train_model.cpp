@@ -126,8 +126,8 @@ StartingPoint starting_point(const ModelBundle& from, const windows::Dataset& da
                             nlohmann::json(model.settings.rendering).dump(), nlohmann::json(settings.rendering).dump()));
   }
   if (model.settings.network != settings.network) {
-    throw Error(fmt::format("{}has the network {}; expected {}", where, nlohmann::json(model.settings.network).dump(),
-                            nlohmann::json(settings.network).dump()));
+    throw Error(fmt::format("{}has the network {}; expected {}", where, json_of_fields(model.settings.network).dump(),
+                            json_of_fields(settings.network).dump()));
   }
   if (const events::SensorSize size = heatmaps::heatmap_size(dataset.sensor(), settings.rendering.factor); model.input != size) {
     throw Error(fmt::format("{}takes heatmaps of {} x {}; expected the {} x {} of {}", where, model.input.width,

@@ -11,6 +11,6 @@ namespace tactile::alignment {
 /// Motions of the camera by its IMU alone, by time: a push that is followed by its opposite, as those of an arm that starts and
 /// stops. For runs without a robot log. A camera on the stage also feels the press. Start and end are known within 30 ms.
 /// @param samples  of one IMU; fewer than 50 give none
-std::vector<CameraSpan> felt_moves(std::span<const events::ImuSample> samples);
+std::vector<CameraSpan> imu_motions(std::span<const events::ImuSample> samples);
 
 }  // namespace tactile::alignment

@@ -1,4 +1,4 @@
-#include "tactile/core/json_fields.hpp"
+#include "tactile/core/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -23,33 +23,38 @@ std::string from_to(double low, double high) { return fmt::format("{} to {}", lo
 
 }  // namespace
 
-FieldReader::FieldReader(const nlohmann::json& json, std::string where, std::string prefix)
-    : json_(json), where_(std::move(where)), prefix_(std::move(prefix)) {
+FieldReader::FieldReader(const nlohmann::json& json, std::string where, std::string prefix, Missing missing)
+    : json_(json), where_(std::move(where)), prefix_(std::move(prefix)), missing_(missing) {
   if (json.is_object()) return;
   const std::string name = prefix_.empty() ? "the whole" : prefix_.substr(0, prefix_.size() - 1);
   throw Error(fmt::format("{}: {} is {}; expected an object of settings", where_, name, shown(json)));
 }
 
-void FieldReader::operator()(std::string_view name, double& value, double low, double high) {
+void FieldReader::operator()(std::string_view name, double& value, double low, double high, const OptionText&) {
   if (const nlohmann::json* json = find(name)) value = number(name, *json, low, high);
 }
 
-void FieldReader::operator()(std::string_view name, microseconds& value, double low, double high) {
+void FieldReader::operator()(std::string_view name, microseconds& value, double low, double high, const OptionText&) {
   if (const nlohmann::json* json = find(name)) value = microseconds{whole_number(name, *json, low, high)};
 }
 
-void FieldReader::operator()(std::string_view name, bool& value) {
+void FieldReader::operator()(std::string_view name, bool& value, const OptionText&) {
   const nlohmann::json* json = find(name);
   if (json == nullptr) return;
   if (!json->is_boolean()) refuse(name, *json, "true or false");
   value = json->get<bool>();
 }
 
-void FieldReader::operator()(std::string_view name, std::string& value) {
+void FieldReader::operator()(std::string_view name, std::string& value, const OptionText&) {
+  if (const nlohmann::json* json = find(name)) value = text(name, *json);
+}
+
+void FieldReader::operator()(std::string_view name, std::uint64_t& value, const OptionText&) {
   const nlohmann::json* json = find(name);
   if (json == nullptr) return;
-  if (!json->is_string()) refuse(name, *json, "a text");
-  value = json->get<std::string>();
+  const bool is_sound = json->is_number_unsigned() || (json->is_number_integer() && json->get<std::int64_t>() >= 0);
+  if (!is_sound) refuse(name, *json, "a whole number from 0 to 18446744073709551615");
+  value = json->get<std::uint64_t>();
 }
 
 void FieldReader::operator()(std::string_view name, std::vector<double>& values, double low, double high) {
@@ -81,7 +86,9 @@ void FieldReader::refuse_others() const {
 const nlohmann::json* FieldReader::find(std::string_view name) {
   names_.emplace_back(name);
   const auto found = json_.find(names_.back());
-  return found == json_.end() ? nullptr : &*found;
+  if (found != json_.end()) return &*found;
+  if (missing_ == Missing::is_an_error) throw Error(fmt::format("{}: '{}{}' is missing", where_, prefix_, name));
+  return nullptr;
 }
 
 double FieldReader::number(std::string_view name, const nlohmann::json& json, double low, double high) const {
@@ -111,6 +118,20 @@ std::pair<int, int> FieldReader::size(std::string_view name, const nlohmann::jso
   if (!sound) refuse(name, json, "[width, height], whole numbers from " + from_to(low, high));
   return {json[0].get<int>(), json[1].get<int>()};
 }
+
+std::size_t FieldReader::place_in(std::span<const std::string_view> names, std::string_view name,
+                                  const nlohmann::json& json) const {
+  const auto found = std::find(names.begin(), names.end(), text(name, json));
+  if (found == names.end()) refuse(name, json, fmt::format("one of {}", fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+std::string FieldReader::text(std::string_view name, const nlohmann::json& json) const {
+  if (!json.is_string()) refuse(name, json, "a text");
+  return json.get<std::string>();
+}
+
+std::string OptionLister::shortest(double value) { return fmt::format("{}", value); }
 
 void FieldReader::refuse(std::string_view name, const nlohmann::json& json, const std::string& expected) const {
   throw Error(fmt::format("{}: {}{} is {}; expected {}", where_, prefix_, name, shown(json), expected));

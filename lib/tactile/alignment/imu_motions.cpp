@@ -1,4 +1,4 @@
-#include "tactile/alignment/felt_moves.hpp"
+#include "tactile/alignment/imu_motions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ bool stops(const Push& start, const Push& stop) {
 
 }  // namespace
 
-std::vector<CameraSpan> felt_moves(std::span<const events::ImuSample> samples) {
+std::vector<CameraSpan> imu_motions(std::span<const events::ImuSample> samples) {
   const ImuMotion motion = imu_motion(samples);
   if (motion.t.size() < 50) return {};
   const std::vector<Push> pushes = pushes_in(motion);
