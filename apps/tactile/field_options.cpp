@@ -15,15 +15,19 @@ microseconds duration_of(const std::string& text, double us) {
 
 }  // namespace
 
-void FieldOptions::operator()(std::string_view, microseconds& value, double low, double high, const OptionText& option) {
-  if (!is_declared(option)) return;
-  const double us = option.us;
+Option add_duration(Command command, const std::string& name, microseconds& value, double low, double high, double us,
+                    const std::string& meaning) {
   const auto text = [&value, us] { return text_in_units(value, us); };
   const auto set = [&value, us](const std::string& number) { value = duration_of(number, us); };
-  complete(command_.add_text_option(name_of(option), text, set, meaning_of(option))
-               .check(is_duration(low, high, us))
-               .type_name(us == 1 ? "INT" : "FLOAT"),
-           option);
+  return command.add_text_option(name, text, set, meaning)
+      .check(is_duration(low, high, us))
+      .type_name(us == 1 ? "INT" : "FLOAT")
+      .show_default();
+}
+
+void FieldOptions::operator()(std::string_view, microseconds& value, double low, double high, const OptionText& option) {
+  if (is_declared(option))
+    complete(add_duration(command_, name_of(option), value, low, high, option.us, meaning_of(option)), option);
 }
 
 void FieldOptions::operator()(std::string_view, std::uint64_t& value, const OptionText& option) {

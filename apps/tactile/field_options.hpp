@@ -8,6 +8,7 @@
 
 #include "option_checks.hpp"
 #include "options.hpp"
+#include "tactile/core/enum_names.hpp"
 #include "tactile/core/fields.hpp"
 
 namespace tactile::cli {
@@ -17,11 +18,13 @@ template <Enumeration T>
 Option add_word(Command command, const std::string& option, T& value, std::span<const std::string_view> names,
                 const std::string& meaning) {
   const auto text = [&value, names] { return std::string(names[static_cast<std::size_t>(value)]); };
-  const auto set = [&value, names](const std::string& name) {
-    value = static_cast<T>(std::find(names.begin(), names.end(), name) - names.begin());
-  };
+  const auto set = [&value, names, option](const std::string& name) { value = enumerator_named<T>(name, names, option); };
   return command.add_text_option(option, text, set, meaning).check(one_of(names)).show_default();
 }
+
+/// An option with a duration of `low` to `high` microseconds, in units of `us` microseconds.
+Option add_duration(Command command, const std::string& name, microseconds& value, double low, double high, double us,
+                    const std::string& meaning);
 
 /// What `add_field_options` hands to `list_fields`: declares each member that has an OptionText, bound to the member.
 class FieldOptions {
@@ -97,9 +100,7 @@ template <Enumeration T>
 Option add_word_list(Command command, const std::string& name, std::vector<T>& values, std::span<const std::string_view> names,
                      const std::string& meaning) {
   const auto text = [names](T value) { return std::string(names[static_cast<std::size_t>(value)]); };
-  const auto read = [names](const std::string& word) {
-    return static_cast<T>(std::find(names.begin(), names.end(), word) - names.begin());
-  };
+  const auto read = [names, name](const std::string& word) { return enumerator_named<T>(word, names, name); };
   return add_list(command, name, values, text, read, meaning).check(one_of(names));
 }
 

@@ -62,9 +62,9 @@ void render_heatmaps(const HeatmapsArguments& args, const CommonArguments& commo
   }
   std::vector<heatmaps::HeatmapOptions> histories;
   for (const microseconds history : args.histories) {
-    histories.push_back(args.rendering);
-    histories.back().history = history;
-    histories.back() = with_mask(histories.back(), args.mask);
+    heatmaps::HeatmapOptions options = args.rendering;
+    options.history = history;
+    histories.push_back(with_mask(options, args.mask));
     if (!args.pictures.empty()) check_heatmap_pictures(args.pictures, heatmaps::stored_name(histories.back()));
   }
   nlohmann::json result = {

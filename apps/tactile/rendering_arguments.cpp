@@ -2,9 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "option_checks.hpp"
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/error.hpp"
 
 namespace tactile::cli {
@@ -22,21 +21,13 @@ heatmaps::HeatmapOptions with_mask(heatmaps::HeatmapOptions options, const std::
   } catch (const Error& e) {
     const bool fits = options.history > microseconds{0} && options.history % options.tick == microseconds{0};
     throw Error(fits ? fmt::format("--factor {:g}: {}", options.factor, e.what())
-                     : fmt::format("--th {:g}, --tick-us {}: {}", static_cast<double>(options.history.count()) / 1000,
-                                   options.tick.count(), e.what()));
+                     : fmt::format("--th {:g}, --tick-us {}: {}", in_ms(options.history), options.tick.count(), e.what()));
   }
   return options;
 }
 
 void check_mask(const std::string& mask, const heatmaps::HeatmapOptions& options, events::SensorSize sensor) {
   static_cast<void>(events::PixelMask(sensor, options.mask, mask));
-}
-
-microseconds whole_us(double ms, const std::string& option) {
-  const double us = ms * 1000;
-  if (std::abs(us - std::round(us)) > 1e-6)
-    throw Error(fmt::format("{} {}: not a whole number of us; expected at most three decimals", option, ms));
-  return microseconds{std::llround(us)};
 }
 
 }  // namespace tactile::cli

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "options.hpp"
-#include "tactile/core/time.hpp"
 #include "tactile/heatmaps/heatmap_renderer.hpp"
 
 namespace tactile::cli {
@@ -17,8 +16,5 @@ heatmaps::HeatmapOptions with_mask(heatmaps::HeatmapOptions options, const std::
 
 /// @throws Error  that names the mask's file, if one of its pixels lies outside the sensor
 void check_mask(const std::string& mask, const heatmaps::HeatmapOptions& options, events::SensorSize sensor);
-
-/// Milliseconds of an option as microseconds. @throws Error  that names the option, if they are not a whole number
-microseconds whole_us(double ms, const std::string& option);
 
 }  // namespace tactile::cli

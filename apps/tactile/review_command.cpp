@@ -14,10 +14,10 @@
 #include "chosen_model.hpp"
 #include "command.hpp"
 #include "commands.hpp"
+#include "field_options.hpp"
 #include "interruption.hpp"
 #include "label_pictures.hpp"
 #include "option_checks.hpp"
-#include "rendering_arguments.hpp"
 #include "run_places.hpp"
 #include "tactile/core/error.hpp"
 #include "tactile/core/process.hpp"
@@ -39,7 +39,7 @@ struct ReviewArguments {
   std::uint16_t port = 7790;
   bool open = false, no_pictures = false;
   std::string who, models = "models", studies = ".", pieces = "data";
-  double history_ms = 40;
+  microseconds history{40'000};
 };
 
 /// The name of the model in the folder that commands take without --model.
@@ -78,7 +78,7 @@ review::ReviewOptions review_options(const ReviewArguments& args) {
           .studies = args.studies,
           .pieces = args.pieces,
           .who = args.who.empty() ? labels::system_user() : args.who,
-          .history = whole_us(args.history_ms, "--th")};
+          .history = args.history};
 }
 
 /// Shows the page in the user's browser.
@@ -131,9 +131,7 @@ void add_review_command(CLI::App& app) {
   command.add_option("--pieces", args->pieces, "Folder of runs for recordings that are cut on the page")
       .type_name("DATA")
       .show_default();
-  command.add_option("--th", args->history_ms, "History t_h of events and heatmap [ms]")
-      .check(in_range(0.001, 1e3))
-      .show_default();
+  add_duration(command, "--th", args->history, 1, 1'000'000, 1000, "History t_h of events and heatmap [ms]");
   command.add_flag("--no-pictures", args->no_pictures, "Do not draw labels.png after an edit");
 }
 

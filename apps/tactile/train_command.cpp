@@ -57,9 +57,8 @@ model::ModelSettings settings_of(const TrainArguments& args) {
   settings.split.held_out = args.held_out;
   settings.training.validation_share =
       args.validation_share.value_or(settings.training.early_stop > 0 ? model::usual_validation_share : 0.0);
-  if (!args.from.empty()) settings.from.emplace();
+  if (!args.from.empty()) settings.from = {.name = args.from, .weights_sha256 = ""};  // `train` reads the model
   check_options_of_kind(settings);
-  settings.from.reset();
   // A stream reads each tick once, and remembers.
   if (settings.kind == model::ModelKind::stream) settings.rendering.history = settings.rendering.tick;
   check(settings.training);

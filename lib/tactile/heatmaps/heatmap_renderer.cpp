@@ -53,12 +53,13 @@ void to_json(nlohmann::json& json, const HeatmapOptions& options) {
 
 void from_json(const nlohmann::json& json, HeatmapOptions& options) {
   const std::string where = "heatmap settings";
-  FieldReader fields(json, where, {}, FieldReader::Missing::is_an_error);
-  list_fields(fields, options);
+  nlohmann::json listed = json;
   options.mask.clear();
-  if (json.contains("mask") && fields.find("mask") != nullptr)
+  if (json.contains("mask")) {
     options.mask = events::ordered(member<events::MaskPixels>(json, "mask", where));
-  fields.refuse_others();
+    listed.erase("mask");
+  }
+  read_all_fields(listed, options, where);
 }
 
 void check(const HeatmapOptions& options) {

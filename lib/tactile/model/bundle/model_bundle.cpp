@@ -85,7 +85,11 @@ void from_json(const nlohmann::json& json, ModelDescription& description) {
   }
   const auto input = member<nlohmann::json>(member<nlohmann::json>(json, "network", where), "input", where);
   description.input = {member<int>(input, "width", where), member<int>(input, "height", where)};
-  description.settings = json.get<ModelSettings>();
+  try {
+    description.settings = json.get<ModelSettings>();
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what());
+  }
   if (!reads_heatmaps(description.settings.kind)) {
     const auto places = member<std::size_t>(input, "places", where), features = member<std::size_t>(input, "features", where);
     if (places != StreamLayout::places || features != StreamLayout::inputs_of_place)
@@ -253,8 +257,7 @@ ModelDescription read_description(const ModelBundle& bundle) {
     check_network(json.at("network"), description);
     return description;
   } catch (const Error& e) {
-    const bool names_it = std::string_view(e.what()).starts_with("model.json");
-    throw Error(bundle.folder.string() + (names_it ? ": " : ": model.json: ") + e.what());
+    throw Error(bundle.folder.string() + ": " + e.what());
   }
 }
 

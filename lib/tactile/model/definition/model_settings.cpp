@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tactile/core/duration_units.hpp"
 #include "tactile/core/json.hpp"
 
 namespace tactile::model {
@@ -82,8 +83,7 @@ std::vector<OptionValue> train_options(const ModelSettings& settings) {
   std::vector<OptionValue> options;
   const auto add = [&](const std::string& name, const std::string& text) { options.push_back({name, text}); };
   if (settings.kind != usual.kind) add("--kind", std::string(name_of(settings.kind)));
-  if (reads_heatmaps(settings.kind))
-    add("--th", fmt::format("{}", static_cast<double>(settings.rendering.history.count()) / 1000));
+  if (reads_heatmaps(settings.kind)) add("--th", fmt::format("{}", in_ms(settings.rendering.history)));
   if (settings.split.kind != usual.split.kind) {
     add("--split", std::string(name_of(settings.split.kind)));
     ModelSettings with_default = settings;
@@ -189,7 +189,7 @@ std::string suffix_of(const nlohmann::json& off) {
 
 std::string default_name(const ModelSettings& settings) {
   const windows::SplitOptions& split = settings.split;
-  const std::string history = fmt::format("th{:g}", static_cast<double>(settings.rendering.history.count()) / 1000);
+  const std::string history = fmt::format("th{:g}", in_ms(settings.rendering.history));
   const std::string kind = settings.kind == ModelKind::lenet ? history : std::string(name_of(settings.kind));
   return fmt::format("{}-{}-{}{}{}", kind, split.kind == windows::SplitKind::unseen ? "unseen" : "single",
                      split.train_run == windows::SplitOptions{}.train_run ? "" : "run" + split.train_run + "-",
